@@ -4,17 +4,25 @@ use crate::line::FileFault;
 use crate::ren::Imported;
 use crate::{csv, ren};
 
-/// Reads a text: CSV where its first line with content is a heading with columns, the text
+/// Reads a text about X or Z of a lathe: CSV where its first line with content is a heading with columns, the text
 /// of a calibration (REN) otherwise.
 ///
 /// # Errors
 /// The first line that cannot be.
 pub fn read(text: &str) -> Result<Imported, FileFault> {
+    read_of(text, &['X', 'Z'])
+}
+
+/// The same about an axis of a machine that has these.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_of(text: &str, axes: &[char]) -> Result<Imported, FileFault> {
     let text = text.trim_start_matches('\u{feff}');
     if csv::is_csv(text) {
         csv::read(text).map(Imported::Measured)
     } else {
-        ren::read(text)
+        ren::read(text, axes)
     }
 }
 

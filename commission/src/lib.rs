@@ -32,7 +32,7 @@ pub use correction::{correction, interval_of};
 pub use csv::write as write_csv;
 pub use fit::{Curve, Fit, fit};
 pub use gear::{Drive, Ratio, nearest_ratio};
-pub use import::read;
+pub use import::{read, read_of};
 pub use line::FileFault;
 pub use measurement::{Deviation, Direction, Measurement, Reading, Travel};
 pub use plan::{Plan, PlanWish, plan};

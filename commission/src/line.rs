@@ -1,6 +1,5 @@
 //! What both forms of a file share: lines, numbers, words, and what is wrong with them.
 
-use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
 use crate::measurement::Direction;
@@ -79,11 +78,16 @@ pub(crate) fn direction(line: u32, field: &str) -> Result<Direction, FileFault> 
     }
 }
 
-/// The word of an axis.
-pub(crate) fn axis(line: u32, field: &str) -> Result<Axis, FileFault> {
-    match field.trim() {
-        "X" | "x" => Ok(Axis::X),
-        "Z" | "z" => Ok(Axis::Z),
-        other => Err(FileFault::new(line, say::pitch_not_an_axis(other))),
-    }
+/// The word of an axis: its letter, one of those of the machine.
+pub(crate) fn axis(line: u32, field: &str, axes: &[char]) -> Result<char, FileFault> {
+    let mut letters = field
+        .trim()
+        .chars()
+        .map(|letter| letter.to_ascii_uppercase());
+    let letter = letters.next().filter(|_| letters.next().is_none());
+    let known = letter.filter(|letter| axes.contains(letter));
+    known.ok_or_else(|| {
+        let names: Vec<String> = axes.iter().map(ToString::to_string).collect();
+        FileFault::new(line, say::pitch_not_an_axis(field, names.join(", ")))
+    })
 }

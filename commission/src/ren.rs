@@ -32,8 +32,8 @@ pub struct Row {
 /// Values for the pitch error table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// The axis that the file names, if it does.
-    pub axis: Option<Axis>,
+    /// The letter of the axis that the file names, if it does.
+    pub axis: Option<char>,
     /// Slide travel from point to point, with its line.
     pub spacing: Option<(u32, Travel)>,
     /// The backlash, µm, with its line.
@@ -52,18 +52,23 @@ pub enum Imported {
 }
 
 impl Imported {
-    /// The axis that the file names, if it does.
+    /// The axis of the lathe that the file names, if it does.
     pub const fn axis(&self) -> Option<Axis> {
         match self {
-            Self::Table(table) => table.axis,
+            Self::Table(table) => match table.axis {
+                Some('X') => Some(Axis::X),
+                Some('Z') => Some(Axis::Z),
+                _ => None,
+            },
             Self::Measured(measured) => measured.axis,
         }
     }
 }
 
 /// What was read so far.
-#[derive(Default)]
-struct Reader {
+struct Reader<'a> {
+    /// The axes of the machine.
+    axes: &'a [char],
     table: Table,
     start: Option<f64>,
     end: Option<f64>,
@@ -85,10 +90,22 @@ fn key_of(line: &str) -> Option<(String, &str)> {
     Some((key.trim().to_lowercase(), value))
 }
 
-impl Reader {
+impl<'a> Reader<'a> {
+    fn new(axes: &'a [char]) -> Self {
+        Self {
+            axes,
+            table: Table::default(),
+            start: None,
+            end: None,
+            points: None,
+            run: None,
+            readings: Vec::new(),
+        }
+    }
+
     fn key(&mut self, line: u32, key: &str, value: &str) -> Result<(), FileFault> {
         match key {
-            "axis" => self.table.axis = Some(line_of::axis(line, value)?),
+            "axis" => self.table.axis = Some(line_of::axis(line, value, self.axes)?),
             "type" if value.eq_ignore_ascii_case("rotary") => {
                 return Err(FileFault::new(line, say::pitch_ren_rotary()));
             }
@@ -185,23 +202,22 @@ impl Reader {
         {
             return Err(FileFault::new(line, say::pitch_ren_points(points, rows)));
         }
+        let table = Imported::Table(table);
         Ok(if readings.is_empty() {
-            Imported::Table(table)
+            table
         } else {
-            Imported::Measured(Measurement {
-                axis: table.axis,
-                readings,
-            })
+            let axis = table.axis();
+            Imported::Measured(Measurement { axis, readings })
         })
     }
 }
 
-/// Reads a text.
+/// Reads a text about an axis of a machine that has these.
 ///
 /// # Errors
 /// The first line that cannot be.
-pub(crate) fn read(text: &str) -> Result<Imported, FileFault> {
-    let mut reader = Reader::default();
+pub(crate) fn read(text: &str, axes: &[char]) -> Result<Imported, FileFault> {
+    let mut reader = Reader::new(axes);
     let mut last = 1;
     for (line, content) in lines(text) {
         last = line;
@@ -243,6 +259,26 @@ pub fn write(
 mod tests {
     use super::*;
 
+    fn read(text: &str) -> Result<Imported, FileFault> {
+        super::read(text, &['X', 'Z'])
+    }
+
+    #[test]
+    fn axes_are_those_of_the_machine() {
+        let five = ['X', 'Y', 'Z', 'A', 'C'];
+        let axis = |text: &str| match super::read(text, &five) {
+            Ok(Imported::Table(table)) => Ok(table.axis),
+            Ok(Imported::Measured(measured)) => panic!("{measured:?}"),
+            Err(fault) => Err(fault.line),
+        };
+        assert_eq!(axis("Axis: y\n10 2\n"), Ok(Some('Y')));
+        assert_eq!(axis("axis=C\n10 2\n"), Ok(Some('C')));
+        assert_eq!(axis("10 2\n"), Ok(None));
+        assert_eq!(axis("Renishaw\naxis: B\n10 2\n"), Err(2));
+        assert_eq!(axis("axis: XY\n10 2\n"), Err(1));
+        assert_eq!(axis("axis:\n10 2\n"), Err(1));
+    }
+
     #[test]
     fn keys_end_with_a_colon_an_equals_sign_or_a_blank() {
         let text = "Renishaw 10\n AXIS = z\nStart: -20\nEND 20\nspacing:10\nPoints=4\nbacklash 8\n\
@@ -250,7 +286,7 @@ mod tests {
         let Imported::Table(table) = read(text).unwrap() else {
             panic!("a table");
         };
-        assert_eq!(table.axis, Some(Axis::Z));
+        assert_eq!(table.axis, Some('Z'));
         assert_eq!(table.spacing, Some((5, Travel(10.0))));
         assert_eq!(table.backlash, Some((7, Deviation(8.0))));
         let rows: Vec<_> = table

@@ -142,6 +142,10 @@ pub(crate) mod code_calls {
     pub(crate) const PLAIN_M: u16 = 240;
     /// T calls as M98 does.
     pub(crate) const T: u16 = 243;
+    /// The same of the GSK980MDi: a bit.
+    pub(crate) const T_OF_MILL: u16 = 40;
+    /// That bit.
+    pub(crate) const T_BIT: u8 = 5;
 }
 
 /// Numbers of the Huaxing lathes.

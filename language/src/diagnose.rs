@@ -45,7 +45,7 @@ pub enum Extents {
     /// Of a lathe; X is a radius.
     Lathe(Bounds),
     /// Of a mill: X, Y, Z.
-    Mill(gsk_milling::Bounds),
+    Mill(gsk_milling::Bounds, gsk_milling::Axes),
 }
 
 /// A look through a program.
@@ -127,7 +127,9 @@ pub fn analyse_mill(
         end: preview.end,
         time_s: preview.time_s,
         cutting_s: preview.cutting_s,
-        extents: preview.bounds.map(Extents::Mill),
+        extents: preview
+            .bounds
+            .map(|bounds| Extents::Mill(bounds, preview.axes)),
         tools: preview
             .tools
             .iter()
@@ -308,7 +310,7 @@ mod tests {
             .collect();
         assert_eq!(found, [("010", Some(6)), ("009", Some(7))]);
         assert_eq!(seen.tools, ["T01"]);
-        assert!(seen.tool_times[0] > 7.0 && matches!(seen.extents, Some(Extents::Mill(_))));
+        assert!(seen.tool_times[0] > 7.0 && matches!(seen.extents, Some(Extents::Mill(..))));
     }
 
     #[test]

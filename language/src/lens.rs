@@ -2,6 +2,7 @@
 //! left for finishing.
 
 use gsk_messages::{Language, say};
+use gsk_milling::Axis;
 use gsk_runner::moves::{diameter_z, rounded};
 use gsk_runner::words::clock_in_seconds;
 
@@ -57,12 +58,18 @@ fn whole(analysis: &Analysis, language: Language) -> String {
             let extents = say::lens_extents(least.0, greatest.0, least.1, greatest.1);
             parts.push(extents.text(language));
         }
-        Some(Extents::Mill(bounds)) => {
+        Some(Extents::Mill(bounds, axes)) => {
             let [least, greatest] = [bounds.least, bounds.greatest].map(|it| it.map(rounded));
             let x = (least[0], greatest[0]);
             let (y, z) = ((least[1], greatest[1]), (least[2], greatest[2]));
             let extents = say::lens_extents_mill(x.0, x.1, y.0, y.1, z.0, z.1);
             parts.push(extents.text(language));
+            for (axis, further) in axes.all_further() {
+                let (least, greatest) = bounds.further[usize::from(axis == Axis::Fifth)];
+                let (least, greatest) = (rounded(least), rounded(greatest));
+                let unit = if further.rotary { "°" } else { "" };
+                parts.push(format!("{} {least} … {greatest}{unit}", further.letter));
+            }
         }
         None => {}
     }

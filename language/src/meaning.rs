@@ -136,6 +136,7 @@ fn letter_of_mill(address: char) -> Option<Message> {
         'S' => say::mill_word_s(),
         'T' => say::mill_word_t(),
         'X' | 'Y' | 'Z' => say::mill_word_axis(address),
+        'A' | 'B' | 'C' => say::mill_word_further(address),
         _ => return None,
     })
 }

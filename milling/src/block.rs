@@ -61,6 +61,11 @@ pub(crate) fn carry_out(
 ) -> Result<Outcome, Alarm> {
     words.check()?;
     let flow = flow(words, scene.memory)?;
+    // Words of a macro are its arguments.
+    let is_macro = matches!(flow, Flow::Macro { .. });
+    if !is_macro {
+        words.check_axes()?;
+    }
     scene.exact = words.exact_stop;
     set_plane(state, words, scene)?;
     set_modal(state, words, scene)?;
@@ -68,8 +73,6 @@ pub(crate) fn carry_out(
     set_length(state, words, scene.memory)?;
     set_spindle(state, words, scene)?;
     let mut moved = false;
-    // Words of a macro are its arguments.
-    let is_macro = matches!(flow, Flow::Macro { .. });
     match (words.scaling, words.rotation) {
         (Some(Switch::On), _) => codes::scale(state, block, words, scene)?,
         (_, Some(Switch::On)) => codes::rotate(state, words, scene)?,
@@ -107,7 +110,7 @@ fn moves(
         state.resync(scene.memory);
         return Ok(false);
     }
-    let to = state.transform.apply(state.programmed) + state.frame(scene.memory);
+    let to = state.place(state.programmed, scene.memory);
     let way = match state.modal.motion {
         Motion::Rapid => Way::Rapid,
         _ => Way::Cut,
@@ -184,15 +187,17 @@ fn set_modal(state: &mut State, words: &Words, scene: &mut Scene<'_, '_>) -> Res
         state.transform.rotation = None;
         state.resync(scene.memory);
     }
-    set_cutter(state, words)
+    set_cutter(state, words, scene.memory)
 }
 
-fn set_cutter(state: &mut State, words: &Words) -> Result<(), Alarm> {
+fn set_cutter(state: &mut State, words: &Words, memory: &MillMemory) -> Result<(), Alarm> {
+    let beside = matches!(words.cutter, Some(Side::Left | Side::Right));
+    if beside && !memory.bit(parameter::TOOLS, 1) {
+        return Err(alarm(number::BAD_G, say::mill_compensation_off()));
+    }
     let letters = &words.letters;
     // H names the radius where no D does.
-    let by_h = letters
-        .h
-        .filter(|_| matches!(words.cutter, Some(Side::Left | Side::Right)));
+    let by_h = letters.h.filter(|_| beside);
     if let Some(d) = letters.d.or(by_h.filter(|_| words.length.is_none())) {
         state.modal.d = offset_number(d)?;
     }

@@ -1,7 +1,7 @@
 //! What adds up from moves: path lengths, and the box around the path.
 
 use crate::moves::{Arc, Move, MoveKind};
-use crate::space::Flat;
+use crate::space::{Axis, Flat, Position};
 
 /// Path lengths, mm; a rapid counts as its chord.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,23 +20,32 @@ pub struct Lengths {
     pub thread: f64,
 }
 
-/// A box around a path, work coordinates, mm.
+/// A box around a path, work coordinates, mm (degrees of axes that turn).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Least X, Y, Z.
     pub least: [f64; 3],
     /// Greatest.
     pub greatest: [f64; 3],
+    /// Least and greatest of the fourth and the fifth axis.
+    pub further: [(f64, f64); 2],
 }
 
 impl Bounds {
     /// Widens a box around a move.
     pub(crate) fn reach(bounds: &mut Option<Self>, made: &Move) {
+        let further = |point: &Position| Axis::FURTHER.map(|axis| point.get(axis).mm());
+        let (begin, end) = (further(&made.from), further(&made.to));
         let mut take = |point: [f64; 3]| {
             let bounds = bounds.get_or_insert(Self {
                 least: point,
                 greatest: point,
+                further: begin.map(|at| (at, at)),
             });
+            for ((least, greatest), at) in bounds.further.iter_mut().zip(end) {
+                *least = least.min(at);
+                *greatest = greatest.max(at);
+            }
             for (axis, value) in point.into_iter().enumerate() {
                 bounds.least[axis] = bounds.least[axis].min(value);
                 bounds.greatest[axis] = bounds.greatest[axis].max(value);

@@ -6,7 +6,7 @@ use gsk_messages::{Message, say};
 
 use crate::memory::{Column, parameter};
 use crate::modal::{LengthOffset, Motion};
-use crate::space::{Axis, Each, Flat, Length};
+use crate::space::{Axis, Each, Flat, Length, Position};
 use crate::state::State;
 use crate::transform::{Rotation, Scaling};
 use crate::travel::{Scene, Way, settle_rotation, target};
@@ -34,18 +34,20 @@ pub(crate) fn one_shot(
     if returns && !state.transform.is_none() {
         return Err(alarm(number::BAD_G, say::mill_transform_on()));
     }
-    let inch = state.modal.inch;
     match code {
         OneShot::Dwell => return dwell(state, words, scene).map(|()| false),
         OneShot::OffsetInput => return offset_input(state, words, scene).map(|()| false),
         OneShot::ReferenceCheck => {
-            let to = target(state, words) + state.frame(scene.memory);
+            let programmed = target(state, words);
+            let to = state.place(programmed, scene.memory);
             scene.go(state, to, Way::Rapid, true)?;
             let reference = scene.memory.point(parameter::REFERENCE);
+            let reference = state.axes.rolled(reference);
             for axis in named(words) {
-                if to.get(axis) != reference.get(axis) {
-                    let name = char::from(axis.address());
-                    let (at, point) = (to.get(axis).mm(), reference.get(axis).mm());
+                let (at, point) = (state.machine.get(axis), reference.get(axis));
+                if at != point {
+                    let name = state.axes.letter(axis);
+                    let (at, point) = (at.mm(), point.mm());
                     let detail = say::mill_not_at_reference(name, at, point);
                     return Err(alarm(number::ZERO_RETURN, detail));
                 }
@@ -63,19 +65,15 @@ pub(crate) fn one_shot(
         OneShot::ReferenceBack => {
             let programmed = target(state, words);
             let end = programmed + state.frame(scene.memory);
-            let (mut by, mut to) = (state.machine, state.machine);
-            for axis in named(words) {
-                by.set(axis, state.intermediate.get(axis));
-                to.set(axis, end.get(axis));
-            }
-            scene.go(state, by, Way::Rapid, true)?;
-            scene.go(state, to, Way::Rapid, true)?;
+            let intermediate = state.intermediate;
+            to_point(state, words, &intermediate, scene)?;
+            to_point(state, words, &end, scene)?;
         }
         OneShot::Skip => {
             // Without a signal it ends at its point.
             settle_rotation(state, scene.memory);
             let programmed = target(state, words);
-            let to = state.transform.apply(programmed) + state.frame(scene.memory);
+            let to = state.place(programmed, scene.memory);
             let way = if scene.memory.bit(parameter::SKIP, 2) {
                 Way::CutAt(scene.memory.value(parameter::SKIP_FEED).into())
             } else {
@@ -87,7 +85,8 @@ pub(crate) fn one_shot(
         OneShot::Measure => measure(state, words, scene)?,
         OneShot::Local => {
             for axis in named(words) {
-                let value = words.letters.axes.get(axis).map(|it| length(it, inch));
+                let value = words.letters.axes.get(axis);
+                let value = value.map(|it| state.word(axis, it));
                 let before = if state.modal.incremental {
                     state.local.get(axis)
                 } else {
@@ -104,8 +103,10 @@ pub(crate) fn one_shot(
             }
             let mut to = state.machine;
             for axis in named(words) {
-                let value = words.letters.axes.get(axis).map(|it| length(it, inch));
-                to.set(axis, value.unwrap_or_default());
+                let value = words.letters.axes.get(axis);
+                let value = value.map(|it| state.word(axis, it)).unwrap_or_default();
+                let from = state.machine.get(axis);
+                to.set(axis, state.axes.towards(axis, from, value));
             }
             let way = match state.modal.motion {
                 Motion::Rapid => Way::Rapid,
@@ -117,7 +118,8 @@ pub(crate) fn one_shot(
         OneShot::Coordinates => {
             let work = state.work(scene.memory);
             for axis in named(words) {
-                let value = words.letters.axes.get(axis).map(|it| length(it, inch));
+                let value = words.letters.axes.get(axis);
+                let value = value.map(|it| state.word(axis, it));
                 let by = work.get(axis) - value.unwrap_or_default();
                 state.shift.set(axis, state.shift.get(axis) + by);
             }
@@ -127,6 +129,21 @@ pub(crate) fn one_shot(
     }
     state.resync(scene.memory);
     Ok(words.has_axes())
+}
+
+/// At rapid to a point in machine coordinates, in the axes that a block names.
+fn to_point(
+    state: &mut State,
+    words: &Words,
+    point: &Position,
+    scene: &mut Scene<'_, '_>,
+) -> Result<(), Alarm> {
+    let mut to = state.machine;
+    for axis in named(words) {
+        let from = to.get(axis);
+        to.set(axis, state.axes.nearest(axis, from, point.get(axis)));
+    }
+    scene.go(state, to, Way::Rapid, true)
 }
 
 /// The axes that a block names.
@@ -180,16 +197,21 @@ fn reference(
     words: &Words,
     scene: &mut Scene<'_, '_>,
 ) -> Result<(), Alarm> {
-    let by = target(state, words) + state.frame(scene.memory);
+    let programmed = target(state, words);
+    let by = state.place(programmed, scene.memory);
     let reference = scene.memory.point(parameter::REFERENCE + index);
-    let (mut over, mut to) = (state.machine, state.machine);
+    let mut over = state.machine;
     for axis in named(words) {
         over.set(axis, by.get(axis));
-        to.set(axis, reference.get(axis));
         state.intermediate.set(axis, by.get(axis));
     }
     scene.go(state, over, Way::Rapid, true)?;
-    scene.go(state, to, Way::Rapid, true)?;
+    to_point(state, words, &reference, scene)?;
+    if scene.memory.bit(parameter::LOCAL, 0) {
+        for axis in named(words) {
+            state.local.set(axis, Length::ZERO);
+        }
+    }
     keep_or_cancel_length(state, scene);
     Ok(())
 }
@@ -209,7 +231,8 @@ fn measure(state: &mut State, words: &Words, scene: &mut Scene<'_, '_>) -> Resul
     let (Some(axis), None) = (axes.next(), axes.next()) else {
         return Err(alarm(number::OUT_OF_RANGE, say::mill_measure_axis()));
     };
-    let to = target(state, words) + state.frame(scene.memory);
+    let programmed = target(state, words);
+    let to = state.place(programmed, scene.memory);
     let before = scene.memory.length(parameter::MEASURE_BEFORE);
     let forward = to.get(axis) > state.machine.get(axis);
     let mut near = to;
@@ -258,7 +281,7 @@ pub(crate) fn scale(
     let factors = match letters.p {
         Some(p) if !by_axis => [factor(p.integer()); 3],
         None if !each => [factor(scene.memory.value(parameter::SCALE).into()); 3],
-        _ => Axis::ALL.map(units),
+        _ => Axis::BASIC.map(units),
     };
     if factors.contains(&0.0) {
         return Err(alarm(number::OUT_OF_RANGE, say::mill_scale_nothing()));
@@ -274,7 +297,7 @@ pub(crate) fn scale(
     }
     state.transform.scaling = Some(Scaling {
         center,
-        factors: Each(factors),
+        factors: Each::basic(factors, 1.0),
     });
     state.resync(scene.memory);
     Ok(())

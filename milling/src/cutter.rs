@@ -156,6 +156,7 @@ impl Cutter {
                         // The corner before it.
                         let across = self.plane.across();
                         step.to.set(across, tracker.machine.get(across));
+                        step.to = step.to.turned_as(&tracker.machine);
                     }
                     step.to = step.to.at(self.plane, flat(made.to));
                     step.arc = match made.shape {

@@ -45,7 +45,12 @@ pub(crate) enum Part {
     /// The same at the feed.
     Feed(Position),
     /// The same, led by the spindle.
-    Tap(Position),
+    Tap {
+        /// Its end.
+        to: Position,
+        /// Whether it is the way out.
+        out: bool,
+    },
     /// The slides stand, s.
     Dwell(f64),
     /// What the spindle does from here on.
@@ -251,19 +256,20 @@ impl Drilling<'_> {
                 _ => (Spindle::Forward, Spindle::Reverse),
             };
             parts.push(Part::Spindle(in_turn));
+            let tap = |to: Position, out: bool| Part::Tap { to, out };
             for (level, back) in self.tap_pecks()? {
                 parts.extend([
-                    Part::Tap(self.at(level)),
+                    tap(self.at(level), false),
                     Part::Spindle(out_turn),
-                    Part::Tap(self.at(back)),
+                    tap(self.at(back), true),
                     Part::Spindle(in_turn),
                 ]);
             }
             parts.extend([
-                Part::Tap(end),
+                tap(end, false),
                 Part::Dwell(self.dwell_s),
                 Part::Spindle(out_turn),
-                Part::Tap(in_r),
+                tap(in_r, true),
                 Part::Spindle(in_turn),
             ]);
         }

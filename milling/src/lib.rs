@@ -1,5 +1,5 @@
 //! Programs of the GSK980MDi, a mill control related to the lathe's: blocks to moves of
-//! three axes, with what scaling, rotation, length offsets and the cutter radius make of
+//! three to five axes, with what scaling, rotation, length offsets and the cutter radius make of
 //! them, their time and their alarms. They are checked and drawn, and not run.
 //!
 //! ```text
@@ -10,16 +10,19 @@
 //! ```
 
 mod arc;
+mod axes;
 mod block;
 mod bounds;
 mod codes;
 pub mod commissioning;
 mod cutter;
 mod cycles;
+mod homing;
 pub mod keys;
 mod memory;
 mod modal;
 mod moves;
+mod options;
 mod parameter_table;
 mod preview;
 mod space;
@@ -34,10 +37,13 @@ mod words;
 #[cfg(test)]
 mod tests;
 
+pub use axes::{Axes, Further};
 pub use bounds::{Bounds, Lengths};
-pub use memory::{MillMemory, Offset, WordError, parameter};
+pub use homing::{ParameterValues, homing};
+pub use memory::{MillMemory, Offset, parameter};
 pub use modal::{Modal, Spindle};
 pub use moves::{Arc, Move, MoveKind};
+pub use options::WordError;
 pub use parameter_table::{ParameterRow, parameter_rows};
 pub use preview::{End, MillSetup, Preview, Progress, preview_while};
 pub use space::{Axis, Each, Flat, Length, Plane, Position};

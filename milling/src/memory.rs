@@ -4,23 +4,23 @@ use std::collections::BTreeMap;
 
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::model::{ControlModel, ModelId};
-use gsk_messages::{Message, say};
+use gsk_messages::say;
 
 use crate::modal::WorkZero;
 use crate::space::{Axis, Each, Length, Position};
 
 /// Numbers of its parameters; those of an axis have 10000, 20000 or 30000 more for X, Y
-/// and Z.
+/// and Z, 40000 or 50000 for the fourth and the fifth.
 pub mod parameter {
     use crate::space::Axis;
 
-    /// Bit 7: D is a diameter.
+    /// Bit 7: D is a diameter; bit 1: the radius of the cutter is compensated.
     pub const TOOLS: u16 = 2;
     /// Bit 4: offsets shift the coordinates, the slides stand.
     pub const OFFSETS: u16 = 3;
     /// Bit 6: every block of motion ends at a stand.
     pub const CORNERS: u16 = 7;
-    /// Bit 4: G01 at power-on.
+    /// Bit 7: axes of a rapid arrive together; bit 4: G01 at power-on.
     pub const MOTION: u16 = 12;
     /// Bit 7: length offsets stay after a return to a reference point and G53.
     pub const LENGTHS: u16 = 13;
@@ -34,6 +34,8 @@ pub mod parameter {
     pub const FEED_LIMIT: u16 = 27;
     /// Time constant of cuts, ms.
     pub const FEED_TIME: u16 = 29;
+    /// Speed at which cuts begin and end, mm/min.
+    pub const FEED_START: u16 = 30;
     /// Bit 7: a scale counts in 0.00001 instead of 0.001.
     pub const SCALE_UNIT: u16 = 36;
     /// Ends of the travel, machine coordinates, 0.001 mm.
@@ -42,10 +44,21 @@ pub mod parameter {
     pub const TRAVEL_MINUS: u16 = 46;
     /// Feed of G31 with 551.2 = 1, mm/min.
     pub const SKIP_FEED: u16 = 71;
+    /// Rapid rate of the index axis, mm/min or degrees/min.
+    pub const INDEX_RATE: u16 = 76;
+    /// Bit 4: no soft limits.
+    pub const LIMITS: u16 = 172;
+    /// Of a further axis, bits 1 and 0: 00 a slide, 01 rotary A, 11 rotary B.
+    pub const KIND: u16 = 187;
+    /// Of a rotary axis A: bit 0: its coordinates begin anew behind a turn; bit 1: the sign
+    /// of an absolute word is the sense.
+    pub const ROLLOVER: u16 = 188;
     /// Bit 7: angles of ASIN and ATAN from −180 to 180.
     pub const ANGLES: u16 = 520;
     /// Bit 4: G54 and the like clear the shift of G92.
     pub const ZEROS: u16 = 540;
+    /// Local coordinates end with M30 and M02 (bit 1), with a reference return (bit 0).
+    pub const LOCAL: u16 = 542;
     /// Bit 2: G31 runs at 071.
     pub const SKIP: u16 = 551;
     /// Bit 7: G91 adds to the angle of G68; bit 4: a scale for each axis; bits 2 to 0: Z,
@@ -55,6 +68,18 @@ pub mod parameter {
     pub const SHIFT: u16 = 584;
     /// Bit 5: a rigid tap goes back by 5213 between pecks; else to R.
     pub const TAPS: u16 = 588;
+    /// How many axes: 3 to 5.
+    pub const AXES: u16 = 1010;
+    /// The address of a further axis: 65 A, 66 B, 67 C.
+    pub const NAME: u16 = 1020;
+    /// The axis with which the fourth one runs: 1 X, 2 Y, 3 Z.
+    pub const FOURTH_FOLLOWS: u16 = 1026;
+    /// The same of the fifth one.
+    pub const FIFTH_FOLLOWS: u16 = 1027;
+    /// The index axis: 4 or 5.
+    pub const INDEX: u16 = 1030;
+    /// A turn of a rotary axis, 0.001 degrees.
+    pub const TURN: u16 = 1260;
     /// Reference points 1 to 4, machine coordinates, 0.001 mm.
     pub const REFERENCE: u16 = 1240;
     /// How far the end of an arc may lie off its circle, 0.001 mm.
@@ -73,6 +98,12 @@ pub mod parameter {
     pub const PECK_CLEARANCE: u16 = 5115;
     /// A rigid tap goes back by, with 588.5 = 1, 0.001 mm.
     pub const TAP_BACK: u16 = 5213;
+    /// Override of the way out of a rigid tap, %; 0: 100.
+    pub const TAP_OUT: u16 = 5211;
+    /// Time constants of rigid taps, ms: in.
+    pub const TAP_TIME: u16 = 5261;
+    /// Out; 0: as in.
+    pub const TAP_TIME_OUT: u16 = 5271;
     /// Angle of G68 without R, 0.001 degrees.
     pub const ANGLE: u16 = 5410;
     /// Scale of G51 without P, and those of the axes without I, J and K.
@@ -129,10 +160,6 @@ impl Offset {
         }
     }
 }
-
-/// Why a word of an offset or a zero cannot be taken.
-#[derive(Clone, Debug, PartialEq)]
-pub struct WordError(pub Message);
 
 /// All of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -237,76 +264,6 @@ impl MillMemory {
     pub(crate) fn zero_mut(&mut self, zero: WorkZero) -> Option<&mut Position> {
         self.zeros.get_mut(usize::from(zero.0))
     }
-
-    /// Takes an offset in words: `1=H,D`, with the wear of both behind, in mm.
-    ///
-    /// # Errors
-    /// What is wrong with it.
-    pub fn take_offset(&mut self, word: &str) -> Result<(), WordError> {
-        let wrong = || WordError(say::mill_offset_form(word));
-        let (name, values) = word.split_once('=').ok_or_else(wrong)?;
-        let number: i64 = name.trim().parse().map_err(|_| wrong())?;
-        let columns = [
-            Column::Length,
-            Column::Radius,
-            Column::LengthWear,
-            Column::RadiusWear,
-        ];
-        let values = numbers(values).ok_or_else(wrong)?;
-        if values.len() > columns.len() {
-            return Err(wrong());
-        }
-        for (column, value) in columns.into_iter().zip(values) {
-            let set = self.set_offset(number, column, value);
-            set.map_err(|alarm| WordError(alarm.reason()))?;
-        }
-        Ok(())
-    }
-
-    /// Takes a zero in words: `54=X,Y,Z`, `54.1P12=X,Y,Z`, `0=X,Y,Z` for the external one,
-    /// machine coordinates in mm.
-    ///
-    /// # Errors
-    /// What is wrong with it.
-    pub fn take_zero(&mut self, word: &str) -> Result<(), WordError> {
-        let wrong = || WordError(say::mill_zero_form(word));
-        let (name, values) = word.split_once('=').ok_or_else(wrong)?;
-        let point = position(values).ok_or_else(wrong)?;
-        let name = name.trim().trim_start_matches('G');
-        let zero = match name.split_once(".1P") {
-            Some(("54", additional)) => match additional.parse() {
-                Ok(number @ 1..=48_u8) => WorkZero(WorkZero::FIRST_ADDITIONAL + number - 1),
-                _ => return Err(wrong()),
-            },
-            _ => match name.parse() {
-                Ok(0_u8) => {
-                    self.external = point;
-                    return Ok(());
-                }
-                Ok(number @ 54..=59) => WorkZero(number - 54),
-                _ => return Err(wrong()),
-            },
-        };
-        if let Some(value) = self.zero_mut(zero) {
-            *value = point;
-        }
-        Ok(())
-    }
-}
-
-/// Lengths in mm, with commas between them.
-fn numbers(text: &str) -> Option<Vec<Length>> {
-    let number = |word: &str| {
-        let value: f64 = word.trim().parse().ok()?;
-        (value.abs() <= 99_999.999).then(|| Length::from_mm(value).rounded())
-    };
-    text.split(',').map(number).collect()
-}
-
-/// A point in words: `X,Y,Z` in mm.
-pub(crate) fn position(text: &str) -> Option<Position> {
-    let values = numbers(text)?;
-    Some(Each(values.try_into().ok()?))
 }
 
 #[cfg(test)]
@@ -314,34 +271,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_of_offsets_and_zeros() {
-        let mut memory = MillMemory::default();
-        assert_eq!(memory.take_offset("3=120.5,6,0,-0.03"), Ok(()));
-        assert_eq!(memory.tool_length(3), Length::from_mm(120.5));
-        assert!((memory.cutter_radius(3) - 5.97).abs() < 1e-9);
-        assert_eq!(memory.take_zero("54.1P48=1,2,3"), Ok(()));
-        assert_eq!(memory.zero(WorkZero(53)), position("1,2,3").expect("point"));
-        assert_eq!(memory.take_zero("0=1,0,0"), Ok(()));
-        for wrong in ["0=1", "401=1", "1=1000", "1", "x=1", "1=nan", "1=1,2,3,4,5"] {
-            assert!(memory.take_offset(wrong).is_err(), "{wrong}");
-        }
-        for wrong in [
-            "53=1,2,3",
-            "54=1,2",
-            "54.1P49=0,0,0",
-            "54.1P0=0,0,0",
-            "54=inf,0,0",
-        ] {
-            assert!(memory.take_zero(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
     fn parameters_are_those_of_the_record() {
         let memory = MillMemory::default();
         assert_eq!(memory.value(parameter::SCALE), 1000);
         for axis in Axis::ALL {
             assert!(memory.value(parameter::of(parameter::RAPID_RATE, axis)) > 0);
+        }
+        for axis in Axis::BASIC {
             assert_eq!(
                 memory.value(parameter::of(parameter::AXIS_SCALE, axis)),
                 1000

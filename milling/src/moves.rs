@@ -3,7 +3,8 @@
 use gsk_core::command::Source;
 use gsk_core::units::Feed;
 
-use crate::space::{Flat, Plane, Position};
+use crate::axes::{Axes, Further};
+use crate::space::{Axis, Flat, Plane, Position};
 
 /// What is done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,10 +60,15 @@ pub struct Move {
     pub from: Position,
     /// End.
     pub to: Position,
+    /// Which axes there are.
+    pub axes: Axes,
     /// Machine coordinates of the work zero.
     pub zero: Position,
     /// Of a round cut.
     pub arc: Option<Arc>,
+    /// Of a rapid in which each axis goes by itself (012.7 = 0): the parts of its time after
+    /// which X, Y and Z have arrived.
+    pub arrivals: Option<[f64; 3]>,
     /// Of a cut.
     pub feed: Option<Feed>,
     /// Seconds since the start.
@@ -88,7 +94,7 @@ impl Move {
         })
     }
 
-    /// Length of its path, mm; a rapid counts as its chord.
+    /// Length of its path along X, Y and Z, mm; a rapid counts as its chord.
     pub fn length(&self) -> f64 {
         let (Some(Arc { plane, center }), Some(sweep)) = (self.arc, self.sweep()) else {
             return self.from.distance(&self.to);
@@ -101,17 +107,46 @@ impl Move {
         libm::sqrt(round * round + rise * rise)
     }
 
+    /// Its ways along all axes at once, a degree as a millimetre: what the feed is of.
+    pub(crate) fn way(&self) -> f64 {
+        let way = self.to - self.from;
+        let squares = Axis::FURTHER
+            .map(|axis| way.get(axis).mm())
+            .map(|it| it * it);
+        let further: f64 = squares.iter().sum();
+        let length = self.length();
+        if further == 0.0 {
+            length
+        } else {
+            libm::sqrt(length * length + further)
+        }
+    }
+
     /// Its way along the axis that goes farthest, mm.
     pub(crate) fn longest(&self) -> f64 {
-        let way = (self.to - self.from).mm();
-        way.into_iter().map(f64::abs).fold(0.0, f64::max)
+        let way = (self.to - self.from).0;
+        way.into_iter().map(|it| it.abs().mm()).fold(0.0, f64::max)
+    }
+
+    /// Where the further axes of the machine begin and end, mm or degrees.
+    pub fn further(&self) -> impl Iterator<Item = (Further, f64, f64)> + use<> {
+        let (from, to) = (self.from, self.to);
+        let all = self.axes.all_further();
+        all.map(move |(axis, it)| (it, from.get(axis).mm(), to.get(axis).mm()))
     }
 
     /// The point at a part of its path, mm; 0 is the start, 1 the end.
     pub fn at(&self, part: f64) -> [f64; 3] {
         let (from, to) = (self.from.mm(), self.to.mm());
-        let mut point: [f64; 3] =
-            core::array::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * part);
+        let arrivals = self.arrivals.unwrap_or([1.0; 3]);
+        let mut point: [f64; 3] = core::array::from_fn(|axis| {
+            let done = if part < arrivals[axis] {
+                part / arrivals[axis]
+            } else {
+                1.0
+            };
+            from[axis] + (to[axis] - from[axis]) * done
+        });
         let (Some(Arc { plane, center }), Some(sweep)) = (self.arc, self.sweep()) else {
             return point;
         };

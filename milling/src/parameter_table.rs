@@ -8,14 +8,14 @@ const TABLE: &str = include_str!("../../assets/tables/mill-parameters.tsv");
 /// A bit, or a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ParameterRow {
-    /// Its number; those of an axis have 10000, 20000 or 30000 more.
+    /// Its number; those of an axis have 10000 for X to 50000 for the fifth more.
     pub number: u16,
     /// Of a state parameter.
     pub bit: Option<u8>,
     /// The name of the bit.
     pub symbol: &'static str,
-    /// Each axis has one.
-    pub each_axis: bool,
+    /// Axes that have one each: 1 X, 2 Y, 3 Z, 4 and 5 the further ones; none: there is one.
+    pub axes: &'static [u16],
     /// Its unit; `bit` of a bit, `-` without one.
     pub unit: &'static str,
     /// Least and greatest value, as they are written; `-` where the manual has none.
@@ -42,7 +42,12 @@ fn row(line: &'static str) -> Option<ParameterRow> {
         number: next()?.parse().ok()?,
         bit: next()?.parse().ok(),
         symbol: next()?,
-        each_axis: next()? == "each",
+        axes: match next()? {
+            "each" => &[1, 2, 3, 4, 5],
+            "xyz" => &[1, 2, 3],
+            "further" => &[4, 5],
+            _ => &[],
+        },
         unit: next()?,
         range: next()?,
         acts: next()? == "yes",
@@ -72,9 +77,9 @@ mod tests {
     #[test]
     fn what_acts_is_what_the_model_has() {
         let record = ModelId::Gsk980mdi.record();
-        let of_axes = |row: &ParameterRow| match row.each_axis {
-            true => (1..=3).map(|axis| row.number + axis * 10_000).collect(),
-            false => vec![row.number],
+        let of_axes = |row: &ParameterRow| match row.axes {
+            [] => vec![row.number],
+            axes => axes.iter().map(|axis| row.number + axis * 10_000).collect(),
         };
         for row in parameter_rows() {
             for number in of_axes(row) {

@@ -3,24 +3,26 @@
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::command::{ProgramId, Source};
 use gsk_core::compensation::cutter::Side;
-use gsk_core::interpreter::{Back, Read, Walker};
+use gsk_core::interpreter::{Back, PlainCall, Read, T_VARIABLE, Walker};
 use gsk_core::model::{ControlModel, ModelId};
-use gsk_core::program::{Block, Program, ProgramMemory, Syntax};
+use gsk_core::program::{Block, Number, Program, ProgramMemory, Syntax};
 use gsk_messages::say;
 
 pub use gsk_core::preview::{End, Progress};
 
+use crate::axes::Axes;
 use crate::block::{self, Flow};
 use crate::bounds::{Bounds, Lengths};
 use crate::cutter::Cutter;
-use crate::memory::{MillMemory, WordError, parameter, position};
+use crate::memory::{MillMemory, parameter};
 use crate::modal::{Modal, Motion};
+use crate::options::{WordError, position};
 use crate::space::{Axis, Length, Position};
 use crate::state::State;
 use crate::system::{Common, Known};
 use crate::tracker::{OnMove, Tracker};
 use crate::transform::Transform;
-use crate::travel::Scene;
+use crate::travel::{GoOn, Patience, Scene};
 use crate::words::Words;
 
 /// Blocks between two questions whether a preview is to go on.
@@ -29,6 +31,8 @@ const BLOCKS_A_LOOK: u64 = 1024;
 const LONGEST_S: f64 = 3.6e6;
 /// Alarms behind the first one, and blocks that are looked through for them.
 const MOST_FURTHER: usize = 20;
+/// Runs of a call.
+const MOST_RUNS: u16 = 9999;
 /// Blocks looked through.
 const FURTHER_BLOCKS: u64 = 100_000;
 
@@ -64,12 +68,13 @@ impl MillSetup {
         self
     }
 
-    /// Takes where the slides stand, `X,Y,Z` in mm.
+    /// Takes where the slides stand, `X,Y,Z` in mm, and further axes behind.
     ///
     /// # Errors
     /// What is wrong with it.
     pub fn take_start(&mut self, word: &str) -> Result<(), WordError> {
-        self.start = position(word).ok_or_else(|| WordError(say::mill_start_form(word)))?;
+        let start = position(&self.memory, word);
+        self.start = start.ok_or_else(|| WordError(say::mill_start_form(word)))?;
         Ok(())
     }
 }
@@ -105,6 +110,8 @@ pub struct Preview {
     pub work: Position,
     /// Final position of the slides, machine coordinates.
     pub machine: Position,
+    /// Which axes there are.
+    pub axes: Axes,
     /// Modal state at the end.
     pub modal: Modal,
 }
@@ -139,7 +146,7 @@ pub fn preview_while(
     };
     let mut preview = run.result(end, alarm);
     if preview.end == End::Alarm {
-        preview.further = run.look_on(preview.alarm.as_ref());
+        preview.further = run.look_on(preview.alarm.as_ref(), go_on);
     }
     preview
 }
@@ -170,8 +177,11 @@ impl<'a> Run<'a> {
         on_move: &'a mut OnMove<'_>,
     ) -> Self {
         let memory = setup.memory.clone();
+        let axes = Axes::of(&memory);
+        let start = axes.rolled(setup.start);
         let mut state = State {
-            machine: setup.start,
+            axes,
+            machine: start,
             ..State::default()
         };
         state.modal.feed = memory.value(parameter::FIRST_FEED).into();
@@ -182,10 +192,10 @@ impl<'a> Run<'a> {
         Self {
             programs,
             main: program,
-            walker: Walker::new(program),
+            walker: Walker::new(program).with_codes(&memory.model),
             state,
-            cutter: Cutter::new(setup.start),
-            tracker: Tracker::new(&memory, setup.start, on_move),
+            cutter: Cutter::new(start),
+            tracker: Tracker::new(&memory, start, on_move),
             memory,
             common: Common::new(),
             block_skip: setup.block_skip,
@@ -216,7 +226,8 @@ impl<'a> Run<'a> {
             };
             self.blocks += 1;
             let source = self.source();
-            let end = self.carry_out(&block).map_err(|alarm| alarm.at(source))?;
+            let end = self.carry_out(&block, go_on);
+            let end = end.map_err(|alarm| alarm.at(source))?;
             self.motionless = match self.tracker.moves > moves {
                 true => 0,
                 false => self.motionless + 1,
@@ -270,17 +281,27 @@ impl<'a> Run<'a> {
         read.map_err(|alarm| alarm.at(self.source()))
     }
 
-    fn carry_out(&mut self, block: &Block) -> Result<Option<End>, Alarm> {
-        let words = Words::of(block, self.memory.model.record())?;
+    fn carry_out(&mut self, block: &Block, go_on: &mut GoOn<'_>) -> Result<Option<End>, Alarm> {
+        let mut words = Words::of(block, self.memory.model.record(), self.state.axes)?;
+        let called = self.call_of(&mut words)?;
         let source = self.source();
+        let progress = self.progress();
         let mut scene = Scene {
             memory: &mut self.memory,
             cutter: &mut self.cutter,
             tracker: &mut self.tracker,
             source,
             exact: false,
+            patience: Patience {
+                go_on,
+                progress,
+                over: false,
+            },
         };
         let outcome = block::carry_out(&mut self.state, block, &words, &mut scene)?;
+        if scene.patience.over {
+            return Ok(Some(End::Limit));
+        }
         let tool = self.state.modal.tool;
         if tool > 0 && !self.tools.contains(&tool) {
             self.tools.push(tool);
@@ -289,6 +310,9 @@ impl<'a> Run<'a> {
         if !outcome.moved && !calls && words.letters.m.is_some() {
             // What it switches waits until the slides stand.
             self.tracker.stand();
+        }
+        if let Some(call) = called {
+            return self.enter(&call, &outcome.flow).map(|()| None);
         }
         match outcome.flow {
             Flow::Next if outcome.moved => self.walker.moved(),
@@ -325,12 +349,48 @@ impl<'a> Run<'a> {
         Ok(None)
     }
 
+    /// The program that M or T of a block calls by 240 to 242 or 040.5; its word does
+    /// nothing else.
+    fn call_of(&mut self, words: &mut Words) -> Result<Option<(PlainCall, u16)>, Alarm> {
+        let letters = &mut words.letters;
+        let [m, t] = [letters.m, letters.t].map(|it| it.map(Number::integer));
+        let Some(call) = self.walker.called_by(m, t) else {
+            return Ok(None);
+        };
+        if call.address == 'T' {
+            letters.t = None;
+            self.common.insert(T_VARIABLE.into(), call.code as f64);
+            return Ok(Some((call, 1)));
+        }
+        letters.m = None;
+        let runs = letters.l.take().map_or(1, Number::integer);
+        match u16::try_from(runs) {
+            Ok(runs @ 1..=MOST_RUNS) => Ok(Some((call, runs))),
+            _ => {
+                let detail = say::macro_runs_out_of_range(runs, MOST_RUNS);
+                Err(Alarm::new(number::OUT_OF_RANGE).because(detail))
+            }
+        }
+    }
+
+    /// Goes into that program; the rest of the block must lead nowhere else.
+    fn enter(&mut self, (call, runs): &(PlainCall, u16), rest: &Flow) -> Result<(), Alarm> {
+        if *rest != Flow::Next {
+            let detail = say::call_twice_in_block(call.address, call.code);
+            return Err(Alarm::new(number::TOO_MANY_WORDS).because(detail));
+        }
+        self.walker.call_by_code(self.programs, call, *runs)
+    }
+
     /// M30: what a reset cancels.
     fn reset(&mut self) {
         self.state.modal.hole = None;
         self.state.modal.cutter = Side::On;
         self.state.transform = Transform::default();
         self.state.polar = None;
+        if self.memory.bit(parameter::LOCAL, 1) {
+            self.state.local = Position::default();
+        }
     }
 
     fn result(&mut self, end: End, alarm: Option<Alarm>) -> Preview {
@@ -349,17 +409,25 @@ impl<'a> Run<'a> {
             tools: self.tools.clone(),
             bounds: self.tracker.bounds,
             lengths: self.tracker.lengths,
-            work: self.tracker.machine - frame,
+            work: self.state.axes.rolled(self.tracker.machine - frame),
+            axes: self.state.axes,
             machine: self.tracker.machine,
             modal: self.state.modal,
         }
     }
 
     /// Behind an alarm: blocks that would be refused wherever the tool is.
-    fn look_on(&mut self, first: Option<&Alarm>) -> Vec<Alarm> {
+    fn look_on(&mut self, first: Option<&Alarm>, go_on: &mut GoOn<'_>) -> Vec<Alarm> {
         let mut lines: Vec<Source> = first.and_then(|alarm| alarm.source).into_iter().collect();
         let mut further = Vec::new();
-        for _ in 0..FURTHER_BLOCKS {
+        for count in 1..=FURTHER_BLOCKS {
+            let progress = || Progress {
+                blocks: self.blocks + count,
+                ..self.progress()
+            };
+            if count % BLOCKS_A_LOOK == 0 && !go_on(&progress()) {
+                break;
+            }
             let alarm = match self.read() {
                 Ok(Read::Ended) => break,
                 Ok(Read::Nothing | Read::Returned) => continue,
@@ -388,10 +456,17 @@ impl<'a> Run<'a> {
 
     /// What refuses a block by its words alone; whether the program ends with it.
     fn refusal(&mut self, block: &Block) -> Result<bool, Alarm> {
-        let words = Words::of(block, self.memory.model.record())?;
+        let mut words = Words::of(block, self.memory.model.record(), self.state.axes)?;
+        let called = self.call_of(&mut words)?;
         words.check()?;
         let flow = block::flow(&words, &self.memory)?;
+        if !matches!(flow, Flow::Macro { .. }) {
+            words.check_axes()?;
+        }
         self.state.modal.inch = words.inch.unwrap_or(self.state.modal.inch);
+        if let Some(call) = called {
+            return self.enter(&call, &flow).map(|()| false);
+        }
         match flow {
             Flow::End => return Ok(true),
             Flow::Back(p) => {

@@ -1,4 +1,4 @@
-//! Lengths, points and planes of three axes.
+//! Lengths, points and planes: of X, Y and Z, and what a fourth and a fifth axis add.
 
 use core::ops::{Add, Neg, Sub};
 
@@ -88,39 +88,35 @@ pub enum Axis {
     Y,
     /// The spindle.
     Z,
+    /// The fourth axis: A, B or C, where the machine has it (1010, 1020).
+    Fourth,
+    /// The fifth one.
+    Fifth,
 }
 
 impl Axis {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
-
-    /// Its address.
-    pub const fn address(self) -> u8 {
-        match self {
-            Self::X => b'X',
-            Self::Y => b'Y',
-            Self::Z => b'Z',
-        }
-    }
-
-    /// The address of its distance to the centre of an arc.
-    pub const fn center_address(self) -> u8 {
-        match self {
-            Self::X => b'I',
-            Self::Y => b'J',
-            Self::Z => b'K',
-        }
-    }
+    pub const ALL: [Self; 5] = [Self::X, Self::Y, Self::Z, Self::Fourth, Self::Fifth];
+    /// Those of the planes, which every machine has.
+    pub const BASIC: [Self; 3] = [Self::X, Self::Y, Self::Z];
+    /// Those that a machine may have besides.
+    pub const FURTHER: [Self; 2] = [Self::Fourth, Self::Fifth];
 }
 
 /// A value of each axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Each<T>(pub [T; 3]);
+pub struct Each<T>(pub [T; 5]);
 
-/// A point, or the way from one to another.
+/// A point, or the way from one to another. What is a length of X, Y and Z is an angle of
+/// an axis that turns: a degree in the place of a millimetre.
 pub type Position = Each<Length>;
 
 impl<T: Copy> Each<T> {
+    /// Of X, Y and Z, and the same for both further axes.
+    pub const fn basic([x, y, z]: [T; 3], further: T) -> Self {
+        Self([x, y, z, further, further])
+    }
+
     /// That of an axis.
     pub const fn get(&self, axis: Axis) -> T {
         self.0[axis as usize]
@@ -133,9 +129,26 @@ impl<T: Copy> Each<T> {
 }
 
 impl Position {
-    /// In mm.
+    /// X, Y and Z in mm.
     pub fn mm(&self) -> [f64; 3] {
-        self.0.map(Length::mm)
+        Axis::BASIC.map(|axis| self.get(axis).mm())
+    }
+
+    /// The same point with another X, Y and Z.
+    #[must_use]
+    pub(crate) fn with_basic(mut self, [x, y, z]: [Length; 3]) -> Self {
+        for (axis, value) in Axis::BASIC.into_iter().zip([x, y, z]) {
+            self.set(axis, value);
+        }
+        self
+    }
+
+    /// The same point with the further axes of another one.
+    #[must_use]
+    pub(crate) const fn turned_as(mut self, other: &Self) -> Self {
+        self.set(Axis::Fourth, other.get(Axis::Fourth));
+        self.set(Axis::Fifth, other.get(Axis::Fifth));
+        self
     }
 
     /// Where it lies in a plane: along its first axis and its second, mm.
@@ -153,7 +166,7 @@ impl Position {
         self
     }
 
-    /// How far it is from another point, mm.
+    /// How far it is from another point along X, Y and Z, mm.
     pub fn distance(&self, other: &Self) -> f64 {
         let [x, y, z] = (*other - *self).mm();
         libm::sqrt(x * x + y * y + z * z)

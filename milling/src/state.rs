@@ -1,14 +1,20 @@
 //! Where a run stands: what is in force, and where the tool is.
 
+use gsk_core::program::Number;
+
+use crate::axes::Axes;
 use crate::cycles::HoleData;
 use crate::memory::MillMemory;
 use crate::modal::Modal;
 use crate::space::{Axis, Length, Position};
 use crate::transform::Transform;
+use crate::words::length;
 
 /// The state after a block.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct State {
+    /// Which axes there are.
+    pub(crate) axes: Axes,
     pub(crate) modal: Modal,
     /// Where the slides stand, machine coordinates, but for the radius of the cutter.
     pub(crate) machine: Position,
@@ -54,7 +60,32 @@ impl State {
 
     /// Where the tip stands, work coordinates.
     pub(crate) fn work(&self, memory: &MillMemory) -> Position {
-        self.machine - self.frame(memory)
+        self.axes.rolled(self.machine - self.frame(memory))
+    }
+
+    /// Machine coordinates of a programmed point. Further axes are neither scaled nor
+    /// rotated; they go as far as their words say, whichever turn they are in.
+    pub(crate) fn place(&self, programmed: Position, memory: &MillMemory) -> Position {
+        let way = programmed - self.programmed;
+        let to = self.transform.apply(programmed) + self.frame(memory);
+        to.turned_as(&(self.machine + way))
+    }
+
+    /// The slides have gone to a point.
+    pub(crate) fn stand_at(&mut self, machine: Position) {
+        self.machine = self.axes.rolled(machine);
+    }
+
+    /// A block leads to a point as it is programmed.
+    pub(crate) fn programmed_at(&mut self, programmed: Position) {
+        self.programmed = self.axes.rolled(programmed);
+    }
+
+    /// The number of a word of an axis: inches are lengths, and no angles.
+    pub(crate) fn word(&self, axis: Axis, value: Number) -> Length {
+        let rotary = self.axes.is_rotary(axis);
+        let value = length(value, self.modal.inch && !rotary);
+        if rotary { value.rounded() } else { value }
     }
 
     /// The programmed point is taken from where the tip stands.

@@ -4,10 +4,10 @@
 //!   #100–#199 #500–#999         of all programs
 //!   #1000–#1133                 signals of the ladder: inputs are 0, outputs are kept
 //!   #2001–#2400 #10001–#13400   offsets                        memory
-//!   #2500–#2806 #7001–#7943     zeros of the work              memory
+//!   #2500–#2906 #7001–#7945     zeros of the work              memory
 //!   #3001 #3003–#3005 #3901     timer, switches of the run, parts
 //!   #4001–#4016 #4102–#4120     modal codes and words          state
-//!   #5001–#5083                 positions                      state
+//!   #5001–#5105                 positions                      state
 //! ```
 
 use std::collections::BTreeMap;
@@ -17,6 +17,7 @@ use gsk_core::command::Source;
 use gsk_core::interpreter::System;
 use gsk_messages::say;
 
+use crate::axes::Axes;
 use crate::memory::{Column, MillMemory, parameter};
 use crate::modal::{Hole, WorkZero};
 use crate::space::{Axis, Length, Position};
@@ -50,12 +51,15 @@ enum Place {
 /// Parts of a second in the timer #3001: it counts 16 ms, and begins anew behind 65535.
 const TIMER: u64 = 65_536;
 
-fn axis(digit: u32) -> Option<Axis> {
-    Axis::ALL.get(digit.checked_sub(1)? as usize).copied()
+/// The axis of a last digit: 4 is the fourth, where the machine has it, 5 the fifth.
+fn axis(digit: u32, axes: Axes) -> Option<Axis> {
+    let axis = Axis::ALL.get(digit.checked_sub(1)? as usize).copied()?;
+    let further = Axis::FURTHER.contains(&axis);
+    (!further || axes.further(axis).is_some()).then_some(axis)
 }
 
 /// The offset or the zero of a number.
-fn place(number: u32) -> Option<Place> {
+fn place(number: u32, axes: Axes) -> Option<Place> {
     let offset = |first: u32, column| Some(Place::Offset((number - first) as u16, column));
     match number {
         2001..=2200 => offset(2000, Column::LengthWear),
@@ -64,8 +68,8 @@ fn place(number: u32) -> Option<Place> {
         11_001..=11_400 => offset(11_000, Column::Length),
         12_001..=12_400 => offset(12_000, Column::RadiusWear),
         13_001..=13_400 => offset(13_000, Column::Radius),
-        2500..=2899 => {
-            let axis = axis((number - 2400) / 100)?;
+        2500..=2999 => {
+            let axis = axis((number - 2400) / 100, axes)?;
             match number % 100 {
                 0 => Some(Place::External(axis)),
                 zero @ 1..=6 => Some(Place::Zero(WorkZero(zero as u8 - 1), axis)),
@@ -75,7 +79,7 @@ fn place(number: u32) -> Option<Place> {
         7001..=7959 => {
             let (zero, digit) = ((number - 7001) / 20, (number - 7000) % 20);
             let zero = WorkZero(WorkZero::FIRST_ADDITIONAL + u8::try_from(zero).ok()?);
-            Some(Place::Zero(zero, axis(digit)?))
+            Some(Place::Zero(zero, axis(digit, axes)?))
         }
         _ => None,
     }
@@ -137,14 +141,14 @@ impl Known<'_> {
     }
 
     fn position(&self, variable: u32) -> Option<f64> {
-        let axis = axis(variable % 10)?;
+        let axis = axis(variable % 10, self.state.axes)?;
         let frame = self.state.frame(self.memory);
         let zero = self.state.zero(self.memory);
         let value = match variable / 10 * 10 {
             5000 => self.state.work(self.memory).get(axis),
             5020 => self.machine.get(axis),
             // The offset is a part of it.
-            5040 => (self.machine - zero).get(axis),
+            5040 => self.state.axes.rolled(self.machine - zero).get(axis),
             5060 => self.state.skipped.get(axis),
             5080 => (frame - zero).get(axis),
             5100 => Length::ZERO,
@@ -159,7 +163,7 @@ impl System for Known<'_> {
         if is_common(variable) {
             return Ok(self.common.get(&variable).copied());
         }
-        if let Some(place) = place(variable) {
+        if let Some(place) = place(variable, self.state.axes) {
             let value = match place {
                 Place::Offset(offset, column) => *self.memory.offset(offset).column(column),
                 Place::External(axis) => self.memory.external.get(axis),
@@ -187,7 +191,7 @@ impl System for Known<'_> {
             };
             return Ok(());
         }
-        let Some(place) = place(variable) else {
+        let Some(place) = place(variable, self.state.axes) else {
             // Known, and only read.
             self.read(variable)?;
             let detail = say::variable_of_macro_read_only(variable);

@@ -2,32 +2,65 @@
 //! constant where they begin or end at a stand.
 
 use crate::memory::{MillMemory, parameter};
-use crate::space::{Axis, Each, Position};
+use crate::space::{Axis, Each, Length, Position};
 
 /// What the slides can do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rates {
-    /// mm/s.
+    /// mm/s; of an axis that turns degrees/s.
     rapid: Each<f64>,
+    /// Axes of a rapid arrive together.
+    straight: bool,
     /// s, to the rapid rate.
     rapid_time: f64,
     /// mm/s.
     feed: f64,
+    /// mm/s, without a ramp.
+    feed_start: f64,
     /// s.
     feed_time: f64,
+    /// s, of rigid taps: in, out.
+    tap_times: [f64; 2],
 }
 
 impl Rates {
     pub(crate) fn of(memory: &MillMemory) -> Self {
         let seconds = |number| f64::from(memory.value(number)) / 1000.0;
+        let index = memory.value(parameter::INDEX);
         Self {
             rapid: Each(Axis::ALL.map(|axis| {
-                f64::from(memory.value(parameter::of(parameter::RAPID_RATE, axis))) / 60.0
+                let number = match axis {
+                    Axis::Fourth if index == 4 => parameter::INDEX_RATE,
+                    Axis::Fifth if index == 5 => parameter::INDEX_RATE,
+                    _ => parameter::of(parameter::RAPID_RATE, axis),
+                };
+                f64::from(memory.value(number)) / 60.0
             })),
+            straight: memory.bit(parameter::MOTION, 7),
             rapid_time: seconds(parameter::RAPID_TIME),
             feed: f64::from(memory.value(parameter::FEED_LIMIT)) / 60.0,
+            feed_start: f64::from(memory.value(parameter::FEED_START)) / 60.0,
             feed_time: seconds(parameter::FEED_TIME),
+            tap_times: match memory.value(parameter::TAP_TIME_OUT) {
+                0 => [seconds(parameter::TAP_TIME); 2],
+                _ => [parameter::TAP_TIME, parameter::TAP_TIME_OUT].map(seconds),
+            },
         }
+    }
+
+    /// The parts of the time of a rapid after which X, Y and Z have arrived; none where they
+    /// arrive together.
+    pub(crate) fn arrivals(&self, way: &Position) -> Option<[f64; 3]> {
+        let whole = self.rapid(way);
+        let part = |axis: Axis| {
+            let (way, rate) = (way.get(axis).abs().mm(), self.rapid.get(axis));
+            self.stand_to_stand(way, rate) / whole
+        };
+        let moves = |axis: &Axis| way.get(*axis) != Length::ZERO;
+        let mut moving = Axis::BASIC.into_iter().filter(moves).map(part);
+        let first = moving.next()?;
+        let apart = !self.straight && moving.any(|other| (other - first).abs() > 1e-9);
+        apart.then(|| Axis::BASIC.map(part))
     }
 
     /// Seconds of a rapid from stand to stand: those of the axis that takes longest, whether
@@ -58,8 +91,19 @@ impl Rates {
         (feed / 60.0).min(self.feed)
     }
 
-    /// Seconds until the slides stand behind a cut.
-    pub(crate) const fn settling(&self) -> f64 {
-        self.feed_time
+    /// Seconds that a stand at the end of a cut takes: the ramps are as long as what is
+    /// above the speed at which cuts begin.
+    pub(crate) fn settling(&self, feed: f64) -> f64 {
+        let speed = self.cutting(feed);
+        if speed <= self.feed_start {
+            0.0
+        } else {
+            self.feed_time * (1.0 - self.feed_start / speed)
+        }
+    }
+
+    /// The same of a rigid tap, on its way in or out.
+    pub(crate) const fn settling_of_tap(&self, out: bool) -> f64 {
+        self.tap_times[out as usize]
     }
 }

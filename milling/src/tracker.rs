@@ -5,6 +5,7 @@ use gsk_core::command::Source;
 use gsk_core::units::Feed;
 use gsk_messages::say;
 
+use crate::axes::Axes;
 use crate::bounds::{Bounds, Lengths};
 use crate::memory::{MillMemory, parameter};
 use crate::moves::{Arc, Move, MoveKind};
@@ -27,6 +28,8 @@ pub(crate) struct Step {
     pub(crate) speed: f64,
     /// The slides stand at its end.
     pub(crate) exact: bool,
+    /// Of a rigid tap: whether it is the way out.
+    pub(crate) rigid_out: Option<bool>,
     /// Of a dwell, s.
     pub(crate) dwell_s: f64,
 }
@@ -37,15 +40,18 @@ pub(crate) type OnMove<'a> = dyn FnMut(&Move) + 'a;
 /// The slides.
 pub(crate) struct Tracker<'a> {
     rates: Rates,
-    travel: (Position, Position),
+    axes: Axes,
+    /// The ends of the travel, where they act.
+    travel: Option<(Position, Position)>,
     pub(crate) machine: Position,
     pub(crate) now: f64,
     pub(crate) cutting_s: f64,
     pub(crate) moves: u64,
     pub(crate) lengths: Lengths,
     pub(crate) bounds: Option<Bounds>,
-    /// The last cut: whether the slides stand at its end depends on what follows.
-    running: Option<Move>,
+    /// The last cut, and the seconds of a stand at its end: whether the slides stand there
+    /// depends on what follows.
+    running: Option<(Move, f64)>,
     on_move: &'a mut OnMove<'a>,
 }
 
@@ -53,10 +59,13 @@ impl<'a> Tracker<'a> {
     pub(crate) fn new(memory: &MillMemory, start: Position, on_move: &'a mut OnMove<'a>) -> Self {
         Self {
             rates: Rates::of(memory),
-            travel: (
-                memory.point(parameter::TRAVEL_MINUS),
-                memory.point(parameter::TRAVEL_PLUS),
-            ),
+            axes: Axes::of(memory),
+            travel: (!memory.bit(parameter::LIMITS, 4)).then(|| {
+                (
+                    memory.point(parameter::TRAVEL_MINUS),
+                    memory.point(parameter::TRAVEL_PLUS),
+                )
+            }),
             machine: start,
             now: 0.0,
             cutting_s: 0.0,
@@ -75,27 +84,33 @@ impl<'a> Tracker<'a> {
             return Ok(());
         }
         self.check_travel(step)?;
+        let from = self.axes.rolled(self.machine - step.frame);
         let mut made = Move {
             source: step.source,
             kind: step.kind,
-            from: self.machine - step.frame,
-            to: step.to - step.frame,
+            from,
+            to: from + (step.to - self.machine),
+            axes: self.axes,
             zero: step.zero,
             arc: step.arc.map(|arc| Arc {
                 center: arc.center - step.frame.flat(arc.plane),
                 ..arc
             }),
+            arrivals: None,
             feed: step.feed,
             start_s: self.now,
             duration_s: 0.0,
             tool: step.tool,
         };
         let length = made.length();
+        let mut settling = 0.0;
         match step.kind {
             MoveKind::Rapid => {
                 self.stand();
                 made.start_s = self.now;
-                made.duration_s = self.rates.rapid(&(step.to - self.machine));
+                let way = step.to - self.machine;
+                made.duration_s = self.rates.rapid(&way);
+                made.arrivals = self.rates.arrivals(&way);
                 self.lengths.rapid += length;
             }
             MoveKind::Dwell => {
@@ -112,10 +127,14 @@ impl<'a> Tracker<'a> {
                 // The lead of a thread is along its longest axis.
                 let way = match step.kind {
                     MoveKind::Thread => made.longest(),
-                    _ => length,
+                    _ => made.way(),
                 };
                 made.duration_s = way / self.rates.cutting(feed);
                 self.cutting_s += made.duration_s;
+                settling = match step.rigid_out {
+                    Some(out) => self.rates.settling_of_tap(out),
+                    None => self.rates.settling(feed),
+                };
                 *match step.kind {
                     MoveKind::Clockwise => &mut self.lengths.clockwise,
                     MoveKind::CounterClockwise => &mut self.lengths.counter_clockwise,
@@ -126,7 +145,7 @@ impl<'a> Tracker<'a> {
             }
         }
         self.now += made.duration_s;
-        self.machine = step.to;
+        self.machine = self.axes.rolled(step.to);
         self.moves += 1;
         if step.kind != MoveKind::Dwell {
             Bounds::reach(&mut self.bounds, &made);
@@ -134,7 +153,7 @@ impl<'a> Tracker<'a> {
         if matches!(step.kind, MoveKind::Rapid | MoveKind::Dwell) {
             (self.on_move)(&made);
         } else {
-            if let Some(before) = self.running.replace(made) {
+            if let Some((before, _)) = self.running.replace((made, settling)) {
                 (self.on_move)(&before);
             }
             if step.exact {
@@ -146,8 +165,7 @@ impl<'a> Tracker<'a> {
 
     /// Waits until the slides stand.
     pub(crate) fn stand(&mut self) {
-        if let Some(mut last) = self.running.take() {
-            let settling = self.rates.settling();
+        if let Some((mut last, settling)) = self.running.take() {
             last.duration_s += settling;
             self.now += settling;
             self.cutting_s += settling;
@@ -156,30 +174,37 @@ impl<'a> Tracker<'a> {
     }
 
     fn check_travel(&self, step: &Step) -> Result<(), Alarm> {
-        let (minus, plus) = self.travel;
-        for axis in Axis::ALL {
+        let Some((minus, plus)) = self.travel else {
+            return Ok(());
+        };
+        for axis in self.axes.all() {
             let to = step.to.get(axis);
             let (low, high) = (minus.get(axis), plus.get(axis));
-            if (low..=high).contains(&to) {
+            if (low..=high).contains(&to) || self.axes.rolls(axis) {
                 continue;
             }
-            let beyond = if to > high {
-                [
-                    number::X_PLUS_LIMIT,
-                    number::Y_PLUS_LIMIT,
-                    number::Z_PLUS_LIMIT,
-                ]
-            } else {
-                [
-                    number::X_MINUS_LIMIT,
-                    number::Y_MINUS_LIMIT,
-                    number::Z_MINUS_LIMIT,
-                ]
+            let beyond = match (axis, to > high) {
+                (Axis::X, true) => number::X_PLUS_LIMIT,
+                (Axis::X, false) => number::X_MINUS_LIMIT,
+                (Axis::Y, true) => number::Y_PLUS_LIMIT,
+                (Axis::Y, false) => number::Y_MINUS_LIMIT,
+                (Axis::Z, true) => number::Z_PLUS_LIMIT,
+                (Axis::Z, false) => number::Z_MINUS_LIMIT,
+                // The family has no number for them.
+                (Axis::Fourth | Axis::Fifth, _) => number::OUT_OF_RANGE,
             };
-            let detail =
-                say::mill_beyond_travel(char::from(axis.address()), to.mm(), low.mm(), high.mm());
-            let alarm = Alarm::new(beyond[axis as usize]).because(detail);
-            return Err(alarm.at(step.source));
+            let name = self.axes.letter(axis);
+            let unit = if self.axes.is_rotary(axis) {
+                "°"
+            } else {
+                "mm"
+            };
+            let (to, low, high) = (to.mm(), low.mm(), high.mm());
+            let detail = match Axis::FURTHER.contains(&axis) {
+                true => say::mill_beyond_further(name, to, low, high, unit),
+                false => say::mill_beyond_travel(name, to, low, high),
+            };
+            return Err(Alarm::new(beyond).because(detail).at(step.source));
         }
         Ok(())
     }

@@ -7,7 +7,7 @@ use crate::space::{Axis, Each, Flat, Length, Plane, Position};
 pub(crate) struct Scaling {
     /// What stays in place, work coordinates.
     pub(crate) center: Position,
-    /// Factors of the axes; a negative one mirrors.
+    /// Factors of X, Y and Z; a negative one mirrors. Further axes have none.
     pub(crate) factors: Each<f64>,
 }
 
@@ -72,7 +72,7 @@ impl Transform {
             let turned = rotation.center + from.turned(rotation.degrees);
             (mm[first], mm[second]) = (turned.first, turned.second);
         }
-        Each(mm.map(|value| Length::from_mm(value).rounded()))
+        point.with_basic(mm.map(|value| Length::from_mm(value).rounded()))
     }
 
     /// The point that comes to lie at another one.
@@ -93,7 +93,7 @@ impl Transform {
                 center[axis] + (mm[axis] - center[axis]) / factors.0[axis]
             });
         }
-        Each(mm.map(Length::from_mm))
+        point.with_basic(mm.map(Length::from_mm))
     }
 
     /// A way in a plane: from the start of an arc to its centre.
@@ -113,13 +113,15 @@ impl Transform {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::memory::position;
+    use crate::memory::MillMemory;
+    use crate::options;
 
     #[test]
     fn what_is_undone_was_there() {
+        let position = |text: &str| options::position(&MillMemory::default(), text);
         let scaling = Scaling {
             center: position("10,-20,5").expect("point"),
-            factors: Each([2.0, -0.5, 1.0]),
+            factors: Each::basic([2.0, -0.5, 1.0], 1.0),
         };
         let rotation = Rotation {
             plane: Plane::Xy,

@@ -3,6 +3,7 @@
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::command::Source;
 use gsk_core::compensation::cutter::Side;
+use gsk_core::preview::Progress;
 use gsk_core::program::Number;
 use gsk_core::units::Feed;
 use gsk_messages::say;
@@ -26,7 +27,22 @@ pub(crate) struct Scene<'a, 'b> {
     pub(crate) source: Source,
     /// Every block ends at a stand: G09.
     pub(crate) exact: bool,
+    /// Whether the run is to go on, which the holes of a block ask, too.
+    pub(crate) patience: Patience<'a>,
 }
+
+/// Whoever waits for a run.
+pub(crate) struct Patience<'a> {
+    /// Asked with where the run is.
+    pub(crate) go_on: &'a mut GoOn<'a>,
+    /// Where it was before the block.
+    pub(crate) progress: Progress,
+    /// It was said no.
+    pub(crate) over: bool,
+}
+
+/// Says whether a run is to go on.
+pub(crate) type GoOn<'a> = dyn FnMut(&Progress) -> bool + 'a;
 
 /// How a step is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,12 +52,25 @@ pub(crate) enum Way {
     Cut,
     /// A cut at another one, mm/min.
     CutAt(f64),
-    Tap,
+    /// A tap on its way out, or in.
+    Tap {
+        /// Whether it is the way out.
+        out: bool,
+    },
     /// A thread of this lead, mm.
     Thread(f64),
 }
 
 impl Scene<'_, '_> {
+    /// Whether more holes of a block are to be made.
+    fn goes_on(&mut self) -> bool {
+        let patience = &mut self.patience;
+        patience.progress.moves = self.tracker.moves;
+        patience.progress.time_s = self.tracker.now;
+        patience.over |= !(patience.go_on)(&patience.progress);
+        !patience.over
+    }
+
     /// A step without its end.
     fn step(&self, state: &State, kind: MoveKind) -> Step {
         Step {
@@ -55,7 +84,24 @@ impl Scene<'_, '_> {
             tool: state.modal.tool,
             speed: state.modal.speed,
             exact: self.exact || state.modal.exact_stop || self.memory.bit(parameter::CORNERS, 6),
+            rigid_out: None,
             dwell_s: 0.0,
+        }
+    }
+
+    /// The feed of a tap: out of a rigid one by the override of 5211.
+    fn of_tap(&self, state: &State, out: bool, feed: Feed) -> Feed {
+        let percent = match self.memory.value(parameter::TAP_OUT) {
+            0 => 100,
+            percent => percent,
+        };
+        if !out || !state.modal.rigid || percent == 100 {
+            return feed;
+        }
+        let factor = f64::from(percent) / 100.0;
+        match feed {
+            Feed::PerMinute(feed) => Feed::PerMinute(feed * factor),
+            Feed::PerRevolution(feed) => Feed::PerRevolution(feed * factor),
         }
     }
 
@@ -88,16 +134,17 @@ impl Scene<'_, '_> {
         let mut step = match way {
             Way::Rapid => self.step(state, MoveKind::Rapid),
             Way::Cut => Step {
-                feed: Some(feed(state)?),
+                feed: Some(turning(state, &to, feed(state)?)),
                 ..self.step(state, MoveKind::Feed)
             },
             Way::CutAt(feed) => Step {
                 feed: Some(Feed::PerMinute(feed)),
                 ..self.step(state, MoveKind::Feed)
             },
-            Way::Tap => Step {
-                feed: Some(feed(state)?),
+            Way::Tap { out } => Step {
+                feed: Some(self.of_tap(state, out, feed(state)?)),
                 exact: true,
+                rigid_out: state.modal.rigid.then_some(out),
                 ..self.step(state, MoveKind::Tap)
             },
             Way::Thread(lead) => Step {
@@ -107,7 +154,7 @@ impl Scene<'_, '_> {
         };
         step.to = to;
         self.push(state, &step, apart)?;
-        state.machine = to;
+        state.stand_at(to);
         Ok(())
     }
 
@@ -140,6 +187,19 @@ pub(crate) fn feed(state: &State) -> Result<Feed, Alarm> {
     Ok(Feed::PerRevolution(modal.feed))
 }
 
+/// The feed of a cut in which axes turn and none goes straight: an F in inches was none.
+fn turning(state: &State, to: &Position, feed: Feed) -> Feed {
+    let moves = |axis: &Axis| to.get(*axis) != state.machine.get(*axis);
+    let mut moving = state.axes.all().filter(moves).peekable();
+    let turns = moving.peek().is_some() && moving.all(|axis| state.axes.is_rotary(axis));
+    match feed {
+        Feed::PerMinute(feed) if turns && state.modal.inch => Feed::PerMinute(feed / MM_AN_INCH),
+        feed => feed,
+    }
+}
+
+const MM_AN_INCH: f64 = 25.4;
+
 /// Leads of threads, mm.
 const LEADS: core::ops::RangeInclusive<f64> = 0.001..=500.0;
 
@@ -169,14 +229,14 @@ pub(crate) fn target(state: &mut State, words: &Words) -> Position {
     let word = |axis: Axis| words.letters.axes.get(axis);
     for axis in Axis::ALL {
         if let Some(value) = word(axis) {
-            let value = length(value, modal.inch);
+            let value = state.word(axis, value);
             let from = to.get(axis);
             to.set(
                 axis,
                 if modal.incremental {
                     from + value
                 } else {
-                    value
+                    state.axes.towards(axis, from, value)
                 },
             );
         }
@@ -237,14 +297,14 @@ pub(crate) fn motion(
     }
     settle_rotation(state, scene.memory);
     let programmed = target(state, words);
-    let to = state.transform.apply(programmed) + state.frame(scene.memory);
+    let to = state.place(programmed, scene.memory);
     match motion {
         Motion::Rapid => scene.go(state, to, Way::Rapid, false)?,
         Motion::Line => scene.go(state, to, Way::Cut, false)?,
         Motion::Arc { clockwise } => arc_to(state, words, to, clockwise, scene)?,
         Motion::Thread => scene.go(state, to, Way::Thread(lead(state)?), true)?,
     }
-    state.programmed = programmed;
+    state.programmed_at(programmed);
     Ok(true)
 }
 
@@ -296,7 +356,7 @@ fn arc_to(
         ..scene.step(state, kind)
     };
     scene.push(state, &step, false)?;
-    state.machine = to;
+    state.stand_at(to);
     Ok(())
 }
 
@@ -347,10 +407,19 @@ pub(crate) fn holes(
     let across = state.modal.plane.across();
     let mut beside = *words;
     beside.letters.axes.set(across, None);
-    for _ in 0..count {
+    for hole_of_block in 0..count {
+        if hole_of_block > 0 && !scene.goes_on() {
+            break;
+        }
         let programmed = target(state, &beside);
-        let mut over = state.transform.apply(programmed) + state.frame(scene.memory);
+        let mut over = state.place(programmed, scene.memory);
         over.set(across, state.machine.get(across));
+        let rolled = state.axes.rolled(over);
+        if rolled != over {
+            // The other parts of the hole do not turn once more.
+            scene.go(state, over, Way::Rapid, true)?;
+            over = rolled;
+        }
         let levels = levels(hole, state, scene.memory)?;
         let HoleData {
             initial,
@@ -376,12 +445,12 @@ pub(crate) fn holes(
             match part {
                 Part::Rapid(to) => scene.go(state, to, Way::Rapid, true)?,
                 Part::Feed(to) => scene.go(state, to, Way::Cut, true)?,
-                Part::Tap(to) => scene.go(state, to, Way::Tap, true)?,
+                Part::Tap { to, out } => scene.go(state, to, Way::Tap { out }, true)?,
                 Part::Dwell(seconds) => scene.dwell(state, seconds)?,
                 Part::Spindle(spindle) => state.modal.spindle = spindle,
             }
         }
-        state.programmed = programmed;
+        state.programmed_at(programmed);
         let level = state.transform.undo(state.work(scene.memory)).get(across);
         state.programmed.set(across, level);
     }
@@ -414,7 +483,7 @@ fn levels(hole: Hole, state: &State, memory: &MillMemory) -> Result<(Length, Len
     };
     let r = data.r.map_or(data.initial, |r| level(r, data.initial));
     let Some(bottom) = data.bottom else {
-        let detail = say::mill_hole_without_bottom(hole.code(), char::from(across.address()));
+        let detail = say::mill_hole_without_bottom(hole.code(), state.axes.letter(across));
         return Err(Alarm::new(number::CYCLE_DATA).because(detail));
     };
     Ok((r, level(bottom, r)))

@@ -6,6 +6,7 @@ use gsk_core::model::{GCode, Record};
 use gsk_core::program::{Block, Number};
 use gsk_messages::say;
 
+use crate::axes::Axes;
 use crate::modal::{Hole, LengthOffset, Motion, WorkZero};
 use crate::space::{Axis, Each, Length, Plane};
 
@@ -55,6 +56,8 @@ pub(crate) struct Words {
     pub(crate) rotation: Option<Switch>,
     pub(crate) polar: Option<Switch>,
     pub(crate) letters: Letters,
+    /// A word of an axis that the machine has not.
+    pub(crate) stranger: Option<char>,
 }
 
 /// What stands after the letters, in mm where it is a length.
@@ -78,19 +81,34 @@ pub(crate) struct Letters {
 const ADDITIONAL: i64 = 54_100_000;
 
 impl Words {
-    pub(crate) fn of(block: &Block, record: &Record) -> Result<Self, Alarm> {
+    pub(crate) fn of(block: &Block, record: &Record, axes: Axes) -> Result<Self, Alarm> {
         let mut words = Self::default();
+        let mut further = Each::default();
         for word in block.words() {
             match word.address {
                 b'G' if word.value.millionths() == ADDITIONAL => words.additional = true,
                 b'G' => words.take_code(word.value, record)?,
+                letter @ b'A'..=b'C' => {
+                    let letter = char::from(letter);
+                    if let Some(axis) = axes.axis(letter) {
+                        further.set(axis, Some(word.value));
+                    } else {
+                        words.stranger = words.stranger.or(Some(letter));
+                    }
+                }
                 _ => {}
             }
         }
         let number = |address| block.number(address);
         words.letters = Letters {
-            axes: Each(Axis::ALL.map(|axis| number(axis.address()))),
-            center: Each(Axis::ALL.map(|axis| number(axis.center_address()))),
+            axes: Each([
+                number(b'X'),
+                number(b'Y'),
+                number(b'Z'),
+                further.get(Axis::Fourth),
+                further.get(Axis::Fifth),
+            ]),
+            center: Each::basic([number(b'I'), number(b'J'), number(b'K')], None),
             r: number(b'R'),
             q: number(b'Q'),
             p: number(b'P'),
@@ -195,6 +213,17 @@ impl Words {
         }
         self.one_shot = Some(code);
         Ok(())
+    }
+
+    /// Refuses a word of an axis that the machine has not. (In a call it is an argument.)
+    pub(crate) fn check_axes(&self) -> Result<(), Alarm> {
+        match self.stranger {
+            Some(letter) => {
+                let detail = say::mill_axis_missing(letter);
+                Err(Alarm::new(number::BAD_ADDRESS).because(detail))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Whether an axis is named.

@@ -294,18 +294,21 @@ impl Builder<'_> {
     }
 
     fn model(&mut self) -> ControlModel {
-        let Some(Value::Model(id)) = self.take(Key::Model) else {
-            // Whose parameters they are is not known: that is said once.
+        let executed = match self.take(Key::Model) {
+            Some(Value::Model(id)) if id.record().executes => Some(id),
+            Some(Value::Model(id)) => {
+                let name = &id.record().name;
+                self.fault(Key::Model, say::project_model_not_executed(name));
+                None
+            }
+            _ => None,
+        };
+        let Some(id) = executed else {
+            // Whose parameters they are is not known, or no matter: that is said once.
             self.left
                 .retain(|key, _| !matches!(key, Key::ModelParameter(_)));
             return ControlModel::new(ModelId::default());
         };
-        if !id.record().executes {
-            self.fault(
-                Key::Model,
-                say::project_model_not_executed(&id.record().name),
-            );
-        }
         let mut model = ControlModel::new(id);
         for (number, parameter) in &id.record().parameters {
             let (low, high) = parameter.range;

@@ -6,11 +6,13 @@ use std::io::{self, Write};
 use gsk_core::program::ProgramMemory;
 use gsk_core::units::Feed;
 use gsk_messages::Language;
-use gsk_milling::{Move, MoveKind, Preview, Progress, preview_while};
+use gsk_milling::{Axis, Move, MoveKind, Position, Preview, Progress, preview_while};
 
 use crate::decimal::Line;
 use crate::moves::rounded;
-use crate::report::{AlarmReport, Bounds, Final, PathReport, Place, Report, Seconds, ToolSeconds};
+use crate::report::{
+    AlarmReport, Bounds, Final, MillPlace, PathReport, Place, Report, Seconds, ToolSeconds,
+};
 
 pub use gsk_milling::MillSetup;
 
@@ -54,8 +56,8 @@ fn of(
         parts: preview.parts,
         stops: preview.stops,
         position: Final {
-            abs: Place::Mill(preview.work.mm().map(rounded)),
-            machine: Place::Mill(preview.machine.mm().map(rounded)),
+            abs: Place::Mill(place(preview, &preview.work)),
+            machine: Place::Mill(place(preview, &preview.machine)),
             rel: None,
         },
         modal: modal.codes(),
@@ -82,18 +84,48 @@ fn of(
                 ("thread", rounded(preview.lengths.thread)),
             ]),
             tools: preview.tools.iter().copied().map(tool_word).collect(),
-            bounds: preview.bounds.map(|it| {
-                let side = |axis: usize| (rounded(it.least[axis]), rounded(it.greatest[axis]));
-                Bounds {
-                    x: side(0),
-                    y: Some(side(1)),
-                    z: side(2),
-                }
-            }),
+            bounds: preview.bounds.map(|it| bounds(preview, &it)),
             times: times.all,
             tool_times: times.of_tools(),
         }),
         part: None,
+    }
+}
+
+/// The box of the path with the further axes of the machine.
+fn bounds(preview: &Preview, found: &gsk_milling::Bounds) -> Bounds {
+    let side = |axis: usize| (rounded(found.least[axis]), rounded(found.greatest[axis]));
+    let mut bounds = Bounds {
+        x: side(0),
+        y: Some(side(1)),
+        z: side(2),
+        further: BTreeMap::new(),
+        turning: Vec::new(),
+    };
+    for (axis, further) in preview.axes.all_further() {
+        let name = match further.letter {
+            'A' => "a",
+            'B' => "b",
+            _ => "c",
+        };
+        let (least, greatest) = found.further[usize::from(axis == Axis::Fifth)];
+        let range = (rounded(least), rounded(greatest));
+        bounds.further.insert(name, range);
+        if further.rotary {
+            bounds.turning.push(name);
+        }
+    }
+    bounds
+}
+
+/// A point with the further axes of the machine.
+fn place(preview: &Preview, point: &Position) -> MillPlace {
+    let further = preview.axes.all_further();
+    MillPlace {
+        basic: point.mm().map(rounded),
+        further: further
+            .map(|(axis, it)| (it.letter, rounded(point.get(axis).mm())))
+            .collect(),
     }
 }
 
@@ -148,7 +180,8 @@ impl Times {
 }
 
 /// Writes a move as one line, a JSON object: the tip of the tool in work coordinates, mm;
-/// `cx`, `cy`, `cz` are those of the centre that lie in the plane of an arc.
+/// `cx`, `cy`, `cz` are those of the centre that lie in the plane of an arc. A fourth and a
+/// fifth axis have their own letters: `a0` and `a`, in degrees where they turn.
 ///
 /// # Errors
 /// It cannot be written.
@@ -168,6 +201,15 @@ pub fn write_move(out: &mut dyn Write, made: &Move) -> io::Result<()> {
     line.value(",\"x\":", Some(to[0]));
     line.value(",\"y\":", Some(to[1]));
     line.value(",\"z\":", Some(to[2]));
+    for (further, from, to) in made.further() {
+        let (begin, end) = match further.letter {
+            'A' => (",\"a0\":", ",\"a\":"),
+            'B' => (",\"b0\":", ",\"b\":"),
+            _ => (",\"c0\":", ",\"c\":"),
+        };
+        line.value(begin, Some(from));
+        line.value(end, Some(to));
+    }
     let mut center = [None; 3];
     if let Some(arc) = made.arc {
         let [first, second, _] = arc.plane.axes();

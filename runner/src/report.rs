@@ -94,13 +94,29 @@ impl Serialize for WarningReport {
 }
 
 /// A position: in JSON a list of its numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Place {
     /// X as a diameter, Z.
     Lathe(f64, f64),
-    /// X, Y, Z.
-    Mill([f64; 3]),
+    /// X, Y, Z and further axes.
+    Mill(MillPlace),
+}
+
+/// A position of a mill: X, Y, Z, and the further axes that it has, with their letters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MillPlace {
+    /// mm.
+    pub basic: [f64; 3],
+    /// mm, or degrees of an axis that turns.
+    pub further: Vec<(char, f64)>,
+}
+
+impl Serialize for MillPlace {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let further = self.further.iter().map(|(_, value)| *value);
+        serializer.collect_seq(self.basic.into_iter().chain(further))
+    }
 }
 
 impl From<(f64, f64)> for Place {
@@ -205,7 +221,7 @@ pub struct PathReport {
 }
 
 /// A box; X of a lathe as diameters.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bounds {
     /// From, to.
     pub x: (f64, f64),
@@ -214,6 +230,12 @@ pub struct Bounds {
     pub y: Option<(f64, f64)>,
     /// From, to.
     pub z: (f64, f64),
+    /// From, to, of the further axes of a mill by their letters.
+    #[serde(flatten)]
+    pub further: BTreeMap<&'static str, (f64, f64)>,
+    /// Which of them count in degrees.
+    #[serde(skip)]
+    pub turning: Vec<&'static str>,
 }
 
 /// A message in the language that was chosen.

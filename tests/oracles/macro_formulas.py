@@ -93,8 +93,11 @@ def of_one(name, a):
     if name == "ABS":
         return abs(a)
     # A whole number but for the last digits of floating point is meant.
-    if name in ("FIX", "FUP") and abs(a - nearest(a)) < Fraction(1, 10**10):
+    if name in ("FIX", "FUP") and abs(a - nearest(a)) < Fraction(1, 10**10) * max(1, abs(a)):
         return Fraction(nearest(a))
+    # Beyond a thousand turns the last digits of the angle decide.
+    if name in ("SIN", "COS") and abs(a) > 360_000:
+        raise Refused
     if name == "FIX":
         return Fraction(math.trunc(a))
     if name == "FUP":

@@ -6,7 +6,8 @@
 Random programs of the codes that both have: lines, arcs by R and by I, J, K in three
 planes, helices, G43, G49, G52, G54 to G59, G92, G81, G82, G85, G89 with G98, G99 and
 repetitions. The end of every move must be the same to 1 um, of every arc its centre and
-sense, too. Of G73 and G83, which go back by other amounts, the depth is compared.
+sense, too. A fourth axis A, rotary, takes part in lines, arcs and zeros. Of G73 and G83,
+which go back by other amounts, the depth is compared.
 """
 
 import argparse
@@ -24,8 +25,8 @@ NEAR = 0.0011
 INCH = 25.4
 PLANES = {"G17": ("X", "Y", "Z"), "G18": ("Z", "X", "Y"), "G19": ("Y", "Z", "X")}
 CENTERS = {"X": "I", "Y": "J", "Z": "K"}
-ZEROS = {54: (0, 0, 0), 55: (10, -20, 5), 56: (-3.5, 7.25, 0), 57: (100, 50, -10),
-         58: (0.001, 0.002, 0.003), 59: (-40, 0, 12)}
+ZEROS = {54: (0, 0, 0, 0), 55: (10, -20, 5, 90), 56: (-3.5, 7.25, 0, -400), 57: (100, 50, -10, 0),
+         58: (0.001, 0.002, 0.003, 0.004), 59: (-40, 0, 12, 1.5)}
 LENGTHS = {1: 50.0, 2: 73.125, 3: -4.5}
 
 
@@ -43,6 +44,8 @@ def line(draw):
     axes = draw.sample("XYZ", draw.randrange(1, 4))
     mode = draw.choice(["G90", "G91"])
     reach = 60 if mode == "G90" else 15
+    if draw.random() < 0.3:
+        axes.append("A")
     return [f"{mode} {code} " + words(**{axis: draw.uniform(-reach, reach) for axis in axes})]
 
 
@@ -51,6 +54,8 @@ def arc(draw):
     first, second, across = PLANES[plane]
     code = draw.choice(["G2", "G3"])
     helix = {across: draw.uniform(-5, 5)} if draw.random() < 0.4 else {}
+    if draw.random() < 0.2:
+        helix["A"] = draw.uniform(-400, 400)
     if draw.random() < 0.4:
         ends = {first: draw.uniform(-20, 20), second: draw.uniform(-20, 20)}
         chord = math.hypot(*ends.values())
@@ -79,7 +84,7 @@ def length(draw):
 def zero(draw):
     if draw.random() < 0.6:
         return [f"G{draw.choice(list(ZEROS))}"]
-    axes = {axis: draw.uniform(-30, 30) for axis in draw.sample("XYZ", 2)}
+    axes = {axis: draw.uniform(-30, 30) for axis in draw.sample("XYZA", 2)}
     return [f"G90 {draw.shift} " + words(**axes), "G1"]
 
 
@@ -103,7 +108,7 @@ def holes(draw):
 def program(draw):
     # There both share one offset.
     draw.shift = draw.choice(["G52", "G92"])
-    lines = ["G21 G17 G90 G94 G54 G40 G49", "G0 X0. Y0. Z50.", "G1 F200"]
+    lines = ["G21 G17 G90 G94 G54 G40 G49", "G0 X0. Y0. Z50. A0.", "G1 F200"]
     for _ in range(draw.randrange(5, 40)):
         lines += draw.choices([line, arc, length, zero, holes], [5, 5, 1, 1, 2])[0](draw)
     return [*lines, "G92.1", "M2"]
@@ -115,7 +120,7 @@ def ours(binary, folder, lines):
     path.write_text(text + "\n")
     zeros = [f"--mill-zero={code}=" + ",".join(map(str, point)) for code, point in ZEROS.items()]
     lengths = [f"--mill-offset={number}={value}" for number, value in LENGTHS.items()]
-    done = subprocess.run([binary, "check", "--model", "gsk980mdi", "--mill-start=0,0,0", *zeros, *lengths,
+    done = subprocess.run([binary, "check", "--model", "gsk980mdi", "--mill-start=0,0,0", "--model-param=1010=4", *zeros, *lengths,
                            "--moves", "-", "--json", path], capture_output=True, text=True)
     if done.returncode:
         sys.exit(f"{text}\n{done.stdout}{done.stderr}")
@@ -125,7 +130,7 @@ def ours(binary, folder, lines):
         if move["kind"] == "dwell":
             continue
         center = tuple(move[name] for name in ("cx", "cy", "cz")) if move["kind"] in ("cw", "ccw") else None
-        made.append((move["kind"], (move["x"], move["y"], move["z"]), center, move["line"]))
+        made.append((move["kind"], (move["x"], move["y"], move["z"], move["a"]), center, move["line"]))
     return made
 
 
@@ -134,7 +139,7 @@ CALL = re.compile(r"(\w+)\(([^)]*)\)")
 
 def theirs(folder, lines):
     (folder / "their.ngc").write_text("\n".join(lines).replace("{dwell}", "0.5") + "\n")
-    rows = [f"{5201 + 20 * (code - 53) + axis} {point[axis] / INCH:.12f}" for code, point in ZEROS.items() for axis in range(3)]
+    rows = [f"{5201 + 20 * (code - 53) + axis} {point[axis] / (1 if axis == 3 else INCH):.12f}" for code, point in ZEROS.items() for axis in range(4)]
     needed = [5161, 5181, 5210, 5211, 5212, 5213, 5214, 5215, 5216, 5217, 5218, 5219, 5220]
     numbers = {int(row.split()[0]): row.split()[1] for row in rows}
     for base in needed:
@@ -151,15 +156,15 @@ def theirs(folder, lines):
     done = subprocess.run(["rs274", "-g", "-v", "their.var", "-t", "their.tbl", "their.ngc"], cwd=folder,
                           capture_output=True, text=True, input="")
     made, at, plane = [], None, "XY"
-    offsets = {"SET_G5X_OFFSET": (0, 0, 0), "SET_G92_OFFSET": (0, 0, 0), "USE_TOOL_LENGTH_OFFSET": (0, 0, 0)}
+    offsets = {"SET_G5X_OFFSET": (0,) * 4, "SET_G92_OFFSET": (0,) * 4, "USE_TOOL_LENGTH_OFFSET": (0,) * 4}
     for row in done.stdout.splitlines():
         found = CALL.search(row)
         if not found:
             continue
         name, arguments = found[1], re.split(r"[ ,]+", found[2].strip())
         if name in offsets:
-            values = [float(part) for part in arguments[:4]]
-            offsets[name] = tuple(values[1:4] if name == "SET_G5X_OFFSET" else values[:3])
+            values = [float(part) for part in arguments]
+            offsets[name] = tuple(values[1:5] if name == "SET_G5X_OFFSET" else values[:4])
         elif name == "SELECT_PLANE":
             plane = arguments[0][-2:]
         elif name in ("STRAIGHT_TRAVERSE", "STRAIGHT_FEED", "ARC_FEED"):
@@ -172,8 +177,9 @@ def theirs(folder, lines):
                 point[first], point[second], point[across] = values[0], values[1], values[5]
                 middle[first], middle[second] = values[2], values[3]
                 center, kind = tuple(middle), "ccw" if values[4] > 0 else "cw"
+                point.append(values[6])
             else:
-                point = values[:3]
+                point = values[:4]
             machine = tuple(sum(parts) for parts in zip(point, *offsets.values()))
             if center is None and at and max(abs(a - b) for a, b in zip(at, machine)) < 0.0002:
                 continue

@@ -51,6 +51,9 @@ pub struct PitchArgs {
     /// Positions from the reference point, mm (degrees)
     #[arg(value_name = "POSITION", allow_negative_numbers = true)]
     pub positions: Vec<f64>,
+    /// The axis of the table: X, Y, Z, A, B or C; a file that names another one is refused
+    #[arg(long, value_name = "AXIS", value_parser = axis)]
+    pub axis: Option<char>,
     /// 3620: the number at the reference point
     #[arg(long, value_name = "N")]
     pub origin: i64,
@@ -112,9 +115,25 @@ fn shown_keys(word: &str) -> Result<(u16, u8), String> {
 /// `mill homing`.
 #[derive(Args, Debug)]
 pub struct HomingArgs {
+    /// The parameters of a machine, one a line: N=V, N=00001000 or N.B=0|1, those of an axis
+    /// with 10000 (X) to 50000 (the fifth) more; how each of its axes goes home then
+    #[arg(long, value_name = "FILE")]
+    pub params: Option<PathBuf>,
+    /// One of them, instead of the file or over it (may be repeated)
+    #[arg(long = "param", value_name = "N=V")]
+    pub values: Vec<String>,
     /// Language of what is said
     #[arg(long, value_parser = language(), value_name = "LANG")]
     pub lang: Option<Language>,
+}
+
+/// Letters of the axes that a mill may have.
+pub const AXES_OF_MILLS: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
+
+fn axis(word: &str) -> Result<char, String> {
+    let letter = word.to_ascii_uppercase().parse().ok();
+    let known = letter.filter(|letter| AXES_OF_MILLS.contains(letter));
+    known.ok_or_else(|| "an axis is X, Y, Z, A, B or C".to_owned())
 }
 
 fn bits(word: &str) -> Result<u8, String> {

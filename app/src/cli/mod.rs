@@ -34,7 +34,7 @@ pub use link::{
 };
 pub use looks::{CheckArgs, Format, LookArgs, PatienceArgs, PlotArgs};
 pub use lsp::LspArgs;
-pub use mill::{GearArgs, MillCommand, MillKeysArgs, PitchArgs};
+pub use mill::{AXES_OF_MILLS, GearArgs, HomingArgs, MillCommand, MillKeysArgs, PitchArgs};
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
 pub use pitch::{PitchCommand, PitchFormat, PitchImportArgs, PitchShowArgs};

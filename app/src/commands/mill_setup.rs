@@ -4,14 +4,14 @@ use std::path::Path;
 
 use gsk_commission::Imported;
 use gsk_messages::{Language, Message, say};
-use gsk_milling::Length;
 use gsk_milling::commissioning::{PitchTable, Teeth, backlash_rate, linear_gear, rotary_gear};
 use gsk_milling::keys::{KEYS, pressed};
+use gsk_milling::{Length, ParameterValues, homing};
 use gsk_runner::report;
 
 use super::{CommandError, FINE, output};
 use crate::apart::{Read, keep_apart};
-use crate::cli::{GearArgs, MillCommand, MillKeysArgs, PitchArgs};
+use crate::cli::{AXES_OF_MILLS, GearArgs, HomingArgs, MillCommand, MillKeysArgs, PitchArgs};
 use crate::files::program_file;
 use crate::loading::LoadError;
 
@@ -21,6 +21,9 @@ pub fn work_out(command: &MillCommand) -> Result<u8, CommandError> {
         MillCommand::Gear(args) => gear(args),
         MillCommand::Pitch(args) => pitch(args),
         MillCommand::Keys(args) => keys(args),
+        MillCommand::Homing(args) if args.params.is_some() || !args.values.is_empty() => {
+            homing_of(args)
+        }
         MillCommand::Homing(args) => {
             let steps = [
                 say::mill_homing_absolute(),
@@ -42,6 +45,28 @@ pub fn work_out(command: &MillCommand) -> Result<u8, CommandError> {
             Ok(FINE)
         }
     }
+}
+
+/// How the axes go to machine zero with the parameters of a machine.
+fn homing_of(args: &HomingArgs) -> Result<u8, CommandError> {
+    let mut values = ParameterValues::default();
+    if let Some(path) = &args.params {
+        let file = program_file::read(path).map_err(LoadError::from)?;
+        for (line, text) in (1_u32..).zip(file.text.lines()) {
+            let at_line = |rule: Message| {
+                let rule = say::pitch_file_line(line, rule);
+                wrong(say::pitch_file(path.display(), rule))
+            };
+            values.take(text).map_err(at_line)?;
+        }
+    }
+    for word in &args.values {
+        values.take(word).map_err(wrong)?;
+    }
+    for said in homing(&values) {
+        say_line(&said, args.lang);
+    }
+    Ok(FINE)
 }
 
 fn wrong(said: Message) -> CommandError {
@@ -77,10 +102,14 @@ fn pitch(args: &PitchArgs) -> Result<u8, CommandError> {
     let interval = thousandths(args.interval);
     let table = PitchTable::new(args.origin, interval, args.window, &args.values);
     let mut table = table.map_err(wrong)?;
-    let backlash = match &args.ren {
+    let (axis, backlash) = match &args.ren {
         Some(path) => add_file(&mut table, args, path)?,
-        None => None,
+        None => (None, None),
     };
+    let axis = args.axis.or(axis);
+    if let Some(axis) = axis {
+        say_line(&say::mill_pitch_axis(axis), args.lang);
+    }
     for (number, value) in table.values() {
         let said = say::mill_pitch_row(number, table.label(number), value);
         say_line(&said, args.lang);
@@ -99,7 +128,7 @@ fn pitch(args: &PitchArgs) -> Result<u8, CommandError> {
     if let Some(path) = &args.export {
         keep_apart_from(args.ren.as_deref(), path)?;
         let target = output::reserve(path)?;
-        target.write(in_renishaw_form(&table, interval, backlash).as_bytes())?;
+        target.write(in_renishaw_form(&table, axis, interval, backlash).as_bytes())?;
     }
     Ok(FINE)
 }
@@ -115,31 +144,27 @@ fn keep_apart_from(source: Option<&Path>, target: &Path) -> Result<(), CommandEr
     Ok(())
 }
 
-/// Adds the values of a Renishaw text; its backlash, 0.001 mm, where it has one.
+/// Adds the values of a Renishaw text; the axis that it names and its backlash, 0.001 mm,
+/// where it has them.
 fn add_file(
     table: &mut PitchTable,
     args: &PitchArgs,
     path: &Path,
-) -> Result<Option<i64>, CommandError> {
+) -> Result<(Option<char>, Option<i64>), CommandError> {
     if args.turn.is_some() {
         return Err(wrong(say::pitch_ren_rotary()));
     }
     let file = program_file::read(path).map_err(LoadError::from)?;
     let at_file = |rule: Message| wrong(say::pitch_file(path.display(), rule));
-    // The axis is the one that is asked for: a mill has others than a lathe.
-    let lines = file.text.lines().map(|line| {
-        let key = line.trim_start().get(..4).unwrap_or_default();
-        if key.eq_ignore_ascii_case("axis") {
-            ""
-        } else {
-            line
-        }
-    });
-    let text = lines.collect::<Vec<_>>().join("\n");
-    let imported = gsk_commission::read(&text).map_err(|fault| at_file(fault.message()))?;
+    let imported = gsk_commission::read_of(&file.text, &AXES_OF_MILLS);
+    let imported = imported.map_err(|fault| at_file(fault.message()))?;
     let Imported::Table(read) = imported else {
         return Err(at_file(say::mill_pitch_measured()));
     };
+    let other = |axis: &char| args.axis.is_some_and(|wanted| wanted != *axis);
+    if let Some(axis) = read.axis.filter(other) {
+        return Err(at_file(say::pitch_other_axis(axis)));
+    }
     let at_line = |line: u32, rule: Message| at_file(say::pitch_file_line(line, rule));
     if let Some((line, spacing)) = read.spacing
         && (spacing.0 - args.interval).abs() > 1e-6
@@ -171,13 +196,22 @@ fn add_file(
         added.map_err(|rule| at_line(row.line, rule))?;
     }
     let backlash = read.backlash.map(|(_, backlash)| backlash.0.round() as i64);
-    Ok(backlash)
+    Ok((read.axis, backlash))
 }
 
-fn in_renishaw_form(table: &PitchTable, interval: i64, backlash: Option<i64>) -> String {
+fn in_renishaw_form(
+    table: &PitchTable,
+    axis: Option<char>,
+    interval: i64,
+    backlash: Option<i64>,
+) -> String {
     let rows: Vec<_> = table.values().collect();
     let mm = |thousandths: i64| thousandths as f64 / 1000.0;
-    let mut out = format!("spacing: {:.3}\npoints: {}\n", mm(interval), rows.len());
+    let mut out = String::new();
+    if let Some(axis) = axis {
+        out.push_str(&format!("axis: {axis}\n"));
+    }
+    out += &format!("spacing: {:.3}\npoints: {}\n", mm(interval), rows.len());
     if let Some(backlash) = backlash {
         out.push_str(&format!("backlash: {backlash}\n"));
     }

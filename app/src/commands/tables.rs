@@ -152,10 +152,10 @@ fn of_the_mill() -> Table {
         };
         let json = json!({
             "number": row.number, "bit": row.bit, "symbol": row.symbol,
-            "each_axis": row.each_axis, "unit": row.unit, "range": row.range,
+            "each_axis": !row.axes.is_empty(), "axes": axes_in_words(row.axes), "unit": row.unit, "range": row.range,
             "acts": row.acts, "zh": row.zh, "en": row.en,
         });
-        let axes = if row.each_axis { "+10000 each" } else { "" };
+        let axes = axes_in_words(row.axes);
         let acts = if row.acts { "yes" } else { "no" };
         let cells = [
             &number, row.symbol, axes, row.unit, row.range, acts, row.zh, row.en,
@@ -163,6 +163,16 @@ fn of_the_mill() -> Table {
         table.push(cells.map(str::to_owned).to_vec(), json);
     }
     table
+}
+
+/// The numbers that the axes of a row have more.
+const fn axes_in_words(axes: &[u16]) -> &'static str {
+    match axes {
+        [] => "",
+        [4, 5] => "+40000 4th, +50000 5th",
+        [1, 2, 3] => "+10000 X to +30000 Z",
+        _ => "+10000 X to +50000 5th",
+    }
 }
 
 /// The parameters that only one of the other lathes has.

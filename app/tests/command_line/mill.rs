@@ -116,6 +116,7 @@ fn a_renishaw_text_is_added_and_written_again() {
     let (code, out, err) = said(&words);
     assert_eq!(code, 0, "{err}");
     for row in [
+        "axis Y",
         "number 60 (-010): 6",
         "number 61 (0010): 5",
         "number 62 (0020): -1",
@@ -131,6 +132,16 @@ fn a_renishaw_text_is_added_and_written_again() {
     again.push(out_file.path());
     assert_eq!(said(&again).1, out);
     let off_grid = Scratch::new("z.ren", b"spacing: 10\n-10 6\n15 4\n");
+    let other = [&words[..], &["--axis", "x"]].concat();
+    let (code, _, err) = said(&other);
+    assert!(code == 2 && err.contains("it is of Y"), "{err}");
+    let no_axis = Scratch::new("w.ren", b"axis: W\n10 1\n");
+    *again.last_mut().unwrap() = no_axis.path();
+    let (code, _, err) = said(&again);
+    assert!(
+        code == 2 && err.contains("W") && err.contains("X, Y, Z"),
+        "{err}"
+    );
     *words.last_mut().unwrap() = file.path();
     let (code, _, err) = said(&words);
     assert!(code != 0, "over what it is read from: {err}");
@@ -168,6 +179,17 @@ fn parameters_and_keys_of_a_mill_are_listed() {
     assert!(code == 2 && err.contains("015"), "{err}");
     let (_, out, _) = said(&["mill", "homing", "--lang", "en"]);
     assert!(out.contains("032") && out.contains("1246"), "{out}");
+    let file = Scratch::new(
+        "mill.par",
+        b"# of the machine\n1010=4\n40188.6=1\n31=3000\n",
+    );
+    let words = ["mill", "homing", "--lang", "en", "--params", file.path()];
+    let (code, out, _) = said(&[&words[..], &["--param", "13.3=1"]].concat());
+    assert!(code == 0 && out.lines().count() == 5, "{out}");
+    assert!(out.contains("A: method D (188.6 = 1): - at 3000"), "{out}");
+    let file = Scratch::new("wrong.par", b"31=3000\n32=1\n");
+    let (code, _, err) = said(&["mill", "homing", "--params", file.path(), "--lang", "en"]);
+    assert!(code == 2 && err.contains("line 2"), "{err}");
     let (_, out, _) = said(&["mill", "backlash", "00001010", "--lang", "en"]);
     assert!(out.contains("10000"), "{out}");
 }

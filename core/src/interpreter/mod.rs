@@ -35,6 +35,7 @@ mod tests;
 
 pub use crate::command::Modal;
 pub(crate) use codes::spindle_speed::speed_at as surface_rpm;
+pub use context::code_calls::{PlainCall, T_VARIABLE};
 pub use context::explanation::Explanation;
 pub use context::host::{Host, Step};
 pub use context::machine_codes::MachineCodes;

@@ -14,12 +14,14 @@ use crate::alarm::{Alarm, number};
 use crate::command::{BlockNumber, ProgramId, Source};
 use crate::interpreter::calls::jump::Jumps;
 use crate::interpreter::calls::subprogram::LEVELS;
+use crate::interpreter::context::code_calls::{CodeCalls, PlainCall, are_ordinary};
 use crate::interpreter::context::place::{Call, CallKind, Place};
 use crate::interpreter::macros::formula;
 use crate::interpreter::macros::levels::{LOCALS, Levels, Locals};
 use crate::interpreter::macros::statement::{self, Here, MACRO_LEVELS, Outcome};
 use crate::interpreter::macros::variable::NotNow;
-use crate::program::{Block, Program, ProgramMemory, Recent, Syntax};
+use crate::model::ControlModel;
+use crate::program::{Block, CodeCall, Program, ProgramMemory, Recent, Syntax};
 
 /// The variables besides #0 to #33, which the walker keeps.
 pub trait System {
@@ -78,6 +80,7 @@ pub struct Walker {
     sequence: Option<BlockNumber>,
     jumps: Jumps,
     recent: Recent,
+    codes: Option<Box<CodeCalls>>,
     ended: bool,
 }
 
@@ -93,8 +96,22 @@ impl Walker {
             sequence: None,
             jumps: Jumps::default(),
             recent: Recent::default(),
+            codes: None,
             ended: false,
         }
+    }
+
+    /// With the codes that call a program by the parameters of a model.
+    #[must_use]
+    pub fn with_codes(mut self, model: &ControlModel) -> Self {
+        self.codes = CodeCalls::of(model);
+        self
+    }
+
+    /// Those codes, where they are no ordinary ones.
+    fn calling(&self) -> Option<&CodeCalls> {
+        let codes = self.codes.as_deref();
+        codes.filter(|_| !are_ordinary(&self.calls))
     }
 
     /// The block read last.
@@ -147,6 +164,15 @@ impl Walker {
         if skipping && program.has_skip_mark(index) {
             return Ok(Read::Nothing);
         }
+        let calls = self.calling().map(|codes| {
+            let called = |letter, code| codes.called(letter, code);
+            program.code_call(index, &called)
+        });
+        let call = calls.transpose().map_err(Alarm::from)?.flatten();
+        if let Some(call) = call {
+            let outcome = self.call_by_words(&call, program, programs, syntax, system);
+            return nothing_but(outcome);
+        }
         // Beside the run, which changes while a block is looked at.
         let mut recent = core::mem::take(&mut self.recent);
         let read = recent.read(program, index, syntax);
@@ -154,12 +180,39 @@ impl Walker {
             .map_err(|error| NotNow::Fault(error.into()))
             .and_then(|block| self.carry_out(block, program, programs, syntax, system));
         self.recent = recent;
-        match outcome {
-            Ok(read) => Ok(read),
-            Err(NotNow::Fault(alarm)) => Err(alarm),
-            // Everything before a block is finished here.
-            Err(NotNow::Wait) => Ok(Read::Nothing),
-        }
+        nothing_but(outcome)
+    }
+
+    /// A macro that a code calls with the words of its block.
+    fn call_by_words(
+        &mut self,
+        call: &CodeCall,
+        program: &Program,
+        programs: &ProgramMemory,
+        syntax: Syntax,
+        system: &mut impl System,
+    ) -> Result<Read, NotNow> {
+        let levels = &self.levels;
+        let read = |number: u32| match number {
+            0 => Ok(None),
+            1..=LOCALS => Ok(levels.get(number as u8)),
+            _ => system.read(number).map_err(NotNow::Fault),
+        };
+        let read = formula::Read {
+            variable: &read,
+            signed_angles: system.signed_angles(),
+        };
+        let here = Here {
+            program,
+            programs,
+            place: self.here,
+            calls: &self.calls,
+            syntax,
+            within: None,
+        };
+        let outcome = statement::carry_out_code_call(call, &here, read)?;
+        self.take_up(outcome, program, system)?;
+        Ok(Read::Nothing)
     }
 
     fn carry_out(
@@ -275,6 +328,30 @@ impl Walker {
         name: &str,
     ) -> Result<(), Alarm> {
         let call = self.new_call(programs, program, runs, name, CallKind::Subprogram)?;
+        self.enter(call, None);
+        Ok(())
+    }
+
+    /// The program that an M or a T calls by parameters as M98 does.
+    pub fn called_by(&self, m: Option<i64>, t: Option<i64>) -> Option<PlainCall> {
+        let m = m.and_then(|code| u16::try_from(code).ok());
+        self.calling()?.plain_by(m, t)
+    }
+
+    /// Calls it, so many times. Codes call nothing in it.
+    ///
+    /// # Errors
+    /// Those of [`Self::call`].
+    pub fn call_by_code(
+        &mut self,
+        programs: &ProgramMemory,
+        call: &PlainCall,
+        runs: u16,
+    ) -> Result<(), Alarm> {
+        let name = format!("{}{:02}", call.address, call.code);
+        let kind = CallKind::Subprogram;
+        let mut call = self.new_call(programs, call.program.into(), runs, &name, kind)?;
+        call.codes_ordinary = true;
         self.enter(call, None);
         Ok(())
     }
@@ -406,6 +483,15 @@ impl Walker {
     /// Calls under way.
     pub fn depth(&self) -> usize {
         self.calls.len()
+    }
+}
+
+/// What is read where everything before a block is finished: nothing has to wait.
+fn nothing_but(outcome: Result<Read, NotNow>) -> Result<Read, Alarm> {
+    match outcome {
+        Ok(read) => Ok(read),
+        Err(NotNow::Fault(alarm)) => Err(alarm),
+        Err(NotNow::Wait) => Ok(Read::Nothing),
     }
 }
 

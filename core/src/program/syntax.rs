@@ -37,10 +37,10 @@ impl Syntax {
         }
     }
 
-    /// Whether the numbers of an address are lengths: on a mill those of Y, and those of
-    /// Q, the depth of a peck, too.
+    /// Whether the numbers of an address are lengths: on a mill those of Y, A, B
+    /// and C, and those of Q, the depth of a peck, too.
     pub(super) const fn is_length(self, address: u8) -> bool {
-        is_length(address) || self.model.is_mill() && matches!(address, b'Y' | b'Q')
+        is_length(address) || self.model.is_mill() && matches!(address, b'A'..=b'C' | b'Q' | b'Y')
     }
 
     /// Whether the numbers of an address may have a decimal point: on a mill those of G,

@@ -12,7 +12,7 @@
 //! ```
 
 use gsk_messages::{Language, say};
-use gsk_milling::{Move, MoveKind};
+use gsk_milling::{Further, Move, MoveKind};
 
 use super::canvas::{Align, Canvas};
 use super::clip::clipped;
@@ -94,6 +94,8 @@ pub struct MillDrawing {
     cuts: Option<Cube>,
     all: Option<Cube>,
     times: Times,
+    /// What further axes reach that have moved: mm, or degrees.
+    further: Vec<(Further, f64, f64)>,
     count: usize,
     left_out: u64,
 }
@@ -110,6 +112,7 @@ impl MillDrawing {
             cuts: None,
             all: None,
             times: Times::default(),
+            further: Vec::new(),
             count: 0,
             left_out: 0,
         }
@@ -119,6 +122,11 @@ impl MillDrawing {
     pub fn push(&mut self, made: &Move) {
         self.times.push(made);
         if made.kind == MoveKind::Dwell {
+            return;
+        }
+        self.turn(made);
+        // What only turns draws nothing.
+        if made.arc.is_none() && made.from.mm() == made.to.mm() {
             return;
         }
         if self.count >= MOST {
@@ -133,12 +141,8 @@ impl MillDrawing {
             MoveKind::Rapid => Made::Rapid,
             _ => Made::Cut(self.index_of(made.tool)),
         };
-        let chords = made
-            .sweep()
-            .map_or(1, |sweep| (sweep / CHORD).ceil().max(1.0) as u32);
         let begin: [f64; 3] = place(made.from.mm());
-        let points = (1..=chords).map(|chord| place(made.at(f64::from(chord) / f64::from(chords))));
-        let points: Vec<[f64; 3]> = points.collect();
+        let points: Vec<[f64; 3]> = corners(made).into_iter().map(place).collect();
         self.count += points.len();
         for point in core::iter::once(&begin).chain(&points) {
             Cube::reach(&mut self.all, *point);
@@ -153,6 +157,22 @@ impl MillDrawing {
             _ => {
                 let points = core::iter::once(begin).chain(points).collect();
                 self.strokes.push(Stroke { made: way, points });
+            }
+        }
+    }
+
+    /// Takes what further axes do; of one that has never moved nothing is said.
+    fn turn(&mut self, made: &Move) {
+        for (further, from, to) in made.further() {
+            let (least, greatest) = (from.min(to), from.max(to));
+            let mut known = self.further.iter_mut();
+            match known.find(|(known, ..)| *known == further) {
+                Some((_, low, high)) => {
+                    *low = low.min(least);
+                    *high = high.max(greatest);
+                }
+                None if from == to => {}
+                None => self.further.push((further, least, greatest)),
             }
         }
     }
@@ -193,6 +213,21 @@ impl MillDrawing {
         }
         cube
     }
+}
+
+/// Points of a move behind its begin: chords of an arc; the places where axes of a rapid
+/// that go by themselves arrive.
+fn corners(made: &Move) -> Vec<[f64; 3]> {
+    if let Some(mut parts) = made.arrivals {
+        parts.sort_by(f64::total_cmp);
+        let parts = parts.into_iter().filter(|part| *part > 0.0 && *part < 1.0);
+        return parts.chain([1.0]).map(|part| made.at(part)).collect();
+    }
+    let chords = made
+        .sweep()
+        .map_or(1, |sweep| (sweep / CHORD).ceil().max(1.0) as u32);
+    let at = |chord: u32| made.at(f64::from(chord) / f64::from(chords));
+    (1..=chords).map(at).collect()
 }
 
 /// A direction from which the path is seen.
@@ -392,6 +427,22 @@ fn head(drawing: &MillDrawing, wide: f64, language: Language) -> (Vec<Part>, f64
         });
         x += entry;
     }
+    // The path is that of X, Y and Z: what turns is told.
+    for (further, least, greatest) in &drawing.further {
+        let unit = if further.rotary { "°" } else { " mm" };
+        let (least, greatest) = (figure(*least), figure(*greatest));
+        let words = format!("{} {least} … {greatest}{unit}", further.letter);
+        let entry = width(&words) + BETWEEN;
+        if x + entry > wide - EDGE && x > EDGE {
+            (x, y) = (EDGE, y + ROW);
+        }
+        parts.push(Part::Text {
+            at: (x, y + 5.0),
+            words,
+            align: Place::Left,
+        });
+        x += entry;
+    }
     (parts, y + ROW)
 }
 
@@ -532,6 +583,35 @@ mod tests {
         assert!(png.starts_with(b"\x89PNG"));
         let empty = MillDrawing::new("", Look::default());
         assert!(encode(Format::Svg, &empty, Language::En).is_ok());
+    }
+
+    #[test]
+    fn what_turns_is_told_and_an_axis_of_a_rapid_arrives_by_itself() {
+        let mut programs = ProgramMemory::default();
+        programs.open_external(Program::new("G00 X80 Y20 A-30\nG01 A330 F3600\nM30\n"));
+        programs.select(gsk_core::command::ProgramId::External);
+        let drawn = |parameters: &[(u16, i32)]| {
+            let mut setup = gsk_milling::MillSetup::default();
+            for (number, value) in parameters {
+                assert_eq!(setup.memory.model.set_parameter(*number, *value), Ok(()));
+            }
+            let mut drawing = MillDrawing::new("", Look::default());
+            let mut take = |made: &Move| drawing.push(made);
+            gsk_milling::preview_while(&setup, &programs, &mut take, &mut |_| true);
+            drawing
+        };
+        let drawing = drawn(&[(1010, 4)]);
+        let points = &drawing.strokes[0].points;
+        // 0.25 s to 20 mm, 0.7 s to 80 mm at 8000 mm/min with 100 ms.
+        assert_eq!((drawing.strokes.len(), points.len()), (1, 3));
+        let corner = points[1];
+        assert!(
+            (corner[0] - 80.0 * 0.25 / 0.7).abs() < 1e-6 && corner[1] == 20.0,
+            "{corner:?}"
+        );
+        let svg = encode(Format::Svg, &drawing, Language::En).expect("picture");
+        assert!(String::from_utf8_lossy(&svg).contains("A -30 … 330°"));
+        assert_eq!(drawn(&[(1010, 4), (12, 128)]).strokes[0].points.len(), 2);
     }
 
     #[test]

@@ -97,6 +97,8 @@ fn path(preview: &Preview) -> PathReport {
                 x: (low.0, high.0),
                 y: None,
                 z: (low.1, high.1),
+                further: BTreeMap::new(),
+                turning: Vec::new(),
             }
         }),
         ..PathReport::default()

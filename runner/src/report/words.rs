@@ -67,9 +67,15 @@ impl Report {
             lines.extend(part.words(words));
         }
         let modal = self.modal.join(" ");
-        let at_end = match self.position.abs {
+        let at_end = match &self.position.abs {
             Place::Lathe(x, z) => say::report_at_end(x, z, &self.t, modal),
-            Place::Mill([x, y, z]) => say::report_mill_at_end(x, y, z, &self.t, modal),
+            Place::Mill(place) => {
+                let [x, y, z] = place.basic;
+                let further = place.further.iter();
+                let further = further.map(|(letter, value)| format!(" {letter}{value}"));
+                let z = format!("{z}{}", further.collect::<String>());
+                say::report_mill_at_end(x, y, z, &self.t, modal)
+            }
         };
         lines.push(at_end.text(words));
         lines.join("\n  ") + "\n"
@@ -112,14 +118,30 @@ impl PathReport {
         lines
     }
 
+    /// What the further axes of a mill reach.
+    fn further_bounds(&self) -> String {
+        let Some(bounds) = &self.bounds else {
+            return String::new();
+        };
+        let further = bounds.further.iter().map(|(name, (least, greatest))| {
+            let unit = match bounds.turning.contains(name) {
+                true => "°",
+                false => " mm",
+            };
+            let name = name.to_ascii_uppercase();
+            format!(", {name} {least} … {greatest}{unit}")
+        });
+        further.collect()
+    }
+
     fn words(&self, words: Language) -> Vec<String> {
         let mut lines = Vec::new();
-        if let Some(Bounds { x, y, z }) = self.bounds {
+        if let Some(Bounds { x, y, z, .. }) = &self.bounds {
             let path = match y {
                 None => say::report_path(x.0, x.1, z.0, z.1),
                 Some(y) => say::report_mill_path(x.0, x.1, y.0, y.1, z.0, z.1),
             };
-            lines.push(path.text(words));
+            lines.push(path.text(words) + &self.further_bounds());
         }
         let lengths: Vec<String> = self
             .lengths

@@ -1,5 +1,7 @@
 //! Any text as a program of the mill: read, carried out, its moves held together.
 
+use std::time::Instant;
+
 use gsk_core::model::{ControlModel, ModelId};
 use gsk_milling::{MillSetup, Move, preview_while};
 
@@ -9,6 +11,8 @@ use super::{settings, watch};
 const MOVES: u64 = 20_000;
 /// Blocks without any.
 const MOTIONLESS: u64 = 20_000;
+/// Blocks among which a time is shared out at most.
+const SHARES: u64 = 20;
 /// How far a move may begin from the end of the one before it, mm.
 const APART: f64 = 1e-9;
 
@@ -37,9 +41,19 @@ pub(super) fn run(input: &[u8]) {
         last = Some(*made);
     };
     let programs = &setup.memory.programs;
+    // Nobody can stop it between two questions: the time of a block, or of a hole in it, and
+    // of many blocks at once their share.
+    let mut asked = (Instant::now(), 0);
+    let mut note = |blocks: u64| {
+        let share = blocks.saturating_sub(asked.1).clamp(1, SHARES);
+        watch::took(asked.0.elapsed() / share as u32);
+        asked = (Instant::now(), blocks);
+    };
     let preview = preview_while(&mill, programs, &mut take, &mut |progress| {
+        note(progress.blocks);
         progress.moves < MOVES && progress.motionless < MOTIONLESS
     });
+    note(preview.blocks);
     assert!(preview.time_s.is_finite() && preview.cutting_s <= preview.time_s + APART);
     for alarm in preview.alarm.iter().chain(&preview.further) {
         watch::seen("alarm", (alarm.number, watch::rule(&alarm.line_text())));

@@ -26,9 +26,13 @@ pub struct Report {
 pub fn unit<T>(work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let result = work();
-    let took = start.elapsed();
-    LONGEST.with(|longest| longest.set(longest.get().max(took)));
+    took(start.elapsed());
     result
+}
+
+/// Notes how long a unit of work took.
+pub fn took(time: Duration) {
+    LONGEST.with(|longest| longest.set(longest.get().max(time)));
 }
 
 /// Notes that something happened; a kind of thing and which one.

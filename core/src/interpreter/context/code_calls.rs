@@ -4,7 +4,7 @@
 //!   220–229   a G code    O9010–O9019   with arguments, as G65
 //!   230–239   an M code   O9020–O9029   with arguments, as G65
 //!   240–242   an M code   O9001–O9003   as M98
-//!   243       every T     O9000         as M98, T in #149
+//!   243       every T     O9000         as M98, T in #149 (of the mill 040.5)
 //! ```
 //!
 //! In a program that a G code calls, and in one that an M or a T calls as M98 does, such
@@ -17,7 +17,7 @@ use crate::interpreter::context::words::Words;
 use crate::model::{ControlModel, code_calls};
 
 /// Where T stands when it calls.
-pub(crate) const T_VARIABLE: u16 = 149;
+pub const T_VARIABLE: u16 = 149;
 /// What the first code of each kind calls.
 const OF_G: u16 = 9010;
 const OF_M: u16 = 9020;
@@ -37,10 +37,13 @@ pub(crate) struct CodeCalls {
 
 /// A program that a word calls as M98 does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct PlainCall {
-    pub(crate) program: u16,
-    pub(crate) address: char,
-    pub(crate) code: i64,
+pub struct PlainCall {
+    /// Its number.
+    pub program: u16,
+    /// The letter that calls: M or T.
+    pub address: char,
+    /// The number behind it.
+    pub code: i64,
 }
 
 impl CodeCalls {
@@ -55,7 +58,10 @@ impl CodeCalls {
         codes(code_calls::G, &mut calls.g);
         codes(code_calls::M, &mut calls.m);
         codes(code_calls::PLAIN_M, &mut calls.plain_m);
-        calls.t = model.parameter(code_calls::T) != 0;
+        calls.t = match model.id().is_mill() {
+            true => model.parameter(code_calls::T_OF_MILL) >> code_calls::T_BIT & 1 == 1,
+            false => model.parameter(code_calls::T) != 0,
+        };
         (calls != Self::default()).then(|| Box::new(calls))
     }
 
@@ -71,8 +77,13 @@ impl CodeCalls {
 
     /// The subprogram that a word of a block calls: an M, or the T.
     pub(crate) fn plain(&self, words: &Words) -> Option<PlainCall> {
-        let m = words.m.and_then(|code| {
-            let program = nth(&self.plain_m, code.into(), OF_PLAIN_M)?;
+        self.plain_by(words.m.map(u16::from), words.t)
+    }
+
+    /// The same by their numbers.
+    pub(crate) fn plain_by(&self, m: Option<u16>, t: Option<i64>) -> Option<PlainCall> {
+        let m = m.and_then(|code| {
+            let program = nth(&self.plain_m, code, OF_PLAIN_M)?;
             let (address, code) = ('M', code.into());
             Some(PlainCall {
                 program,
@@ -80,7 +91,7 @@ impl CodeCalls {
                 code,
             })
         });
-        let t = words.t.filter(|_| self.t).map(|code| PlainCall {
+        let t = t.filter(|_| self.t).map(|code| PlainCall {
             program: OF_T,
             address: 'T',
             code,

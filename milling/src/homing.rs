@@ -1,0 +1,208 @@
+//! How the axes of a GSK980MDi are sent to machine zero, by its parameters.
+
+use std::collections::BTreeMap;
+
+use gsk_messages::{Message, say};
+
+use crate::memory::parameter;
+use crate::parameter_table::{ParameterRow, parameter_rows};
+
+/// Values of parameters, as they stand in a file: those that are not given are 0.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ParameterValues(BTreeMap<u16, i32>);
+
+/// Switches of the axes, from [`FIRST_SWITCH`] on: 1 acts at +24 V, 0 open.
+const SWITCHES: u16 = 4;
+const FIRST_SWITCH: usize = 3;
+/// Bit 2: the jog key of a return holds itself.
+const KEY: (u16, usize) = (11, 2);
+/// The axes that go home in minus, from bit 0 on.
+const SENSE: u16 = 13;
+/// Speeds of a return, mm/min.
+const FAST: u16 = 31;
+const SLOW: u16 = 32;
+/// Bit 0: absolute encoders.
+const ENCODERS: (u16, usize) = (760, 0);
+/// Of a further axis, bit 6: method D.
+const METHOD_D: (u16, usize) = (parameter::ROLLOVER, 6);
+/// Of an axis: how far machine zero lies from where it stops, 0.001 mm.
+const OFFSET: u16 = 1246;
+/// Letters of X, Y and Z.
+const BASIC: [char; 3] = ['X', 'Y', 'Z'];
+
+impl ParameterValues {
+    /// Takes a line of a file: `13=00001000`, `13.3=1` or `31=3000`; what stands behind `#`
+    /// or `;` is no part of it.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn take(&mut self, line: &str) -> Result<(), Message> {
+        let text = line.split(['#', ';']).next().unwrap_or_default().trim();
+        if text.is_empty() {
+            return Ok(());
+        }
+        let form = || say::mill_parameter_form(text);
+        let (name, value) = text.split_once('=').ok_or_else(form)?;
+        let (name, value) = (name.trim(), value.trim());
+        if let Some((number, bit)) = name.split_once('.') {
+            let number: u16 = number.parse().map_err(|_| form())?;
+            let bit = bit.parse().ok().filter(|bit| *bit < 8_u8);
+            let bit = bit.ok_or_else(form)?;
+            let known = of_number(number).any(|row| row.bit == Some(bit));
+            if !known {
+                return Err(say::mill_parameter_unknown(name));
+            }
+            let on = match value {
+                "0" => false,
+                "1" => true,
+                _ => return Err(form()),
+            };
+            let whole = self.0.entry(number).or_default();
+            *whole = *whole & !(1 << bit) | i32::from(on) << bit;
+            return Ok(());
+        }
+        let number: u16 = name.parse().map_err(|_| form())?;
+        let bits = value.len() == 8 && value.bytes().all(|it| matches!(it, b'0' | b'1'));
+        let value: i32 = if bits {
+            i32::from_str_radix(value, 2).map_err(|_| form())?
+        } else {
+            value.parse().map_err(|_| form())?
+        };
+        let mut rows = of_number(number).peekable();
+        if rows.peek().is_none() {
+            return Err(say::mill_parameter_unknown(name));
+        }
+        if !rows.any(|row| in_range(row, value)) {
+            return Err(say::mill_parameter_range(name, value));
+        }
+        self.0.insert(number, value);
+        Ok(())
+    }
+
+    fn value(&self, number: u16) -> i32 {
+        self.0.get(&number).copied().unwrap_or(0)
+    }
+
+    fn bit(&self, number: u16, bit: usize) -> bool {
+        self.value(number) >> bit & 1 == 1
+    }
+
+    /// A speed, or the parameter that holds it where nobody has said.
+    fn speed(&self, number: u16) -> String {
+        match self.0.get(&number) {
+            Some(speed) => format!("{speed} mm/min ({number:03})"),
+            None => format!("{number:03}"),
+        }
+    }
+}
+
+/// The rows of a number, that of an axis among them.
+fn of_number(number: u16) -> impl Iterator<Item = &'static ParameterRow> {
+    parameter_rows().iter().filter(move |row| {
+        let mut own = row.axes.iter().map(|axis| row.number + axis * 10_000);
+        (row.axes.is_empty() && row.number == number) || own.any(|own| own == number)
+    })
+}
+
+fn in_range(row: &ParameterRow, value: i32) -> bool {
+    let bounds = row.range.split_once("..");
+    let bounds = bounds.and_then(|(low, high)| Some((low.parse().ok()?, high.parse().ok()?)));
+    match (row.bit, bounds) {
+        (Some(_), _) => (0..=255).contains(&value),
+        (None, Some((low, high))) => (low..=high).contains(&value),
+        (None, None) => true,
+    }
+}
+
+/// A sentence for each axis that the machine has.
+pub fn homing(values: &ParameterValues) -> Vec<Message> {
+    let count = usize::try_from(values.value(parameter::AXES))
+        .unwrap_or(0)
+        .max(3);
+    let axis = |index: usize| {
+        let own = |number: u16| number + 10_000 * (index as u16 + 1);
+        let letter = match BASIC.get(index) {
+            Some(letter) => *letter,
+            None => match values.value(own(parameter::NAME)) {
+                66 => 'B',
+                67 => 'C',
+                0 if index == 4 => 'C',
+                _ => 'A',
+            },
+        };
+        if values.bit(ENCODERS.0, ENCODERS.1) {
+            return say::mill_homing_of_absolute(letter);
+        }
+        let sense = if values.bit(SENSE, index) { '-' } else { '+' };
+        let (fast, slow) = (values.speed(FAST), values.speed(SLOW));
+        let offset = f64::from(values.value(own(OFFSET))) / 1000.0;
+        if index >= BASIC.len() && values.bit(own(METHOD_D.0), METHOD_D.1) {
+            return say::mill_homing_of_d(letter, sense, fast, slow, offset);
+        }
+        let bit = index + FIRST_SWITCH;
+        let switch = match values.bit(SWITCHES, bit) {
+            true => say::mill_homing_switch_closed(bit),
+            false => say::mill_homing_switch_open(bit),
+        };
+        say::mill_homing_of_switch(letter, sense, fast, switch, slow, offset)
+    };
+    let mut said: Vec<Message> = (0..count.min(5)).map(axis).collect();
+    said.push(match values.bit(KEY.0, KEY.1) {
+        true => say::mill_homing_key_holds(),
+        false => say::mill_homing_key_held(),
+    });
+    said
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_messages::Language;
+
+    fn said(lines: &[&str]) -> Vec<String> {
+        let mut values = ParameterValues::default();
+        for line in lines {
+            assert_eq!(values.take(line), Ok(()), "{line}");
+        }
+        let said = homing(&values);
+        said.iter().map(|it| it.text(Language::En)).collect()
+    }
+
+    #[test]
+    fn every_axis_goes_home_by_its_parameters() {
+        let lines = [
+            "1010 = 5",
+            "13=00010010   # Y and the fifth in minus",
+            "4.5=1",
+            "31=3000",
+            "32=200",
+            "",
+            "; method D",
+            "40188.6=1",
+            "41246=-1500",
+        ];
+        let found = said(&lines);
+        assert_eq!(found.len(), 6);
+        assert!(found[0].starts_with('X') && found[0].contains("+ at 3000 mm/min (031)"));
+        assert!(found[0].contains("004.3 = 0") && found[2].contains("004.5 = 1"));
+        assert!(found[1].contains("- at 3000"), "{}", found[1]);
+        assert!(found[3].starts_with('A') && found[3].contains("188.6"));
+        assert!(found[3].contains("-1.5"), "{}", found[3]);
+        assert!(found[4].starts_with('C') && found[4].contains("- at"));
+        let absolute = said(&["760.0=1"]);
+        assert_eq!(absolute.len(), 4);
+        assert!(absolute[0].contains("760.0"), "{}", absolute[0]);
+    }
+
+    #[test]
+    fn a_value_that_is_none_is_refused() {
+        let mut values = ParameterValues::default();
+        for line in [
+            "31", "x=1", "31=x", "31=5", "32=2000", "4.1=1", "4.8=1", "13.0=2", "999=1", "188=64",
+            "10188=64", "4=256",
+        ] {
+            assert!(values.take(line).is_err(), "{line}");
+        }
+        assert_eq!(values, ParameterValues::default());
+    }
+}

@@ -1,0 +1,122 @@
+//! Tools, zeros and the begin in words, as options give them.
+
+use gsk_messages::{Message, say};
+
+use crate::axes::Axes;
+use crate::memory::{Column, MillMemory};
+use crate::modal::WorkZero;
+use crate::space::{Length, Position};
+
+/// Why a word of an offset or a zero cannot be taken.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WordError(pub Message);
+
+impl MillMemory {
+    /// Takes an offset in words: `1=H,D`, with the wear of both behind, in mm.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn take_offset(&mut self, word: &str) -> Result<(), WordError> {
+        let wrong = || WordError(say::mill_offset_form(word));
+        let (name, values) = word.split_once('=').ok_or_else(wrong)?;
+        let number: i64 = name.trim().parse().map_err(|_| wrong())?;
+        let columns = [
+            Column::Length,
+            Column::Radius,
+            Column::LengthWear,
+            Column::RadiusWear,
+        ];
+        let values = numbers(values).ok_or_else(wrong)?;
+        if values.len() > columns.len() {
+            return Err(wrong());
+        }
+        for (column, value) in columns.into_iter().zip(values) {
+            let set = self.set_offset(number, column, value);
+            set.map_err(|alarm| WordError(alarm.reason()))?;
+        }
+        Ok(())
+    }
+
+    /// Takes a zero in words: `54=X,Y,Z`, `54.1P12=X,Y,Z`, `0=X,Y,Z` for the external one,
+    /// machine coordinates in mm; further axes stand behind.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn take_zero(&mut self, word: &str) -> Result<(), WordError> {
+        let wrong = || WordError(say::mill_zero_form(word));
+        let (name, values) = word.split_once('=').ok_or_else(wrong)?;
+        let point = position(self, values).ok_or_else(wrong)?;
+        let name = name.trim().trim_start_matches('G');
+        let zero = match name.split_once(".1P") {
+            Some(("54", additional)) => match additional.parse() {
+                Ok(number @ 1..=48_u8) => WorkZero(WorkZero::FIRST_ADDITIONAL + number - 1),
+                _ => return Err(wrong()),
+            },
+            _ => match name.parse() {
+                Ok(0_u8) => {
+                    self.external = point;
+                    return Ok(());
+                }
+                Ok(number @ 54..=59) => WorkZero(number - 54),
+                _ => return Err(wrong()),
+            },
+        };
+        if let Some(value) = self.zero_mut(zero) {
+            *value = point;
+        }
+        Ok(())
+    }
+}
+
+/// A point in words: `X,Y,Z` in mm, and behind it those of the further axes that there
+/// are, in mm or degrees.
+pub(crate) fn position(memory: &MillMemory, text: &str) -> Option<Position> {
+    let count = 3 + Axes::of(memory).all_further().count();
+    let values = numbers(text)?;
+    if !(3..=count).contains(&values.len()) {
+        return None;
+    }
+    let mut point = Position::default();
+    for (axis, value) in Axes::of(memory).all().zip(values) {
+        point.set(axis, value);
+    }
+    Some(point)
+}
+
+/// Lengths in mm, with commas between them.
+fn numbers(text: &str) -> Option<Vec<Length>> {
+    let number = |word: &str| {
+        let value: f64 = word.trim().parse().ok()?;
+        (value.abs() <= 99_999.999).then(|| Length::from_mm(value).rounded())
+    };
+    text.split(',').map(number).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_offsets_and_zeros() {
+        let mut memory = MillMemory::default();
+        assert_eq!(memory.take_offset("3=120.5,6,0,-0.03"), Ok(()));
+        assert_eq!(memory.tool_length(3), Length::from_mm(120.5));
+        assert!((memory.cutter_radius(3) - 5.97).abs() < 1e-9);
+        assert_eq!(memory.take_zero("54.1P48=1,2,3"), Ok(()));
+        let zero = memory.zero(WorkZero(53));
+        assert_eq!(zero.mm(), [1.0, 2.0, 3.0]);
+        assert_eq!(memory.take_zero("0=1,0,0"), Ok(()));
+        for wrong in ["0=1", "401=1", "1=1000", "1", "x=1", "1=nan", "1=1,2,3,4,5"] {
+            assert!(memory.take_offset(wrong).is_err(), "{wrong}");
+        }
+        for wrong in [
+            "53=1,2,3",
+            "54=1,2",
+            "54.1P49=0,0,0",
+            "54.1P0=0,0,0",
+            "54=inf,0,0",
+        ] {
+            assert!(memory.take_zero(wrong).is_err(), "{wrong}");
+        }
+    }
+}

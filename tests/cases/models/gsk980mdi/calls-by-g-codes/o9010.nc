@@ -1,0 +1,7 @@
+O9010
+(G81 is a hole here)
+G00 X#24
+G99 G81 Z#26 R2 F#9
+G80
+G00 Z10
+M99
