@@ -216,8 +216,70 @@ impl Structure {
     }
 }
 
+/// The number, with its digits, of a block that has nothing else to be shown: most blocks
+/// of a long program are moves, and most of the time goes into them. None for a line that
+/// must be taken apart.
+fn plain(line: &str) -> Option<Option<(u16, core::ops::Range<usize>)>> {
+    let bytes = line.as_bytes();
+    let named = bytes.first() == Some(&b'N');
+    let digits = bytes.get(1..)?.iter().take_while(|it| it.is_ascii_digit());
+    let digits = 1..1 + digits.count();
+    let rest = if named {
+        bytes.get(digits.end..)?
+    } else {
+        bytes
+    };
+    // No letter of a statement, and none that leads anywhere or is looked for.
+    let shows_nothing = |it: &u8| {
+        matches!(
+            it,
+            b'0'..=b'9'
+                | b'X'
+                | b'Z'
+                | b'.'
+                | b'-'
+                | b' '
+                | b'G'
+                | b'U'
+                | b'F'
+                | b'R'
+                | b'K'
+                | b'S'
+        )
+    };
+    let begins_word = |it: &u8| it.is_ascii_uppercase() || *it == b' ';
+    let is_plain = rest.first().is_some_and(begins_word) && rest.iter().all(shows_nothing);
+    if !is_plain || rest.iter().all(|it| *it == b' ') {
+        return None;
+    }
+    if !named {
+        return Some(None);
+    }
+    let number = line.get(digits.clone())?.parse().ok()?;
+    (number <= 9999).then_some(Some((number, digits)))
+}
+
 impl Walk {
     fn line(&mut self, index: u32, line: &str) -> core::ops::ControlFlow<()> {
+        match plain(line) {
+            Some(number) => {
+                self.begun = true;
+                self.structure.blocks.extend(number.map(|(number, digits)| {
+                    let part = self.structure.parts.len().saturating_sub(1);
+                    Numbered {
+                        number,
+                        word: Place::new(index, &(0..digits.end)),
+                        digits: Place::new(index, &digits),
+                        part,
+                    }
+                }));
+                core::ops::ControlFlow::Continue(())
+            }
+            None => self.any_line(index, line),
+        }
+    }
+
+    fn any_line(&mut self, index: u32, line: &str) -> core::ops::ControlFlow<()> {
         let spans = spans(line);
         if let [only] = &spans[..]
             && only.kind == Kind::Comment
@@ -411,6 +473,22 @@ mod tests {
                         G71 P10 Q20 U0.5 W0.1\nN10 G00 X20\n/N20 G01 Z-30;N30 X40\nM98 P2\n\
                         WHILE [#1 LT 3] DO 1\n#1=#1+1\nEND 1\nM30\nO0002\nN10 T0202\nM99 P30\n%\n\
                         N99 behind the end\n";
+
+    proptest::proptest! {
+        #![proptest_config(proptest::prelude::ProptestConfig {
+            failure_persistence: None,
+            ..proptest::prelude::ProptestConfig::default()
+        })]
+
+        #[test]
+        fn a_plain_block_is_read_as_any_other(line in "[NGXZUFRKSDOIW]?[0-9]{0,5}([NGXZUFRKSTO .-][ 0-9.]{0,4}){0,4}") {
+            let mut as_plain = Walk::default();
+            let mut taken_apart = Walk::default();
+            let _ = (as_plain.line(3, &line), taken_apart.any_line(3, &line));
+            proptest::prop_assert_eq!(as_plain.structure, taken_apart.structure);
+            proptest::prop_assert_eq!(as_plain.begun, taken_apart.begun);
+        }
+    }
 
     #[test]
     fn one_pass_finds_what_an_editor_shows() {
