@@ -26,6 +26,7 @@ mod lens;
 mod line_times;
 mod locate;
 pub mod meaning;
+mod plain_block;
 mod refer;
 mod rename;
 mod snippets;
