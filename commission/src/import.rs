@@ -1,11 +1,12 @@
-//! Files of measurements: which of the two forms a text has.
+//! Files of measurements: which of the forms a text has.
 
 use crate::line::FileFault;
 use crate::ren::Imported;
-use crate::{csv, ren};
+use crate::{csv, ren, rtl};
 
-/// Reads a text about X or Z of a lathe: CSV where its first line with content is a heading with columns, the text
-/// of a calibration (REN) otherwise.
+/// Reads a text about X or Z of a lathe: CSV where its first line with content is a
+/// heading with columns, a linear measurement (RTL) where it has the heading of targets,
+/// the text of a calibration (REN) otherwise.
 ///
 /// # Errors
 /// The first line that cannot be.
@@ -21,6 +22,8 @@ pub fn read_of(text: &str, axes: &[char]) -> Result<Imported, FileFault> {
     let text = text.trim_start_matches('\u{feff}');
     if csv::is_csv(text) {
         csv::read(text).map(Imported::Measured)
+    } else if rtl::is_rtl(text) {
+        rtl::read(text).map(Imported::Measured)
     } else {
         ren::read(text, axes)
     }
@@ -39,13 +42,14 @@ mod tests {
     /// planned or refused, and what is planned the control takes.
     #[test]
     fn no_text_stops_the_program() {
-        const HEADS: [&str; 4] = [
+        const HEADS: [&str; 5] = [
             "run,direction,target,deviation\n",
             "target,deviation\n",
             "axis: Z\nspacing: 10\n",
+            "TARGET DATA::\nTargets :\n0 -10 -20.5\nRun Target Data:\n",
             "",
         ];
-        const LINES: [&str; 16] = [
+        const LINES: [&str; 18] = [
             "1,+,-300,2\n",
             "1,-,-300,8\n",
             "2,-,-10.5,8\n",
@@ -62,6 +66,8 @@ mod tests {
             "nan,inf\n",
             "1e300 1\n",
             "偏差,;\n",
+            "1 2 -3\n",
+            "2 3 4\n",
         ];
         let mut seed = 7_u64;
         let mut throw = |below: usize| {

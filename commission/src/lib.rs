@@ -2,7 +2,7 @@
 //! and III-12).
 //!
 //! ```text
-//!   CSV, REN ──► Measurement ──► fit: pitch curve, backlash ──► plan: points, interval, origin
+//!   CSV, REN, RTL ──► Measurement ──► fit: pitch curve, backlash ──► plan: points, interval, origin
 //!   readings of a step ────────────────────────────────────────► Proposal: Changes
 //!                                      control's own requests ◄──┘   Undo: what was before
 //! ```
@@ -23,6 +23,7 @@ mod line;
 mod measurement;
 mod plan;
 mod ren;
+mod rtl;
 mod steps;
 mod table_file;
 mod undo;

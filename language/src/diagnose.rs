@@ -2,17 +2,16 @@
 //! looks.
 
 use gsk_core::alarm::Alarm;
-use gsk_core::command::{ExecutedMove, ProgramId, Source};
+use gsk_core::command::{ExecutedMove, ProgramId};
 use gsk_core::preview::{Bounds, Caution, End, Progress, preview_beyond_alarms};
 use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
 use gsk_messages::{Language, say};
 use gsk_milling::{MillSetup, Move, preview_while};
 use gsk_runner::report::AlarmReport;
-use gsk_runner::times::Times;
 
+use crate::line_times::LineTimes;
 use crate::locate::{Located, locate, whole};
-use crate::structure::Structure;
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,29 +62,24 @@ pub struct Analysis {
     pub extents: Option<Extents>,
     /// Tools called, as their words are written.
     pub tools: Vec<String>,
-    /// Machine time from each T word of the text on to the next one that is met, s, in the
-    /// order of [`Structure::tools`].
-    pub tool_times: Vec<f64>,
+    /// Machine time by the lines of the text.
+    pub line_times: LineTimes,
 }
 
 /// Looks the selected program of a set-up through, behind its alarms too, as long as
-/// `goes_on` says so. `structure`: of the text that it is.
+/// `goes_on` says so.
 pub fn analyse(
     setup: &Setup,
-    structure: &Structure,
     language: Language,
     goes_on: &mut dyn FnMut(&Progress) -> bool,
 ) -> Analysis {
     let programs = &setup.memory.programs;
-    let mut times = Times::default();
-    let mut sections = Sections::new(structure);
+    let mut line_times = LineTimes::default();
     let mut take = |executed: &ExecutedMove| {
-        times.push(executed);
-        sections.push(executed);
+        line_times.take(executed.source, executed.start_s + executed.duration_s);
     };
     let preview = preview_beyond_alarms(setup, programs, &mut take, goes_on);
-    times.end(preview.time_s);
-    sections.wait_until(preview.time_s);
+    line_times.wait_until(preview.time_s);
     let alarms = preview.alarm.iter().chain(&preview.further.alarms);
     let mut findings: Vec<Finding> = alarms.map(|it| of_alarm(it, programs, language)).collect();
     findings.extend(given_up(preview.end, language));
@@ -102,23 +96,21 @@ pub fn analyse(
             .iter()
             .map(|(tool, offset)| format!("T{tool:02}{offset:02}"))
             .collect(),
-        tool_times: sections.seconds,
+        line_times,
     }
 }
 
 /// Looks the selected program of a mill through as long as `goes_on` says so.
-/// `structure`: of the text that it is.
 pub fn analyse_mill(
     setup: &MillSetup,
     programs: &ProgramMemory,
-    structure: &Structure,
     language: Language,
     goes_on: &mut dyn FnMut(&Progress) -> bool,
 ) -> Analysis {
-    let mut sections = Sections::new(structure);
-    let mut take = |made: &Move| sections.take(made.source, made.start_s + made.duration_s);
+    let mut line_times = LineTimes::default();
+    let mut take = |made: &Move| line_times.take(made.source, made.start_s + made.duration_s);
     let preview = preview_while(setup, programs, &mut take, goes_on);
-    sections.wait_until(preview.time_s);
+    line_times.wait_until(preview.time_s);
     let alarms = preview.alarm.iter().chain(&preview.further);
     let mut findings: Vec<Finding> = alarms.map(|it| of_alarm(it, programs, language)).collect();
     findings.extend(given_up(preview.end, language));
@@ -135,7 +127,7 @@ pub fn analyse_mill(
             .iter()
             .map(|tool| format!("T{tool:02}"))
             .collect(),
-        tool_times: sections.seconds,
+        line_times,
     }
 }
 
@@ -188,66 +180,21 @@ fn of_caution(caution: &Caution, programs: &ProgramMemory, language: Language) -
     }
 }
 
-/// Machine time by the T words of a text. What lies between two moves belongs to the
-/// second one.
-struct Sections {
-    /// Lines of the T words, from 1.
-    lines: Vec<u32>,
-    seconds: Vec<f64>,
-    current: Option<usize>,
-    until_s: f64,
-}
-
-impl Sections {
-    fn new(structure: &Structure) -> Self {
-        let tools = structure.tools.iter();
-        let lines: Vec<u32> = tools.map(|tool| tool.place.line + 1).collect();
-        Self {
-            seconds: vec![0.0; lines.len()],
-            lines,
-            current: None,
-            until_s: 0.0,
-        }
-    }
-
-    fn push(&mut self, executed: &ExecutedMove) {
-        self.take(executed.source, executed.start_s + executed.duration_s);
-    }
-
-    fn take(&mut self, source: Source, end_s: f64) {
-        // A subprogram goes on with the tool that is in work.
-        if source.program == ProgramId::External {
-            let line = source.line;
-            let before = self.lines.partition_point(|at| *at <= line);
-            self.current = before.checked_sub(1);
-        }
-        self.wait_until(end_s);
-    }
-
-    fn wait_until(&mut self, time_s: f64) {
-        let passed = time_s - self.until_s;
-        if passed <= 0.0 {
-            return;
-        }
-        self.until_s = time_s;
-        if let Some(seconds) = self.current.and_then(|at| self.seconds.get_mut(at)) {
-            *seconds += passed;
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Text;
+    use crate::{Structure, Text};
     use gsk_core::program::Program;
 
     fn seen(text: &str) -> Analysis {
         let mut setup = Setup::default();
         setup.memory.programs.open_external(Program::new(text));
         setup.memory.programs.select(ProgramId::External);
-        let structure = Structure::read(&Text::new(text));
-        analyse(&setup, &structure, Language::En, &mut |it| it.moves < 1000)
+        analyse(&setup, Language::En, &mut |it| it.moves < 1000)
+    }
+
+    fn tool_times(seen: &Analysis, text: &str) -> Vec<f64> {
+        seen.line_times.by_tool(&Structure::read(&Text::new(text)))
     }
 
     #[test]
@@ -284,11 +231,15 @@ mod tests {
 
     #[test]
     fn the_time_is_that_of_the_tools() {
-        let seen = seen(
-            "M03 S500\nT0101\nG00 X60 Z2\nG01 Z-30 F60\nG00 X100 Z50\nT0202\nG01 Z-30 F60\nM30\n",
+        let text =
+            "M03 S500\nT0101\nG00 X60 Z2\nG01 Z-30 F60\nG00 X100 Z50\nT0202\nG01 Z-30 F60\nM30\n";
+        let seen = seen(text);
+        let times = tool_times(&seen, text);
+        assert!(
+            times.len() == 2 && times.iter().all(|it| *it > 30.0),
+            "{seen:?}"
         );
-        assert!(seen.tool_times.iter().all(|it| *it > 30.0), "{seen:?}");
-        assert!(seen.tool_times.iter().sum::<f64>() <= seen.time_s);
+        assert!(times.iter().sum::<f64>() <= seen.time_s);
         assert_eq!(seen.tools.len(), 2);
         assert!(seen.cutting_s > 100.0 && seen.extents.is_some());
     }
@@ -299,10 +250,9 @@ mod tests {
         let mut setup = Setup::default();
         setup.memory.programs.open_external(Program::new(text));
         setup.memory.programs.select(ProgramId::External);
-        let structure = Structure::read(&Text::new(text));
         let programs = &setup.memory.programs;
         let mill = MillSetup::default();
-        let seen = analyse_mill(&mill, programs, &structure, Language::En, &mut |_| true);
+        let seen = analyse_mill(&mill, programs, Language::En, &mut |_| true);
         let found: Vec<_> = seen
             .findings
             .iter()
@@ -310,7 +260,9 @@ mod tests {
             .collect();
         assert_eq!(found, [("010", Some(6)), ("009", Some(7))]);
         assert_eq!(seen.tools, ["T01"]);
-        assert!(seen.tool_times[0] > 7.0 && matches!(seen.extents, Some(Extents::Mill(..))));
+        assert!(
+            tool_times(&seen, text)[0] > 7.0 && matches!(seen.extents, Some(Extents::Mill(..)))
+        );
     }
 
     #[test]

@@ -33,12 +33,13 @@ pub fn lenses(structure: &Structure, analysis: &Analysis, language: Language) ->
             text: whole(analysis, language),
         });
     }
-    for (tool, seconds) in structure.tools.iter().zip(&analysis.tool_times) {
+    let times = analysis.line_times.by_tool(structure);
+    for (tool, seconds) in structure.tools.iter().zip(times) {
         // A tool that nothing was done with, or a word of a program that is not run.
-        if *seconds > 0.0 {
+        if seconds > 0.0 {
             lenses.push(Lens {
                 place: tool.place.clone(),
-                text: say::lens_tool(clock_in_seconds(*seconds)).text(language),
+                text: say::lens_tool(clock_in_seconds(seconds)).text(language),
             });
         }
     }

@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::leads::{Aim, aim_of, digits_at_end};
+use crate::plain_block::plain;
 use crate::text::{Place, Text};
 use crate::words::{Kind, Span, Word, spans, word_of};
 
@@ -218,6 +219,25 @@ impl Structure {
 
 impl Walk {
     fn line(&mut self, index: u32, line: &str) -> core::ops::ControlFlow<()> {
+        match plain(line) {
+            Some(number) => {
+                self.begun = true;
+                self.structure.blocks.extend(number.map(|(number, digits)| {
+                    let part = self.structure.parts.len().saturating_sub(1);
+                    Numbered {
+                        number,
+                        word: Place::new(index, &(0..digits.end)),
+                        digits: Place::new(index, &digits),
+                        part,
+                    }
+                }));
+                core::ops::ControlFlow::Continue(())
+            }
+            None => self.any_line(index, line),
+        }
+    }
+
+    fn any_line(&mut self, index: u32, line: &str) -> core::ops::ControlFlow<()> {
         let spans = spans(line);
         if let [only] = &spans[..]
             && only.kind == Kind::Comment
@@ -411,6 +431,22 @@ mod tests {
                         G71 P10 Q20 U0.5 W0.1\nN10 G00 X20\n/N20 G01 Z-30;N30 X40\nM98 P2\n\
                         WHILE [#1 LT 3] DO 1\n#1=#1+1\nEND 1\nM30\nO0002\nN10 T0202\nM99 P30\n%\n\
                         N99 behind the end\n";
+
+    proptest::proptest! {
+        #![proptest_config(proptest::prelude::ProptestConfig {
+            failure_persistence: None,
+            ..proptest::prelude::ProptestConfig::default()
+        })]
+
+        #[test]
+        fn a_plain_block_is_read_as_any_other(line in "[NGXZUFRKSDOIW]?[0-9]{0,5}([NGXZUFRKSTO .-][ 0-9.]{0,4}){0,4}") {
+            let mut as_plain = Walk::default();
+            let mut taken_apart = Walk::default();
+            let _ = (as_plain.line(3, &line), taken_apart.any_line(3, &line));
+            proptest::prop_assert_eq!(as_plain.structure, taken_apart.structure);
+            proptest::prop_assert_eq!(as_plain.begun, taken_apart.begun);
+        }
+    }
 
     #[test]
     fn one_pass_finds_what_an_editor_shows() {

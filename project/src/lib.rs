@@ -43,6 +43,6 @@ pub use difference::{Difference, apply, diff};
 pub use key::{Count, Key, OffsetWord, PanelWord, Section, Set, Switch, Table};
 pub use label::{label, refused, unit};
 pub use rights::{Denied, denied};
-pub use state::State;
+pub use state::{State, lasts};
 pub use text::{Files, MOST_PROBLEMS, Problem, export, import, is_own};
 pub use value::Value;

@@ -23,6 +23,12 @@ pub(crate) const FORMAT: i64 = 1;
 /// Variables that macro B alone has and that outlast power-off (manual III-11).
 pub(crate) const REAL: core::ops::RangeInclusive<u16> = 500..=999;
 
+/// Whether a macro variable is one of what a project holds: those of macro A, and those of
+/// macro B that outlast power-off.
+pub fn lasts(variable: u16) -> bool {
+    Variables::has(variable) || REAL.contains(&variable)
+}
+
 /// What a control holds: all that its battery keeps but for the operation level with its
 /// passwords, the ladder with what the PLC keeps, what the panel keeps. The position of the
 /// slides is none of it.

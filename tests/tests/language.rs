@@ -254,7 +254,7 @@ proptest! {
         let mut setup = Setup::default();
         setup.memory.programs.open_external(Program::new(read.as_str()));
         setup.memory.programs.select(ProgramId::External);
-        let seen = analyse(&setup, &structure, Language::En, &mut |it| {
+        let seen = analyse(&setup, Language::En, &mut |it| {
             it.moves < 1000 && it.motionless < 1000
         });
         for finding in &seen.findings {

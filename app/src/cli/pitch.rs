@@ -17,7 +17,7 @@ pub enum PitchCommand {
     /// A CSV file has a heading with `target` (mm) and `deviation` (µm) or `measured` (mm), and
     /// if need be `run` and `direction`; runs in both directions give the backlash as well. The
     /// text of a calibration (REN) has values that are added to those of the table, or runs of
-    /// readings. docs/commissioning.md describes both. What the control held before is kept as a
+    /// readings; a linear measurement of Renishaw (RTL) has runs. docs/commissioning.md describes both. What the control held before is kept as a
     /// project in `backups` of the data folder.
     Import(PitchImportArgs),
     /// Print the table of the control with its corrections
@@ -45,7 +45,7 @@ fn axis() -> impl TypedValueParser<Value = Axis> {
 /// `pitch import`.
 #[derive(Args, Debug)]
 pub struct PitchImportArgs {
-    /// The measurement: CSV, or the text of a calibration (REN)
+    /// The measurement: CSV, RTL, or the text of a calibration (REN)
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// The axis

@@ -106,7 +106,7 @@ impl Cnc {
 
     /// Whether an axis moves.
     pub fn is_moving(&self) -> bool {
-        self.drives.interpolator.is_moving()
+        self.drives.interpolator.is_moving() || self.rests()
     }
 
     /// Whether the motion under way is a rapid, programmed or by hand.

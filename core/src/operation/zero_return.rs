@@ -24,4 +24,11 @@ pub(crate) enum Return {
     Past(i64),
     /// A pulse board seeks its switch by itself.
     Board,
+    /// The zero signal has come; stands until its motor has come to rest.
+    Rest {
+        /// Ticks that are left.
+        ticks: u16,
+        /// The machine coordinates are others now.
+        shifted: bool,
+    },
 }

@@ -201,10 +201,6 @@ impl Person {
         self.until_still();
         self.no_alarm();
         assert!(*self.simulation.cnc.referenced().get(axis));
-        // A drive that is behind its command when the zero signal comes stands on the other
-        // flank of the screw than the control takes it to: it goes there once more.
-        self.go(axis, -1.0);
-        self.go_to(axis, 0.0);
         self.laser = self.slide(axis);
     }
 

@@ -2,7 +2,7 @@
 
 use crate::bench::{press, ticks};
 use gsk_core::cnc::Request;
-use gsk_core::machine::LatheConfig;
+use gsk_core::machine::{LatheConfig, ServoConfig};
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::program::Program;
@@ -119,6 +119,65 @@ fn method_b_stops_on_the_first_zero_signal_after_the_switch() {
     press(&mut simulation, JOG);
     hold(&mut simulation, Z_MINUS, 500);
     assert!(!lamp(&simulation, 4, 5) && lamp(&simulation, 4, 7));
+}
+
+/// A block by MDI, and until it is done.
+#[track_caller]
+fn block(simulation: &mut Simulation, words: &[&str]) {
+    press(simulation, MDI);
+    for word in words {
+        let word = Request::MdiWord((*word).to_owned());
+        simulation.cnc.request(word).unwrap();
+    }
+    press(simulation, START);
+    until_still(simulation);
+    // The motors arrive after their command.
+    ticks(simulation, 1000);
+    assert_eq!(alarms(simulation), [0u16; 0]);
+}
+
+/// However far its motor is behind when the signal comes, and whatever play the screw has:
+/// where the control takes the axis to be at zero, it is at zero from both sides.
+#[test]
+fn a_servo_with_play_stands_where_the_control_takes_it_to_be() {
+    let mut worst: f64 = 0.0;
+    for method_c in [false, true] {
+        for gain in [20.0, 97.0] {
+            for play in [0_i32, 3, 40] {
+                for low in [200, 1000] {
+                    let mut setup = Setup::delivered();
+                    setup.lathe.z.start = -150.0;
+                    setup.lathe.z.servo = Some(ServoConfig {
+                        gain,
+                        ..ServoConfig::default()
+                    });
+                    setup.lathe.z.backlash = f64::from(play) / 1000.0;
+                    let parameters = &mut setup.memory.parameters;
+                    parameters.set(35, play).unwrap();
+                    parameters.set(33, low).unwrap();
+                    parameters.set_bit(7, 1, method_c).unwrap();
+                    parameters.set_bit(11, 2, true).unwrap();
+                    let mut simulation = Simulation::new(setup);
+                    ticks(&mut simulation, 300);
+                    press(&mut simulation, MACHINE_ZERO);
+                    press(&mut simulation, Z_PLUS);
+                    until_still(&mut simulation);
+                    ticks(&mut simulation, 1000);
+                    let at = |simulation: &Simulation| simulation.lathe.slides().z;
+                    assert!(simulation.cnc.referenced().z, "{:?}", alarms(&simulation));
+                    assert_eq!(simulation.cnc.position_machine().z, 0.0);
+                    let zero = at(&simulation);
+                    block(&mut simulation, &["G00", "W-5"]);
+                    let below = at(&simulation);
+                    block(&mut simulation, &["G00", "W5"]);
+                    let again = at(&simulation);
+                    let off = (below + 5.0 - zero).abs().max((again - zero).abs());
+                    worst = worst.max(off);
+                }
+            }
+        }
+    }
+    assert!(worst < 0.001, "{worst} mm");
 }
 
 /// 113 = 7600 in Z and half of it in X; 033 = 200 on the switch.

@@ -11,7 +11,7 @@ use crossbeam::channel::{Receiver, Sender, unbounded};
 use gsk_core::command::ProgramId;
 use gsk_core::preview::End;
 use gsk_core::program::Program;
-use gsk_language::{Analysis, Finding, Level, Structure, Text, analyse, analyse_mill};
+use gsk_language::{Analysis, Finding, Level, LineTimes, Structure, Text, analyse, analyse_mill};
 use gsk_messages::{Language, Message, say};
 use lsp_types::Uri;
 
@@ -61,14 +61,19 @@ pub fn start(control: Control, language: Language) -> (Sender<Job>, Receiver<Loo
             if !job.wanted.load(Ordering::Relaxed) {
                 continue;
             }
-            let structure = Arc::new(Structure::read(&job.text));
-            let analysis = look(&control, &job, &structure, language);
+            // Neither needs the other, and of a long text each takes its time.
+            let (structure, analysis) = thread::scope(|side_by_side| {
+                let structure = side_by_side.spawn(|| Structure::read(&job.text));
+                let analysis = look(&control, &job, language);
+                let read_anew = |_| Structure::read(&job.text);
+                (structure.join().unwrap_or_else(read_anew), analysis)
+            });
             // The server may have ended meanwhile.
             if job.wanted.load(Ordering::Relaxed) {
                 let _ = to_server.send(Looked {
                     uri: job.uri,
                     version: job.version,
-                    structure,
+                    structure: Arc::new(structure),
                     analysis: Arc::new(analysis),
                 });
             }
@@ -77,7 +82,7 @@ pub fn start(control: Control, language: Language) -> (Sender<Job>, Receiver<Loo
     (jobs, looked)
 }
 
-fn look(control: &Control, job: &Job, structure: &Structure, language: Language) -> Analysis {
+fn look(control: &Control, job: &Job, language: Language) -> Analysis {
     let mut setup = control.setup.clone();
     let unsaved = || PathBuf::from(job.uri.as_str());
     let path = job.path.clone().unwrap_or_else(unsaved);
@@ -96,9 +101,9 @@ fn look(control: &Control, job: &Job, structure: &Structure, language: Language)
     let mut analysis = match &control.mill {
         Some(mill) => {
             let programs = &setup.memory.programs;
-            analyse_mill(mill, programs, structure, language, &mut goes_on)
+            analyse_mill(mill, programs, language, &mut goes_on)
         }
-        None => analyse(&setup, structure, language, &mut goes_on),
+        None => analyse(&setup, language, &mut goes_on),
     };
     let external = setup.memory.programs.external();
     let full_width = external.and_then(Program::full_width_line);
@@ -134,6 +139,6 @@ fn not_loaded(message: &Message, language: Language) -> Analysis {
         cutting_s: 0.0,
         extents: None,
         tools: Vec::new(),
-        tool_times: Vec::new(),
+        line_times: LineTimes::default(),
     }
 }

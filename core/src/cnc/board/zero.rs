@@ -138,7 +138,11 @@ impl Cnc {
             Return::Leave => (limit, Until::Free, low),
             Return::Search => (signal, Until::Changed, low),
             Return::Back => (switch, Until::Operated, low),
-            Return::Straight | Return::Turning | Return::Past(_) | Return::Board => return None,
+            Return::Straight
+            | Return::Turning
+            | Return::Past(_)
+            | Return::Board
+            | Return::Rest { .. } => return None,
         };
         Some(Awaited {
             input,

@@ -18,7 +18,9 @@
 //!
 //! X approaches at half of 113; the rapid override acts on the approach alone. The
 //! zero input latches the pulse count at which its signal changes, and the axis
-//! stops on that pulse: what the tick went too far is taken back.
+//! stops on that pulse: what the tick went too far is taken back. Where this gives out
+//! backlash the motor is waited for: one that is still on its way would come to stand on
+//! the other flank of the screw than its control takes it to.
 
 use crate::alarm::{Alarm, number};
 use crate::cnc::{Cnc, Event};
@@ -29,6 +31,10 @@ use crate::motion::{JogRate, RapidOverride};
 use crate::operation::{Return, RunState};
 use crate::units::{Axis, PerAxis, Point, Pulses};
 use gsk_messages::{Message, say};
+
+/// How long a motor is waited for, ms: of a servo with a gain of 20/s or more a
+/// three thousandth of its following error is left.
+const REST_TICKS: u16 = 400;
 
 /// Deceleration switches, X0.3 and X1.3.
 const SWITCH_MASK: u8 = 1 << 3;
@@ -171,6 +177,9 @@ impl Cnc {
     }
 
     fn go_on(&mut self, axis: Axis, stage: Return, latch: Option<Pulses>) {
+        if let Return::Rest { ticks, shifted } = stage {
+            return self.rest(axis, ticks, shifted);
+        }
         if self.return_with_board(axis, stage) {
             return;
         }
@@ -179,7 +188,7 @@ impl Cnc {
         let slow = self.drives.interpolator.manual_speed(axis) <= low * 1.001;
         let next = match stage {
             Return::Straight => return self.go_straight(axis),
-            Return::Board | Return::Leave | Return::Past(_) => return,
+            Return::Board | Return::Leave | Return::Past(_) | Return::Rest { .. } => return,
             Return::Approach if self.on_zero_switch(axis) => Return::OnSwitch,
             Return::OnSwitch if !self.on_zero_switch(axis) => {
                 if self.memory.parameters.one_zero_switch(axis) {
@@ -264,11 +273,35 @@ impl Cnc {
         let mut shift = Point::default();
         *shift.get_mut(axis) = here - self.position().get(axis);
         self.drives.interpolator.translate(shift);
-        self.drives.interpolator.stop_on(axis, 0.0);
         self.command_axis(axis, None);
         self.shift_frame(shift);
         let shifted = shift.get(axis).abs() > 1e-9;
+        let turns_round = here.abs() > 1e-9 && self.memory.parameters.backlash(axis) != 0.0;
+        if turns_round {
+            self.drives.interpolator.stop_on(axis, here);
+            let ticks = REST_TICKS;
+            *self.coordinates.returns.get_mut(axis) = Some(Return::Rest { ticks, shifted });
+            return;
+        }
+        self.drives.interpolator.stop_on(axis, 0.0);
         self.arrive(axis, shifted);
+    }
+
+    /// Stands until its motor has come, then goes back to the pulse of the zero signal.
+    fn rest(&mut self, axis: Axis, ticks: u16, shifted: bool) {
+        if let Some(left) = ticks.checked_sub(1) {
+            let ticks = left;
+            *self.coordinates.returns.get_mut(axis) = Some(Return::Rest { ticks, shifted });
+            return;
+        }
+        self.drives.interpolator.stop_on(axis, 0.0);
+        self.arrive(axis, shifted);
+    }
+
+    /// Whether an axis waits for its motor within a return.
+    pub(crate) const fn rests(&self) -> bool {
+        matches!(self.coordinates.returns.x, Some(Return::Rest { .. }))
+            || matches!(self.coordinates.returns.z, Some(Return::Rest { .. }))
     }
 
     /// The end of a return; `shifted`: the machine coordinates are others now.

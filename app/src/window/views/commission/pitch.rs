@@ -21,7 +21,7 @@ const DRAWN: i32 = 600;
 const LIST: f32 = 150.0;
 
 /// The files that hold measurements.
-const ENDINGS: [&str; 3] = ["csv", "ren", "txt"];
+const ENDINGS: [&str; 4] = ["csv", "ren", "rtl", "txt"];
 
 /// What was read.
 #[derive(Clone, Debug)]

@@ -9,7 +9,8 @@ use gsk_core::memory::{self, Offsets, PitchTable, Refusal, ToolOffset};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
-use crate::kernel::monitor::{MachineView, VariableTable};
+use super::values::Values;
+use crate::kernel::monitor::VariableTable;
 
 /// Millimetres of an inch.
 const INCH: f64 = 25.4;
@@ -48,7 +49,7 @@ impl Part {
     }
 
     /// A value of it as the page writes it.
-    fn text(self, value: f64, machine: &MachineView) -> String {
+    fn text(self, value: f64, machine: &Values<'_>) -> String {
         match self {
             Self::T => format!("{value:.0}"),
             Self::X | Self::Z | Self::R => machine.offsets.display.length(value),
@@ -150,10 +151,10 @@ impl Edit {
     }
 
     /// The same with what the control has there.
-    pub fn now(self, machine: &MachineView) -> Self {
+    pub fn now(self, machine: &Values<'_>) -> Self {
         match self {
             Self::Parameter(change) => {
-                Self::Parameter(change.now(&machine.parameters, &machine.pitch))
+                Self::Parameter(change.now(machine.parameters, machine.pitch))
             }
             Self::Offset { number, part, .. } => Self::Offset {
                 number,
@@ -162,14 +163,14 @@ impl Edit {
             },
             Self::Variable { number, real, .. } => Self::Variable {
                 number,
-                value: variable(&machine.variables, number),
+                value: variable(machine.variables, number),
                 real,
             },
         }
     }
 
     /// Why the control would not take it now.
-    pub const fn refused(self, machine: &MachineView) -> Option<Refusal> {
+    pub const fn refused(self, machine: &Values<'_>) -> Option<Refusal> {
         match self {
             Self::Parameter(_) => machine.parameters_refused,
             Self::Offset { .. } => machine.offsets.refused,
@@ -206,7 +207,7 @@ impl Spot {
     }
 
     /// What the control has there, as it is typed.
-    pub fn text(self, machine: &MachineView) -> String {
+    pub fn text(self, machine: &Values<'_>) -> String {
         match self {
             Self::Parameter(number) => parameter_text(number, machine.parameters.value(number)),
             Self::Offset(number, part) => {
@@ -215,7 +216,7 @@ impl Spot {
             Self::PitchX(point) => machine.pitch.value(Axis::X, point).to_string(),
             Self::PitchZ(point) => machine.pitch.value(Axis::Z, point).to_string(),
             Self::Variable(number) => {
-                let value = variable(&machine.variables, number);
+                let value = variable(machine.variables, number);
                 value.map_or_else(String::new, |value| value.to_string())
             }
         }
@@ -236,7 +237,7 @@ impl Spot {
     ///
     /// # Errors
     /// What is none, and what the control does not take there (alarms 030, 043, 111).
-    pub fn read(self, typed: &str, machine: &MachineView) -> Result<Edit, Message> {
+    pub fn read(self, typed: &str, machine: &Values<'_>) -> Result<Edit, Message> {
         let text = typed.trim();
         match self {
             Self::Parameter(number) => {
@@ -300,7 +301,7 @@ impl Spot {
         number: u8,
         part: Part,
         text: &str,
-        machine: &MachineView,
+        machine: &Values<'_>,
     ) -> Result<Edit, Message> {
         let own = machine.offsets.rows.get(number);
         if number == 0 && !machine.parameters.work_shift() {
@@ -348,7 +349,7 @@ pub struct Drafts {
 
 impl Drafts {
     /// What stands in the field of a place: what was typed, else what the control has.
-    pub fn text(&self, spot: Spot, machine: &MachineView) -> String {
+    pub fn text(&self, spot: Spot, machine: &Values<'_>) -> String {
         let typed = self.typed.get(&spot).cloned();
         typed.unwrap_or_else(|| spot.text(machine))
     }
@@ -364,7 +365,7 @@ impl Drafts {
     }
 
     /// The keyboard has left a field: what says nothing new is forgotten.
-    pub fn left(&mut self, spot: Spot, machine: &MachineView) {
+    pub fn left(&mut self, spot: Spot, machine: &Values<'_>) {
         let text = self.typed.get(&spot);
         if text.is_some_and(|text| is_there(spot, text, machine)) {
             self.typed.remove(&spot);
@@ -373,7 +374,7 @@ impl Drafts {
 
     /// These were made of what was typed: what was to be added stands there as a value, so
     /// that it is added once.
-    pub fn counted(&mut self, edits: &[Edit], machine: &MachineView) {
+    pub fn counted(&mut self, edits: &[Edit], machine: &Values<'_>) {
         for edit in edits {
             if let Edit::Offset {
                 number,
@@ -388,7 +389,7 @@ impl Drafts {
     }
 
     /// Forgets what the control has by now.
-    pub fn settle(&mut self, machine: &MachineView) {
+    pub fn settle(&mut self, machine: &Values<'_>) {
         self.typed
             .retain(|spot, text| !is_there(*spot, text, machine));
     }
@@ -407,14 +408,14 @@ impl Drafts {
     ///
     /// # Errors
     /// The first one that is none.
-    pub fn edits(&self, machine: &MachineView) -> Result<Vec<Edit>, Message> {
+    pub fn edits(&self, machine: &Values<'_>) -> Result<Vec<Edit>, Message> {
         let edits = self.typed.iter();
         edits.map(|(spot, text)| spot.read(text, machine)).collect()
     }
 }
 
 /// Whether the control has what is typed.
-fn is_there(spot: Spot, text: &str, machine: &MachineView) -> bool {
+fn is_there(spot: Spot, text: &str, machine: &Values<'_>) -> bool {
     // An addition never is.
     let added = matches!(spot, Spot::Offset(..)) && text.trim().starts_with(['U', 'u', 'W', 'w']);
     let edit = spot.read(text, machine).ok().filter(|_| !added);

@@ -4,14 +4,14 @@ use egui::{Color32, Response, Role, TextEdit, Ui, WidgetInfo};
 use gsk_messages::Language;
 
 use super::edit::{Drafts, Spot};
+use super::values::Values;
 use super::{TYPED, WRONG};
-use crate::kernel::monitor::MachineView;
 
 /// Draws the field of a place and takes what is typed into it; `width` in points.
 pub fn show(
     ui: &mut Ui,
     language: Language,
-    machine: &MachineView,
+    machine: &Values<'_>,
     drafts: &mut Drafts,
     spot: Spot,
     width: f32,

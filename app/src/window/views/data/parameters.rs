@@ -10,8 +10,8 @@ use gsk_help::{Subject, Topic, ask_among, name, topic};
 use gsk_messages::{Language, say};
 
 use super::edit::{Drafts, Spot, is_state, parameter_text};
+use super::values::Values;
 use super::{Kind, Page, TYPED, field};
-use crate::kernel::monitor::MachineView;
 use crate::window::help::show_article;
 
 /// Height of a row of the list, points.
@@ -47,7 +47,7 @@ impl Parameters {
         &mut self,
         ui: &mut Ui,
         language: Language,
-        machine: &MachineView,
+        machine: &Values<'_>,
         page: Page,
         drafts: &mut Drafts,
     ) {
@@ -71,7 +71,7 @@ impl Parameters {
     }
 
     /// The rows of a page, or what was searched for.
-    fn rows(&mut self, page: Page, machine: &MachineView) -> Vec<&'static ParameterRow> {
+    fn rows(&mut self, page: Page, machine: &Values<'_>) -> Vec<&'static ParameterRow> {
         let mut rows: Vec<&ParameterRow> = if self.question.trim().is_empty() {
             match page {
                 Page::Group(group) => group.rows().to_vec(),
@@ -111,7 +111,7 @@ impl Parameters {
         &mut self,
         ui: &mut Ui,
         language: Language,
-        machine: &MachineView,
+        machine: &Values<'_>,
         page: Page,
         drafts: &Drafts,
     ) {
@@ -163,7 +163,7 @@ impl Parameters {
         &mut self,
         ui: &mut Ui,
         language: Language,
-        machine: &MachineView,
+        machine: &Values<'_>,
         drafts: &Drafts,
         row: &'static ParameterRow,
     ) {
@@ -237,7 +237,7 @@ impl Parameters {
     }
 
     /// The chosen parameter.
-    fn details(&self, ui: &mut Ui, language: Language, machine: &MachineView, drafts: &mut Drafts) {
+    fn details(&self, ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Drafts) {
         let Some((number, bit)) = self.chosen else {
             ui.label(say::data_choose().text(language));
             return;
@@ -274,7 +274,7 @@ impl Parameters {
 }
 
 /// The eight boxes of a state parameter, bit 7 first.
-fn bits(ui: &mut Ui, language: Language, machine: &MachineView, drafts: &mut Drafts, number: u16) {
+fn bits(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Drafts, number: u16) {
     let spot = Spot::Parameter(number);
     let text = drafts.text(spot, machine);
     // While what is typed is no eight digits, the boxes show what the control has.
@@ -334,7 +334,7 @@ const fn digit(on: bool) -> &'static str {
 }
 
 /// Whether the control has another value than the one it was delivered with.
-fn differs(row: &ParameterRow, machine: &MachineView) -> bool {
+fn differs(row: &ParameterRow, machine: &Values<'_>) -> bool {
     let own = match row.bit {
         Some(bit) => i32::from(machine.parameters.bit(row.number, bit)),
         None => machine.parameters.value(row.number),

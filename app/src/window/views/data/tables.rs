@@ -6,7 +6,7 @@ use gsk_messages::{Language, say};
 
 use super::edit::{Drafts, Part, Spot};
 use super::field;
-use crate::kernel::monitor::MachineView;
+use super::values::Values;
 
 /// Width of the column of numbers, points.
 const NUMBER: f32 = 44.0;
@@ -20,7 +20,7 @@ const VARIABLE: f32 = 180.0;
 const SCROLL_BAR: f32 = 14.0;
 
 /// The tool offsets.
-pub fn offsets(ui: &mut Ui, language: Language, machine: &MachineView, drafts: &mut Drafts) {
+pub fn offsets(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Drafts) {
     ui.heading(say::data_offsets().text(language));
     ui.weak(say::data_offsets_hint().text(language));
     ui.weak(say::data_add().text(language));
@@ -67,7 +67,7 @@ pub fn offsets(ui: &mut Ui, language: Language, machine: &MachineView, drafts: &
 
 /// The pitch errors (manual III-10), beside each the machine coordinate where its interval
 /// ends, mm of slide travel.
-pub fn pitch(ui: &mut Ui, language: Language, machine: &MachineView, drafts: &mut Drafts) {
+pub fn pitch(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Drafts) {
     ui.heading(say::data_pitch().text(language));
     ui.weak(say::project_heading_pitch().text(language));
     let height = ui.spacing().interact_size.y;
@@ -101,8 +101,8 @@ pub fn pitch(ui: &mut Ui, language: Language, machine: &MachineView, drafts: &mu
 
 /// Where the interval of a point ends, seen from the machine zero; nothing where there is no
 /// compensation, and of point 0, which ends none (manual III-10).
-fn ends_at(axis: Axis, point: u8, machine: &MachineView) -> String {
-    let parameters = &machine.parameters;
+fn ends_at(axis: Axis, point: u8, machine: &Values<'_>) -> String {
+    let parameters = machine.parameters;
     let interval = gsk_commission::interval_of(axis, parameters);
     let Some(interval) = interval.filter(|_| point > 0) else {
         return String::new();
@@ -116,7 +116,7 @@ fn ends_at(axis: Axis, point: u8, machine: &MachineView) -> String {
 }
 
 /// The macro variables.
-pub fn variables(ui: &mut Ui, language: Language, machine: &MachineView, drafts: &mut Drafts) {
+pub fn variables(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Drafts) {
     ui.heading(say::data_variables().text(language));
     ui.weak(say::data_variables_hint().text(language));
     let height = ui.spacing().interact_size.y;

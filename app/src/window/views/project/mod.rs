@@ -5,6 +5,7 @@
 mod compared;
 mod content;
 mod document;
+mod editing;
 mod steps;
 mod tree;
 
@@ -20,10 +21,12 @@ use gsk_messages::{Language, Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::kernel::Console;
+use crate::project::Encodings;
 pub use compared::Chosen;
 use compared::{Asked, Compared, Other, Target};
 use content::Content;
 use document::{Document, programs};
+use editing::{Editing, differences};
 use steps::{Begun, News, Question};
 pub use steps::{COMMANDS, ProjectCommand};
 use tree::{Name, Node, places};
@@ -51,6 +54,8 @@ pub struct Projects {
 /// What is shown of a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Page {
+    /// Fields to type into, where a place has some; else the contents.
+    Edit,
     Contents,
     Differences,
 }
@@ -64,6 +69,7 @@ pub struct ProjectView {
     node: Node,
     page: Page,
     content: Content,
+    editing: Editing,
     question: Option<Question>,
     /// Why the control cannot be switched off now.
     why_not: Option<Message>,
@@ -82,8 +88,9 @@ impl ProjectView {
             document: None,
             compared: None,
             node: Node::Project,
-            page: Page::Contents,
+            page: Page::Edit,
             content: Content::default(),
+            editing: Editing::default(),
             question: None,
             why_not: None,
             chosen: None,
@@ -100,7 +107,7 @@ impl ProjectView {
     /// Whether it holds what its folder does not.
     pub fn is_unsaved(&self) -> bool {
         let document = self.document.as_ref();
-        document.is_some_and(|document| document.is_changed)
+        document.is_some_and(|document| document.is_changed || self.editing.has_drafts())
     }
 
     /// Says why the control cannot be switched off now.
@@ -286,20 +293,39 @@ impl ProjectView {
             ui.label(say::project_view_none().text(language));
             return;
         };
-        if let Some(compared) = &self.compared {
-            let differences = say::project_view_differences(compared.count(self.node));
+        let sheet = Editing::page(self.node);
+        let counted = self.compared.as_ref().map(|it| it.count(self.node));
+        let tabs = [
+            sheet.map(|_| (Page::Edit, say::project_view_edit())),
+            Some((Page::Contents, say::project_view_contents())),
+            counted.map(|count| (Page::Differences, say::project_view_differences(count))),
+        ];
+        // Where nothing is typed the contents stand in place of the fields.
+        let shown = match self.page {
+            Page::Edit if sheet.is_none() => Page::Contents,
+            Page::Differences if counted.is_none() => Page::Contents,
+            page => page,
+        };
+        if sheet.is_some() || counted.is_some() {
             ui.horizontal_wrapped(|ui| {
-                for (page, said) in [
-                    (Page::Contents, say::project_view_contents()),
-                    (Page::Differences, differences),
-                ] {
-                    ui.selectable_value(&mut self.page, page, said.text(language));
+                for (page, said) in tabs.into_iter().flatten() {
+                    let tab = ui.selectable_label(shown == page, said.text(language));
+                    if tab.clicked() {
+                        self.page = page;
+                    }
                 }
             });
             ui.separator();
         }
-        let asked = match (self.page, &mut self.compared) {
-            (Page::Differences, Some(compared)) => {
+        let asked = match (shown, &mut self.compared, sheet) {
+            (Page::Edit, _, Some(sheet)) => {
+                let state = Arc::clone(&document.state);
+                if let Some(asked) = self.editing.show(ui, language, sheet, &state) {
+                    self.put(&asked, ui.ctx());
+                }
+                return;
+            }
+            (Page::Differences, Some(compared), _) => {
                 let first = say::project_view_save_first();
                 let why_not = match document.is_changed {
                     true => Some(&first),
@@ -317,6 +343,22 @@ impl ProjectView {
             Some(Asked::Turn(target)) => self.turn(target, ui.ctx()),
             Some(Asked::Take(differences)) => self.take(differences, ui.ctx()),
             None => {}
+        }
+    }
+
+    /// What was typed goes into the project.
+    fn put(&mut self, asked: &super::data::Asked, context: &Context) {
+        let Some(document) = &mut self.document else {
+            return;
+        };
+        let differences = differences(&asked.edits, &document.state);
+        if let Err(said) = document.take(&differences, &Encodings::new()) {
+            self.editing.refuse(said, asked);
+            return;
+        }
+        self.content.forget();
+        if let Some(target) = self.compared.as_ref().map(|it| it.target) {
+            self.turn(target, context);
         }
     }
 

@@ -11,6 +11,7 @@ use gsk_project::State;
 
 use super::compared::{Basis, Compared, Other, Target};
 use super::document::{Document, folder_of};
+use super::editing::Editing;
 use super::{MOST, Page, ProjectView};
 use crate::project::{self, Encodings};
 use crate::window::files::{self, Wanted};
@@ -109,6 +110,7 @@ impl ProjectView {
             ProjectCommand::Folder(folder) => self.open(folder, false, context),
             ProjectCommand::Close => {
                 self.document = None;
+                self.editing = Editing::default();
                 self.compared = None;
                 self.remembered.open = None;
             }
@@ -290,8 +292,9 @@ impl ProjectView {
                     self.remember(&document.folder);
                     self.document = Some(*document);
                     self.compared = None;
-                    self.page = Page::Contents;
+                    self.page = Page::Edit;
                     self.content.forget();
+                    self.editing = Editing::default();
                     if compare {
                         self.compare(Other::Control, Target::Control, context);
                     }
@@ -311,8 +314,11 @@ impl ProjectView {
                     let own = self.document.as_ref();
                     let is_own = own.is_some_and(|own| Arc::ptr_eq(&own.state, &compared.project));
                     if is_own && self.begun.is_newest(number) {
-                        self.compared = Some(*compared);
-                        self.page = Page::Differences;
+                        let again = self.compared.replace(*compared).is_some();
+                        // One made anew as values are typed leaves the fields open.
+                        if !(again && self.page == Page::Edit) {
+                            self.page = Page::Differences;
+                        }
                     }
                 }
                 News::Taken(document) => self.question = Some(Question::Replace(document)),

@@ -1,0 +1,284 @@
+//! The pages with what is typed into them: shown, read together, written together, taken
+//! back. Who holds the values takes what is asked.
+
+use egui::{Button, CentralPanel, ComboBox, Panel, RichText, Role, ScrollArea, Ui, WidgetInfo};
+use gsk_commission::Undo;
+use gsk_core::memory::{ParameterGroup, Refusal};
+use gsk_messages::{Language, Message, say};
+use gsk_project::refused;
+
+use super::super::{bar_frame, side_frame, written};
+use super::edit::{Drafts, Edit};
+use super::parameters::Parameters;
+use super::values::Values;
+use super::{FINE, Kind, Page, TYPED, WRONG, tables};
+
+/// Width of the list of pages, points.
+const PAGES: f32 = 180.0;
+/// Height of the list of what was written, points.
+const WRITTEN: f32 = 110.0;
+
+/// What is written into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Into {
+    /// A control, with its rights. The sheets list their pages.
+    Control,
+    /// A project. Its tree lists the pages.
+    Project,
+}
+
+/// Values to be written together.
+pub struct Asked {
+    /// Them.
+    pub edits: Vec<Edit>,
+    /// They take back what was written.
+    pub takes_back: bool,
+}
+
+/// The pages.
+pub struct Sheets {
+    into: Into,
+    page: Page,
+    parameters: Parameters,
+    drafts: Drafts,
+    /// What was wrong when it was to be written.
+    complaint: Option<Message>,
+    undo: Undo<Edit, Edit>,
+    /// Something was written: what is there by now is no draft any more.
+    settling: bool,
+}
+
+impl Sheets {
+    /// At all parameters.
+    pub fn new(into: Into) -> Self {
+        Self {
+            into,
+            page: Page::Numbers(Kind::All),
+            parameters: Parameters::default(),
+            drafts: Drafts::default(),
+            complaint: None,
+            undo: Undo::default(),
+            settling: false,
+        }
+    }
+
+    /// Whether something is typed and not written.
+    pub fn has_drafts(&self) -> bool {
+        self.drafts.count() > 0
+    }
+
+    /// Turns to a page; one of parameters stays where one is wanted.
+    pub fn turn_to(&mut self, page: Page) {
+        let of_parameters = |page| matches!(page, Page::Numbers(_) | Page::Group(_));
+        if !(of_parameters(page) && of_parameters(self.page)) {
+            self.page = page;
+        }
+    }
+
+    /// What was asked last was not taken.
+    pub fn refuse(&mut self, why: Message, asked: &Asked) {
+        self.complaint = Some(why);
+        if !asked.takes_back {
+            self.undo.take();
+        }
+    }
+
+    /// Draws the pages and takes their input; what is to be written comes out.
+    pub fn show(&mut self, ui: &mut Ui, language: Language, values: &Values<'_>) -> Option<Asked> {
+        if self.settling {
+            self.drafts.settle(values);
+            self.settling = self.drafts.count() > 0;
+        }
+        let bar = Panel::bottom("data state").frame(bar_frame());
+        let mut asked = bar.show(ui, |ui| self.bar(ui, language, values)).inner;
+        let beside = self.into == Into::Control;
+        // The button that takes back is never scrolled away.
+        let mut list = |ui: &mut Ui, sheets: &mut Self| {
+            if sheets.undo.entries().is_empty() {
+                return;
+            }
+            Panel::bottom("data written")
+                .exact_size(WRITTEN)
+                .resizable(false)
+                .frame(egui::Frame::new())
+                .show(ui, |ui| {
+                    ScrollArea::vertical()
+                        .id_salt("data written")
+                        .auto_shrink([false, false])
+                        .stick_to_bottom(true)
+                        .show(ui, |ui| {
+                            let taken = sheets.written(ui, language, values);
+                            asked = taken.or_else(|| asked.take());
+                        });
+                });
+        };
+        if beside {
+            Panel::left("data pages")
+                .exact_size(PAGES)
+                .resizable(false)
+                .frame(side_frame())
+                .show(ui, |ui| {
+                    list(ui, self);
+                    ScrollArea::vertical()
+                        .id_salt("data pages")
+                        .auto_shrink([false, false])
+                        .show(ui, |ui| self.pages(ui, language));
+                });
+        } else {
+            list(ui, self);
+        }
+        let (drafts, page) = (&mut self.drafts, &mut self.page);
+        CentralPanel::default().frame(side_frame()).show(ui, |ui| {
+            if !beside && matches!(page, Page::Numbers(_) | Page::Group(_)) {
+                choose(ui, language, page);
+            }
+            match *page {
+                Page::Numbers(_) | Page::Group(_) => {
+                    self.parameters.show(ui, language, values, *page, drafts);
+                }
+                Page::Offsets => tables::offsets(ui, language, values, drafts),
+                Page::Pitch => tables::pitch(ui, language, values, drafts),
+                Page::Variables => tables::variables(ui, language, values, drafts),
+            }
+        });
+        asked
+    }
+
+    fn pages(&mut self, ui: &mut Ui, language: Language) {
+        entries(ui, language, &mut self.page);
+        ui.separator();
+        for page in [Page::Offsets, Page::Pitch, Page::Variables] {
+            entry(ui, language, &mut self.page, page);
+        }
+    }
+
+    /// What was written, and the button that takes the last of it back.
+    fn written(&mut self, ui: &mut Ui, language: Language, values: &Values<'_>) -> Option<Asked> {
+        let taken = written::show(
+            ui,
+            language,
+            &mut self.undo,
+            &written::Words {
+                label: |edit| edit.message(),
+                change: |edit| edit.message(),
+                hint: say::commission_write_hint(),
+            },
+            |edits| refusal(edits, values).is_none(),
+        );
+        taken.map(|edits| Asked {
+            edits,
+            takes_back: true,
+        })
+    }
+
+    /// What the page needs, alarms, and the buttons.
+    fn bar(&mut self, ui: &mut Ui, language: Language, values: &Values<'_>) -> Option<Asked> {
+        let edits = self.drafts.edits(values);
+        let of_page = match self.page {
+            Page::Numbers(_) | Page::Group(_) | Page::Pitch => values.parameters_refused,
+            Page::Offsets => values.offsets.refused,
+            Page::Variables => values.variables.refused,
+        };
+        let of_drafts = edits.as_ref().ok().and_then(|it| refusal(it, values));
+        let (words, colour) = match (of_drafts.or(of_page), self.into) {
+            (Some(refusal), _) => (say::commission_refused(refused(refusal)), WRONG),
+            (None, Into::Control) => (say::data_can_write(), FINE),
+            (None, Into::Project) => (say::data_into_project(), FINE),
+        };
+        ui.label(RichText::new(words.text(language)).color(colour));
+        if let Some(complaint) = &self.complaint {
+            ui.label(RichText::new(complaint.text(language)).color(WRONG));
+        }
+        if !values.alarms.is_empty() {
+            ui.label(RichText::new(values.alarms.join("   ")).color(WRONG));
+        }
+        let buttons = ui.horizontal_wrapped(|ui| {
+            let count = self.drafts.count();
+            let write = Button::new(say::commission_write(count).text(language));
+            let write = ui.add_enabled(count > 0 && of_drafts.is_none(), write);
+            let hint = match self.into {
+                Into::Control => say::commission_write_hint(),
+                Into::Project => say::data_into_project(),
+            };
+            let hint = hint.text(language);
+            let write = write
+                .on_hover_text(hint.as_str())
+                .on_disabled_hover_text(hint);
+            let discard = Button::new(say::data_discard().text(language));
+            let discard = ui.add_enabled(count > 0, discard);
+            if count > 0 {
+                let words = say::data_unwritten(count).text(language);
+                ui.label(RichText::new(words).color(TYPED));
+            }
+            if discard.clicked() {
+                self.drafts.discard();
+                self.complaint = None;
+            } else if write.clicked() {
+                return self.write(edits, values);
+            }
+            None
+        });
+        buttons.inner
+    }
+
+    fn write(&mut self, edits: Result<Vec<Edit>, Message>, values: &Values<'_>) -> Option<Asked> {
+        let mut edits = match edits {
+            Ok(edits) => edits,
+            Err(said) => {
+                self.complaint = Some(said);
+                return None;
+            }
+        };
+        self.complaint = None;
+        self.drafts.counted(&edits, values);
+        edits.retain(|edit| edit.now(values) != *edit);
+        self.settling = true;
+        let first = edits.first()?;
+        let before = edits.iter().map(|edit| edit.now(values)).collect();
+        self.undo.note(*first, before, &edits);
+        Some(Asked {
+            edits,
+            takes_back: false,
+        })
+    }
+}
+
+/// Pages of parameters where there is no room for their list beside.
+fn choose(ui: &mut Ui, language: Language, page: &mut Page) {
+    let words = page.name().text(language);
+    let shown = ComboBox::from_id_salt("data page")
+        .width(ui.available_width().min(PAGES * 2.0))
+        .selected_text(words.as_str())
+        .show_ui(ui, |ui| entries(ui, language, page));
+    let name = say::data_all_parameters().text(language);
+    shown.response.widget_info(|| WidgetInfo {
+        current_text_value: Some(words.clone()),
+        ..WidgetInfo::labeled(Role::ComboBox, true, &name)
+    });
+}
+
+/// The pages of parameters, to be chosen from.
+fn entries(ui: &mut Ui, language: Language, page: &mut Page) {
+    ui.weak(say::data_by_number().text(language));
+    for kind in Kind::ALL {
+        entry(ui, language, page, Page::Numbers(kind));
+    }
+    ui.add_space(4.0);
+    ui.weak(say::data_by_function().text(language));
+    for group in ParameterGroup::ALL {
+        entry(ui, language, page, Page::Group(group));
+    }
+}
+
+fn entry(ui: &mut Ui, language: Language, page: &mut Page, own: Page) {
+    let name = own.name().text(language);
+    let button = Button::selectable(*page == own, name).wrap();
+    if ui.add(button).clicked() {
+        *page = own;
+    }
+}
+
+/// Why not all of them would be taken now.
+fn refusal(edits: &[Edit], values: &Values<'_>) -> Option<Refusal> {
+    edits.iter().find_map(|edit| edit.refused(values))
+}

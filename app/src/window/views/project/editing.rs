@@ -1,0 +1,187 @@
+//! Values of the open project that are typed: the pages on which the data of a control are
+//! edited (manual V-3), on a project instead.
+
+use std::sync::Arc;
+
+use egui::Ui;
+use gsk_commission::Change;
+use gsk_core::memory::ParameterGroup;
+use gsk_messages::Language;
+use gsk_project::{Difference, Key, OffsetWord, Set, State, Value};
+
+use super::super::data::{Asked, Edit, Into, Page, Part, Sheets, Tables, Values, is_state};
+use super::tree::Node;
+
+/// The pages, and the tables of the state that they show.
+pub struct Editing {
+    sheets: Sheets,
+    tables: Option<(Arc<State>, Tables)>,
+}
+
+impl Default for Editing {
+    fn default() -> Self {
+        Self {
+            sheets: Sheets::new(Into::Project),
+            tables: None,
+        }
+    }
+}
+
+impl Editing {
+    /// The page of a place of the tree; none where nothing is typed.
+    pub const fn page(node: Node) -> Option<Page> {
+        match node {
+            Node::Parameters => Some(Page::Group(ParameterGroup::ALL[0])),
+            Node::Offsets => Some(Page::Offsets),
+            Node::Pitch => Some(Page::Pitch),
+            Node::Variables => Some(Page::Variables),
+            _ => None,
+        }
+    }
+
+    /// Whether something is typed and not in the project yet.
+    pub fn has_drafts(&self) -> bool {
+        self.sheets.has_drafts()
+    }
+
+    /// What was asked last was not taken.
+    pub fn refuse(&mut self, why: gsk_messages::Message, asked: &Asked) {
+        self.sheets.refuse(why, asked);
+    }
+
+    /// Draws a page and takes its input; what is to be put into the project comes out.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        page: Page,
+        state: &Arc<State>,
+    ) -> Option<Asked> {
+        let is_known = |known: &&(Arc<State>, Tables)| Arc::ptr_eq(&known.0, state);
+        if self.tables.as_ref().filter(is_known).is_none() {
+            self.tables = Some((Arc::clone(state), Tables::of(state.memory())));
+        }
+        let (_, tables) = self.tables.as_ref()?;
+        let values = Values::of_memory(state.memory(), tables);
+        self.sheets.turn_to(page);
+        self.sheets.show(ui, language, &values)
+    }
+}
+
+/// What edits change in a project.
+pub fn differences(edits: &[Edit], state: &State) -> Vec<Difference> {
+    let entries = state.entries();
+    let wanted = edits.iter().flat_map(|edit| values(*edit));
+    let other = wanted.map(|(key, new)| Difference {
+        key,
+        old: entries.get(&key).cloned(),
+        new,
+    });
+    other.filter(|it| it.old != it.new).collect()
+}
+
+/// The values that an edit is about: of a state parameter each bit is one.
+fn values(edit: Edit) -> Vec<(Key, Option<Value>)> {
+    let set = Set::Control;
+    let whole = |value: i32| Some(Value::Whole(value.into()));
+    match edit {
+        Edit::Parameter(Change::Value { number, value }) if is_state(number) => {
+            let bit = |bit: u8| {
+                let on = value >> bit & 1;
+                (Key::Parameter(set, number, Some(bit)), whole(on))
+            };
+            (0..8).map(bit).collect()
+        }
+        Edit::Parameter(Change::Value { number, value }) => {
+            vec![(Key::Parameter(set, number, None), whole(value))]
+        }
+        Edit::Parameter(Change::Bit { number, bit, on }) => {
+            vec![(Key::Parameter(set, number, Some(bit)), whole(on.into()))]
+        }
+        Edit::Parameter(Change::Pitch { axis, point, value }) => {
+            vec![(Key::Pitch(set, point, axis), whole(value.into()))]
+        }
+        Edit::Offset {
+            number,
+            part,
+            value,
+        } => {
+            let (word, value) = match part {
+                Part::X => (OffsetWord::X, Value::Real(value)),
+                Part::Z => (OffsetWord::Z, Value::Real(value)),
+                Part::R => (OffsetWord::R, Value::Real(value)),
+                // 0 to 9: checked when it was read.
+                Part::T => (OffsetWord::T, Value::Whole(value as i64)),
+            };
+            vec![(Key::Offset(set, number, word), Some(value))]
+        }
+        Edit::Variable { number, value, .. } => {
+            vec![(Key::Variable(number), value.map(Value::Real))]
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::data::Spot;
+    use super::*;
+    use gsk_core::setup::Setup;
+    use gsk_core::units::Axis;
+    use gsk_project::{apply, export};
+
+    fn typed(state: &State, spot: Spot, text: &str) -> Result<Edit, gsk_messages::Message> {
+        let tables = Tables::of(state.memory());
+        spot.read(text, &Values::of_memory(state.memory(), &tables))
+    }
+
+    #[test]
+    fn what_is_typed_is_a_line_of_the_folder_each() {
+        let state = State::of(&Setup::delivered());
+        let edits: Vec<Edit> = [
+            (Spot::Parameter(22), "7600"),
+            (Spot::Parameter(4), "01000001"),
+            (Spot::Offset(3, Part::X), "-1.5"),
+            (Spot::Offset(3, Part::T), "8"),
+            (Spot::pitch(Axis::Z, 12), "-5"),
+            (Spot::Variable(500), "17"),
+        ]
+        .into_iter()
+        .map(|(spot, text)| typed(&state, spot, text).unwrap())
+        .collect();
+        let tables = Tables::of(state.memory());
+        let values = Values::of_memory(state.memory(), &tables);
+        let before: Vec<Edit> = edits.iter().map(|edit| edit.now(&values)).collect();
+        let found = differences(&edits, &state);
+        let changed = apply(&state, &found).unwrap();
+        assert_eq!(gsk_project::diff(&state, &changed).len(), found.len());
+        let [old, new] = [&state, &changed].map(|it| export(it, Language::En));
+        let lines = |files: &gsk_project::Files| -> Vec<String> {
+            let all = files.values().flat_map(|text| text.lines());
+            all.map(str::to_owned).collect()
+        };
+        let (old, new) = (lines(&old), lines(&new));
+        assert_eq!(old.len(), new.len());
+        let changed_lines = old.iter().zip(&new).filter(|(old, new)| old != new);
+        assert!(
+            (5..=found.len()).contains(&changed_lines.count()),
+            "{found:?}"
+        );
+        // Taken back, it is what it was.
+        let back = apply(&changed, &differences(&before, &changed)).unwrap();
+        assert_eq!(back, state);
+    }
+
+    #[test]
+    fn a_project_takes_what_a_control_takes() {
+        let state = State::of(&Setup::delivered());
+        for (spot, text) in [
+            (Spot::Parameter(22), "1"),
+            (Spot::Parameter(22), "quick"),
+            (Spot::Parameter(4), "0102"),
+            (Spot::Offset(3, Part::X), "99999"),
+            (Spot::pitch(Axis::Z, 12), "400"),
+        ] {
+            assert!(typed(&state, spot, text).is_err(), "{spot:?} {text}");
+        }
+    }
+}
