@@ -309,6 +309,7 @@ impl Kernel {
             place_unknown: self.emulator.simulation.cnc.is_position_unknown(),
             board: self.drive.as_ref().map(Drive::state),
             run: self.emulator.simulation.cnc.run_state(),
+            moves: self.emulator.simulation.cnc.is_moving() || self.motion().spindle > 0.0,
             program: self.emulator.simulation.cnc.programs().current(),
             lesson: self.lesson.as_ref().map(Practising::state),
             raised: self.raised.shown(),

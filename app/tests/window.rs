@@ -5,6 +5,7 @@ use crate::common::Bench;
 use egui::{ViewportCommand, ViewportEvent, ViewportId};
 use egui_kittest::kittest::Queryable;
 use gsk_core::command::ProgramId;
+use gsk_core::operation::RunState;
 use gsk_core::setup::Setup;
 use gsk_link::LinkState;
 use gsk_panel::keys::{KEYS, Key, Role};
@@ -177,6 +178,33 @@ fn pc_keys_press_panel_keys() {
     bench.run(10);
     let map = bench.harness.query_by_label("PC keyboard and panel keys");
     assert!(map.is_some());
+}
+
+#[test]
+fn escape_closes_a_menu_and_is_reset_at_once_only_while_something_may_be_stopped() {
+    let mut bench = Bench::new();
+    let escape = |bench: &mut Bench| {
+        click(bench, "Views");
+        assert!(bench.harness.query_by_label_contains("Fault").is_some());
+        bench.harness.key_down(egui::Key::Escape);
+        bench.run(40);
+        assert!(bench.harness.query_by_label_contains("Fault").is_none());
+        let pressed = bench.kernel.snapshot().pressed.contains(&Key::Reset);
+        bench.harness.key_up(egui::Key::Escape);
+        bench.run(100);
+        pressed
+    };
+    assert!(!escape(&mut bench), "nothing moves");
+    bench.harness.key_down(egui::Key::Escape);
+    bench.run(40);
+    assert!(bench.kernel.snapshot().pressed.contains(&Key::Reset));
+    bench.harness.key_up(egui::Key::Escape);
+    bench.open("01-stepped-shaft.CNC");
+    bench.click("Automatic mode");
+    bench.click("Cycle start");
+    assert_eq!(bench.kernel.snapshot().run, RunState::Run);
+    assert!(escape(&mut bench), "a program runs");
+    assert_eq!(bench.kernel.snapshot().run, RunState::Reset);
 }
 
 #[test]

@@ -241,6 +241,8 @@ pub struct Snapshot {
     pub board: Option<LinkState>,
     /// Whether a program runs or is held.
     pub run: RunState,
+    /// A slide or the spindle moves.
+    pub moves: bool,
     /// The selected program.
     pub program: Option<ProgramId>,
     /// The lesson under way: all that is shown is its practice machine.
