@@ -324,6 +324,7 @@ impl Window {
                     self.panes(ui);
                 }
             });
+        clear::remember(ui.ctx(), &self.placed);
         self.settings.solid = self.views.lathe().is_solid();
         let finished = self.views.lessons().finished();
         if self.settings.lessons != *finished {
