@@ -407,6 +407,11 @@ impl Window {
         while let Ok(notice) = self.console.notices.try_recv() {
             match notice {
                 Notice::Said(text) => self.message = Some(Message::Said(text)),
+                Notice::Collided(what) => self.message = Some(Message::Collided(what)),
+                Notice::FreshStock => {
+                    self.message
+                        .take_if(|message| matches!(message, Message::Collided(_)));
+                }
                 Notice::Refused(alarm) => self.message = Some(Message::Refused(alarm)),
                 Notice::Sent(what) => self.message = Some(Message::Sent(what)),
                 Notice::NumberTaken(opened, number) => {
@@ -531,6 +536,15 @@ impl Window {
             && self.message.is_none()
         {
             return top_bar::alarm(ui, alarm, language, self.lcd.place());
+        }
+        let warned = self.message.as_ref().is_some_and(Message::is_warning);
+        let waits = self.picture.as_ref().and_then(|it| it.waits.as_ref());
+        if let Some(waits) = waits.filter(|_| !warned) {
+            let place = waits.block.as_ref();
+            let place = place.map(|it| alarm_line::place_of(it, language));
+            let what = waits.what.clone();
+            let text = say::window_waits(place.unwrap_or_default(), what).text(language);
+            return top_bar::status(ui, Some(&text), false, "");
         }
         let unknown = self.picture.as_ref().is_some_and(|it| it.place_unknown);
         let hint = if unknown {
