@@ -41,10 +41,12 @@ start() {
     "$program" --data "$@" 2>"$work/window.log" &
     window=$!
     local id=
-    for _ in {1..60}; do
+    # A busy computer takes its time.
+    for _ in {1..240}; do
         id=$(xdotool search --onlyvisible --name GSK980TD 2>/dev/null | tail -1) && [[ $id ]] && break
         sleep 0.25
     done
+    [[ $id ]] || { echo "no window after a minute: $*" >&2; cat "$work/window.log" >&2; exit 1; }
     sleep 3
     xdotool windowmove "$id" 0 0 windowsize "$id" "${size%x*}" "${size#*x}" windowfocus "$id"
     sleep 2

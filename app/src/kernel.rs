@@ -17,6 +17,7 @@ mod raised;
 mod refused;
 mod standing;
 mod thread;
+mod waiting;
 
 use std::sync::Arc;
 
@@ -54,6 +55,7 @@ use part::PartSide;
 use probe::Probing;
 use raised::Raised;
 use refused::{Refusals, Verdict};
+use waiting::Waiting;
 pub use thread::{KernelThread, Outside, start};
 
 /// Ticks between two pictures.
@@ -102,6 +104,7 @@ pub struct Kernel {
     /// Keys that are down, and what happened to others.
     keys: Edges,
     refusals: Refusals,
+    waiting: Waiting,
     tick: u64,
     last: Option<Snapshot>,
     speed_percent: u32,
@@ -144,6 +147,7 @@ impl Kernel {
             notices: notices.clone(),
             keys: Edges::default(),
             refusals: Refusals::default(),
+            waiting: Waiting::default(),
             tick: 0,
             last: None,
             speed_percent: 100,
@@ -249,7 +253,7 @@ impl Kernel {
             let collision = finding.collision;
             let (x, z) = (collision.tip.diameter().0, collision.tip.z);
             let what = collision.message();
-            self.say(Notice::Said(say::window_collision(what, x, z)));
+            self.say(Notice::Collided(say::window_collision(what, x, z)));
         }
     }
 
@@ -257,6 +261,7 @@ impl Kernel {
     pub fn show(&mut self) -> bool {
         let part_shown = self.part.show(&self.emulator.simulation);
         let monitored = self.show_machine() || part_shown;
+        self.waiting.look(self.tick, &self.emulator.simulation);
         let snapshot = self.snapshot();
         if self.last.as_ref() == Some(&snapshot) {
             return monitored;
@@ -309,6 +314,10 @@ impl Kernel {
             place_unknown: self.emulator.simulation.cnc.is_position_unknown(),
             board: self.drive.as_ref().map(Drive::state),
             run: self.emulator.simulation.cnc.run_state(),
+            waits: self
+                .waiting
+                .said(self.tick, self.emulator.simulation.cnc.run_state()),
+            moves: self.emulator.simulation.cnc.is_moving() || self.motion().spindle > 0.0,
             program: self.emulator.simulation.cnc.programs().current(),
             lesson: self.lesson.as_ref().map(Practising::state),
             raised: self.raised.shown(),
@@ -387,7 +396,10 @@ impl Kernel {
                 };
                 part.set(chosen.map(|chosen| *chosen));
             }
-            Command::FreshStock => self.part.fresh_stock(),
+            Command::FreshStock => {
+                self.part.fresh_stock();
+                self.say(Notice::FreshStock);
+            }
             Command::CrashStops(stops) => self.part.set_crash_stops(stops),
             Command::PowerCycle => self.emulator.power_cycle(),
             Command::ForceInput(address, state) => {

@@ -4,8 +4,11 @@
 use crate::common::Bench;
 use egui::{ViewportCommand, ViewportEvent, ViewportId};
 use egui_kittest::kittest::Queryable;
+use gsk_app::kernel::Command;
 use gsk_core::command::ProgramId;
+use gsk_core::operation::RunState;
 use gsk_core::setup::Setup;
+use gsk_core::machine::Fault;
 use gsk_link::LinkState;
 use gsk_panel::keys::{KEYS, Key, Role};
 
@@ -177,6 +180,51 @@ fn pc_keys_press_panel_keys() {
     bench.run(10);
     let map = bench.harness.query_by_label("PC keyboard and panel keys");
     assert!(map.is_some());
+}
+
+#[test]
+fn escape_closes_a_menu_and_is_reset_at_once_only_while_something_may_be_stopped() {
+    let mut bench = Bench::new();
+    let escape = |bench: &mut Bench| {
+        click(bench, "Views");
+        assert!(bench.harness.query_by_label_contains("Fault").is_some());
+        bench.harness.key_down(egui::Key::Escape);
+        bench.run(40);
+        assert!(bench.harness.query_by_label_contains("Fault").is_none());
+        let pressed = bench.kernel.snapshot().pressed.contains(&Key::Reset);
+        bench.harness.key_up(egui::Key::Escape);
+        bench.run(100);
+        pressed
+    };
+    assert!(!escape(&mut bench), "nothing moves");
+    bench.harness.key_down(egui::Key::Escape);
+    bench.run(40);
+    assert!(bench.kernel.snapshot().pressed.contains(&Key::Reset));
+    bench.harness.key_up(egui::Key::Escape);
+    bench.open("01-stepped-shaft.CNC");
+    bench.click("Automatic mode");
+    bench.click("Cycle start");
+    assert_eq!(bench.kernel.snapshot().run, RunState::Run);
+    assert!(escape(&mut bench), "a program runs");
+    assert_eq!(bench.kernel.snapshot().run, RunState::Reset);
+}
+
+#[test]
+fn a_program_that_waits_says_for_what_and_in_which_block() {
+    let folder = crate::common::folder::Folder::new("waits");
+    folder.write("waits.CNC", "O0007\nG00 U-1\nT0202\nM30\n");
+    let mut bench = Bench::new();
+    bench.open(folder.0.join("waits.CNC").to_str().unwrap());
+    let blocked = Command::Fault(Fault::TurretBlocked, true);
+    bench.console.send(blocked);
+    bench.click("Automatic mode");
+    bench.click("Cycle start");
+    bench.run(300);
+    let tells = |bench: &Bench| says(bench, "O0007 line 3, waiting for: FIN (G4.3) of T02");
+    assert!(!tells(&bench), "a tool change takes its time");
+    bench.click("Feed hold");
+    assert!(tells(&bench), "{}", bench.lcd());
+    assert!(says(&bench, ", then cycle start after a feed hold"));
 }
 
 #[test]

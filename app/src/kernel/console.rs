@@ -33,6 +33,7 @@ use super::link_view::LinkView;
 use super::monitor::MachineView;
 use super::part::PartView;
 use super::probe::Probe;
+use super::waiting::Waits;
 use crate::job::Chosen;
 use crate::pace::Speed;
 use crate::platform;
@@ -195,6 +196,10 @@ pub enum Notice {
     Sent(String),
     /// Something went wrong, or should be known.
     Said(Message),
+    /// The tool has hit something.
+    Collided(Message),
+    /// New stock is clamped: what was hit before is over.
+    FreshStock,
     /// The control refused what was asked of it.
     Refused(Alarm),
     /// A program that was opened, by the name of its file, has been looked through.
@@ -241,6 +246,10 @@ pub struct Snapshot {
     pub board: Option<LinkState>,
     /// Whether a program runs or is held.
     pub run: RunState,
+    /// What the program under way waits for, if that takes longer than usual.
+    pub waits: Option<Waits>,
+    /// A slide or the spindle moves.
+    pub moves: bool,
     /// The selected program.
     pub program: Option<ProgramId>,
     /// The lesson under way: all that is shown is its practice machine.

@@ -2,7 +2,7 @@
 //! and what helps.
 
 use gsk_core::alarm::Alarm;
-use gsk_core::command::ProgramId;
+use gsk_core::command::{ProgramId, Source};
 
 use gsk_messages::{Language, say};
 
@@ -46,7 +46,11 @@ pub fn long(alarm: &Alarm, language: Language) -> String {
 }
 
 fn place(alarm: &Alarm, language: Language) -> Option<String> {
-    let source = alarm.source.as_ref()?;
+    alarm.source.as_ref().map(|it| place_of(it, language))
+}
+
+/// A block: program, sequence number, line.
+pub fn place_of(source: &Source, language: Language) -> String {
     let program = match source.program {
         ProgramId::Stored(number) => format!("O{number:04} "),
         ProgramId::External => String::new(),
@@ -57,13 +61,11 @@ fn place(alarm: &Alarm, language: Language) -> Option<String> {
         .sequence
         .map_or_else(String::new, |it| format!("N{:04} ", u32::from(it)));
     let line = say::window_at_line(source.line).text(language);
-    Some(format!("{program}{sequence}{line}"))
+    format!("{program}{sequence}{line}")
 }
 
 #[cfg(test)]
 mod tests {
-    use gsk_core::command::Source;
-
     use super::*;
 
     #[test]

@@ -1,6 +1,6 @@
-//! Room for a window of help that covers no key that stops the machine (WINDOW-25).
+//! Room for windows within the window that cover no key that stops the machine (WINDOW-25).
 
-use egui::{Rect, Vec2, pos2};
+use egui::{Context, Id, Rect, Vec2, pos2};
 use gsk_panel::faceplate;
 
 use super::placing::{self, STOPS, View};
@@ -13,6 +13,37 @@ pub fn stops(placed: &[View]) -> Vec<Rect> {
     let parts = STOPS.iter().filter_map(|key| faceplate::part_of(*key));
     let places = parts.filter_map(|part| Some(placing::of_part(placed, part)?.rect(part.rect)));
     places.map(|place| place.expand(AROUND)).collect()
+}
+
+/// Remembers where the keys that stop the machine are, for windows that are drawn by views.
+pub fn remember(context: &Context, placed: &[View]) {
+    let stops = stops(placed);
+    context.data_mut(|data| data.insert_temp(place_of_stops(), stops));
+}
+
+/// Where they are in the main window, as they were drawn last.
+pub fn remembered(context: &Context) -> Vec<Rect> {
+    let stops = context.data(|data| data.get_temp(place_of_stops()));
+    stops.unwrap_or_default()
+}
+
+fn place_of_stops() -> Id {
+    Id::unique("stops")
+}
+
+/// The largest room of the window, among those that hold most of a size, for a
+/// dialog.
+pub fn free(context: &Context, size: Vec2) -> Rect {
+    let mut screen = context.content_rect();
+    screen.min.y += super::BAR;
+    room(screen, &remembered(context), |room| holds(room, size))
+}
+
+/// How good a room is for a window that may cover all else: as much of it as has room there;
+/// among equals the larger room.
+pub fn holds(room: Rect, size: Vec2) -> f32 {
+    let shown = size.min(room.size());
+    shown.x * shown.y + room.area() / 1000.0
 }
 
 /// The best room of a screen without some places in it; `worth` says how good one is.

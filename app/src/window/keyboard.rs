@@ -73,6 +73,23 @@ pub fn beside_focus(context: &Context, mut events: Vec<Event>) -> Vec<Event> {
     events
 }
 
+/// What of the events is the panel's where a menu was open: the Escape that closes it is
+/// RESET, too, only where something may be stopped by it (WINDOW-26).
+pub fn beside_menu(mut events: Vec<Event>, may_stop: bool) -> Vec<Event> {
+    let closes = |event: &Event| {
+        matches!(
+            event,
+            Event::Key {
+                key: PcKey::Escape,
+                pressed: true,
+                ..
+            }
+        )
+    };
+    events.retain(|event| may_stop || !closes(event));
+    events
+}
+
 /// Whether an event presses what has the focus.
 fn presses_focused(event: &Event) -> bool {
     match event {

@@ -16,6 +16,8 @@ use gsk_messages::{Language, say};
 pub enum Message {
     /// A sentence of somebody else.
     Said(gsk_messages::Message),
+    /// The tool has hit something; it goes with the stock.
+    Collided(gsk_messages::Message),
     /// Why a key did nothing; it goes with the next key that acts.
     KeyRefused(gsk_messages::Message),
     /// The control refused what was asked of it.
@@ -81,7 +83,7 @@ impl Message {
     /// Its words.
     pub fn text(&self, language: Language) -> String {
         match self {
-            Self::Said(said) | Self::KeyRefused(said) => said.text(language),
+            Self::Said(said) | Self::Collided(said) | Self::KeyRefused(said) => said.text(language),
             Self::Refused(alarm) => alarm_line::short(alarm, language),
             Self::Sent(what) => say::window_sent(what).text(language),
             Self::Opened(name, Place::Stored(number)) => {

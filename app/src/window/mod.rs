@@ -285,6 +285,8 @@ impl Window {
 
     /// Draws the window and takes its input.
     pub fn ui(&mut self, ui: &mut Ui) {
+        // Before the key that closes it is taken.
+        let menu = egui::Popup::is_any_open(ui.ctx());
         self.receive();
         self.follow_sound();
         let why_not = self.model_choice().why_not;
@@ -322,6 +324,7 @@ impl Window {
                     self.panes(ui);
                 }
             });
+        clear::remember(ui.ctx(), &self.placed);
         self.settings.solid = self.views.lathe().is_solid();
         let finished = self.views.lessons().finished();
         if self.settings.lessons != *finished {
@@ -355,7 +358,7 @@ impl Window {
         self.questions
             .show(ui.ctx(), language, picture, &self.console, unsaved);
         self.browser.show(ui.ctx(), language);
-        self.keyboard(ui);
+        self.keyboard(ui, menu);
         let (board, lcd) = (self.board(), self.lcd.place());
         let layouts = &mut self.settings.layouts;
         let typed = self
@@ -404,6 +407,11 @@ impl Window {
         while let Ok(notice) = self.console.notices.try_recv() {
             match notice {
                 Notice::Said(text) => self.message = Some(Message::Said(text)),
+                Notice::Collided(what) => self.message = Some(Message::Collided(what)),
+                Notice::FreshStock => {
+                    self.message
+                        .take_if(|message| matches!(message, Message::Collided(_)));
+                }
                 Notice::Refused(alarm) => self.message = Some(Message::Refused(alarm)),
                 Notice::Sent(what) => self.message = Some(Message::Sent(what)),
                 Notice::NumberTaken(opened, number) => {
@@ -529,6 +537,15 @@ impl Window {
         {
             return top_bar::alarm(ui, alarm, language, self.lcd.place());
         }
+        let warned = self.message.as_ref().is_some_and(Message::is_warning);
+        let waits = self.picture.as_ref().and_then(|it| it.waits.as_ref());
+        if let Some(waits) = waits.filter(|_| !warned) {
+            let place = waits.block.as_ref();
+            let place = place.map(|it| alarm_line::place_of(it, language));
+            let what = waits.what.clone();
+            let text = say::window_waits(place.unwrap_or_default(), what).text(language);
+            return top_bar::status(ui, Some(&text), false, "");
+        }
         let unknown = self.picture.as_ref().is_some_and(|it| it.place_unknown);
         let hint = if unknown {
             say::window_hint_machine_zero()
@@ -541,8 +558,17 @@ impl Window {
         top_bar::status(ui, text.as_deref(), warning, &hint.text(language));
     }
 
-    /// The PC keyboard; while a text is being typed the panel has its stops alone.
-    fn keyboard(&mut self, ui: &Ui) {
+    /// Whether RESET may have something to stop; unknown is yes.
+    fn may_stop(&self) -> bool {
+        self.picture.as_ref().is_none_or(|it| {
+            let board = matches!(it.board, Some(LinkState::Moving | LinkState::Homing));
+            it.moves || board || matches!(it.run, RunState::Run | RunState::Hold)
+        })
+    }
+
+    /// The PC keyboard; while a text is being typed the panel has its stops alone. `menu`: one
+    /// was open when the keys came.
+    fn keyboard(&mut self, ui: &Ui, menu: bool) {
         let events: Vec<Event> = ui.input(|input| input.events.clone());
         if ui.ctx().text_edit_focused() || self.first_start.is_some() {
             let stops: Vec<Event> = events.into_iter().filter(views::stops).collect();
@@ -550,7 +576,10 @@ impl Window {
             return;
         }
         zoom::typed(ui.ctx(), &events, &mut self.settings);
-        let events = keyboard::beside_focus(ui.ctx(), events);
+        let mut events = keyboard::beside_focus(ui.ctx(), events);
+        if menu {
+            events = keyboard::beside_menu(events, self.may_stop());
+        }
         if let Some(view) = view::toggled(&events) {
             self.settings.layouts.toggle(view);
         }

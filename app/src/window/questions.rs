@@ -4,6 +4,7 @@
 use egui::{Align2, Context, ViewportCommand, Window};
 use gsk_core::operation::RunState;
 
+use super::clear;
 use crate::kernel::{Command, Console, Opened, Snapshot, Storing};
 use gsk_messages::{Language, Message, say};
 
@@ -40,6 +41,9 @@ impl Unsaved {
         }
     }
 }
+
+/// Room that a question wants, points.
+const ROOM: egui::Vec2 = egui::vec2(520.0, 180.0);
 
 /// The questions that stand.
 #[derive(Debug, Default)]
@@ -170,6 +174,7 @@ pub fn ask(
         .collapsible(false)
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, [0.0, -60.0])
+        .constrain_to(clear::free(context, ROOM))
         .show(context, |ui| {
             ui.add_space(6.0);
             ui.label(consequence);

@@ -101,14 +101,14 @@ pub static VIEWS: [ViewRow; 11] = [
         name: say::window_view_ladder,
         key: Some(Key::F4),
         size: [1240.0, 780.0],
-        least: [820.0, 360.0],
+        least: [640.0, 360.0],
     },
     ViewRow {
         view: View::Link,
         name: say::window_view_link,
         key: Some(Key::F5),
         size: [1040.0, 740.0],
-        least: [760.0, 320.0],
+        least: [640.0, 320.0],
     },
     ViewRow {
         view: View::Program,

@@ -8,6 +8,7 @@ use egui::{Button, Context, Key, Panel, ScrollArea, TextEdit, Ui, ViewportBuilde
 
 use super::{Ask, Asked, Wanted, beside};
 use crate::platform;
+use crate::window::clear;
 use gsk_messages::{Language, Message, say};
 
 /// Size of the dialog, points.
@@ -99,6 +100,7 @@ fn in_window(context: &Context, language: Language, open: &mut Open) -> Outcome 
             .id(egui::Id::unique("files"))
             .open(&mut stays)
             .fixed_size(SIZE)
+            .constrain_to(clear::free(context, egui::Vec2::from(SIZE)))
             .collapsible(false)
             .show(context, |ui| open.show(ui, language));
         let outcome = shown.and_then(|shown| shown.inner);

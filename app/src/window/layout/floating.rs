@@ -1,24 +1,28 @@
-//! Where a view's own window opens: where it was, else beside the LCD; never larger
-//! than the screen.
+//! Where a view's own window opens: where it was, else beside the LCD; never larger than the
+//! screen, and over no key that stops the machine (WINDOW-25).
 
 use egui::{Context, Pos2, Rect, Vec2, ViewportInfo, pos2, vec2};
 
 use super::Place;
+use crate::window::clear;
 
 /// What the frame and the title of a window take, points.
 const FRAME: Vec2 = vec2(12.0, 44.0);
 
 /// The screen with what must stay in sight on it, points.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Screen {
     size: Option<Vec2>,
     /// The LCD; none where the system does not tell where the window is.
     lcd: Option<Rect>,
+    /// The keys that stop the machine; none there either.
+    stops: Vec<Rect>,
 }
 
 impl Screen {
     /// The screen that the main window is on; `lcd` is the LCD inside the window.
     pub fn of(context: &Context, lcd: Option<Rect>) -> Self {
+        let stops = clear::remembered(context);
         context.input(|input| {
             let viewport = input.viewport();
             let inner = viewport.inner_rect;
@@ -27,6 +31,10 @@ impl Screen {
                 lcd: inner
                     .zip(lcd)
                     .map(|(inner, lcd)| lcd.translate(inner.min.to_vec2())),
+                stops: inner.map_or_else(Vec::new, |inner| {
+                    let stops = stops.iter();
+                    stops.map(|it| it.translate(inner.min.to_vec2())).collect()
+                }),
             }
         })
     }
@@ -45,14 +53,18 @@ impl Screen {
             // A screen that is gone, or a smaller one.
             let most = (size - wanted - FRAME).max(Vec2::ZERO);
             let corner = pos2((x as f32).clamp(0.0, most.x), (y as f32).clamp(0.0, most.y));
-            return (Some(corner), wanted);
+            let window = Rect::from_min_size(corner, wanted + FRAME);
+            if !self.stops.iter().any(|stop| stop.intersects(window)) {
+                return (Some(corner), wanted);
+            }
         }
         // On another screen of several the LCD's place says nothing about this one.
         let screen = Rect::from_min_size(Pos2::ZERO, size);
-        let Some(lcd) = self.lcd.filter(|lcd| screen.contains_rect(*lcd)) else {
+        let lcd = self.lcd.filter(|lcd| screen.contains_rect(*lcd));
+        if lcd.is_none() && self.stops.is_empty() {
             return (None, wanted);
-        };
-        let (corner, size) = beside(screen, lcd, wanted, least.min(wanted));
+        }
+        let (corner, size) = beside(screen, lcd, &self.stops, wanted, least.min(wanted));
         (Some(corner), size)
     }
 }
@@ -86,26 +98,29 @@ pub fn place(viewport: &ViewportInfo) -> Option<Place> {
     })
 }
 
-/// The largest window, at most as large as wanted, to the right of the LCD, below,
-/// above or to the left of it.
-fn beside(screen: Rect, lcd: Rect, wanted: Vec2, least: Vec2) -> (Pos2, Vec2) {
-    let rooms = [
-        Rect::from_min_max(pos2(lcd.right(), screen.top()), screen.max),
-        Rect::from_min_max(pos2(screen.left(), lcd.bottom()), screen.max),
-        Rect::from_min_max(screen.min, pos2(screen.right(), lcd.top())),
-        Rect::from_min_max(screen.min, pos2(lcd.left(), screen.bottom())),
-    ];
-    let fitted = rooms.map(|room| (room, wanted.min(room.size() - FRAME)));
-    let enough = fitted
-        .iter()
-        .filter(|(_, size)| size.x >= least.x && size.y >= least.y)
-        .max_by(|(_, one), (_, other)| (one.x * one.y).total_cmp(&(other.x * other.y)));
-    let (room, size) = match enough {
-        Some((room, size)) => (*room, *size),
-        // Nowhere: as small as it can be, in the corner.
-        None => (screen, least),
+/// The largest window, at most as large as wanted, beside the LCD and the keys that stop the
+/// machine; where there is no room for it, beside these keys alone.
+fn beside(
+    screen: Rect,
+    lcd: Option<Rect>,
+    stops: &[Rect],
+    wanted: Vec2,
+    least: Vec2,
+) -> (Pos2, Vec2) {
+    let fitted = |without: &[Rect]| {
+        let room = clear::room(screen, without, |room| clear::holds(room, wanted + FRAME));
+        let size = wanted.min(room.size() - FRAME).max(vec2(1.0, 1.0));
+        (room.max - size - FRAME, size)
     };
-    (room.max - size - FRAME, size)
+    let all: Vec<Rect> = lcd.into_iter().chain(stops.iter().copied()).collect();
+    let (corner, size) = fitted(&all);
+    if size.x >= least.x && size.y >= least.y {
+        return (corner, size);
+    }
+    let (corner, size) = fitted(stops);
+    // Over the LCD it is as small as it can be.
+    let small = least.min(size);
+    (corner + size - small, small)
 }
 
 #[cfg(test)]
@@ -123,6 +138,7 @@ mod tests {
             let on = Screen {
                 size: Some(screen),
                 lcd: Some(lcd),
+                stops: Vec::new(),
             };
             let (corner, size) = on.open(None, vec2(1120.0, 720.0), vec2(760.0, 360.0));
             let window = Rect::from_min_size(corner.unwrap(), size + FRAME);
@@ -134,6 +150,39 @@ mod tests {
                 "{window:?} on {screen}"
             );
             assert!(size.x >= 760.0 && size.y >= 360.0);
+        }
+    }
+
+    #[test]
+    fn a_window_of_its_own_covers_no_key_that_stops_the_machine() {
+        use crate::window::{placing, view::VIEWS};
+        for screen in [
+            vec2(1024.0, 768.0),
+            vec2(1366.0, 768.0),
+            vec2(1920.0, 1080.0),
+            vec2(800.0, 1280.0),
+        ] {
+            let room = Rect::from_min_size(pos2(0.0, 50.0), screen - vec2(0.0, 80.0));
+            let stops = clear::stops(&placing::views(room, 1.0));
+            let on = Screen {
+                size: Some(screen),
+                lcd: None,
+                stops: stops.clone(),
+            };
+            for row in &VIEWS {
+                let (wanted, least) = (Vec2::from(row.size), Vec2::from(row.least));
+                let covering = Place {
+                    corner: Some((stops[0].left() as i32 - 50, stops[0].top() as i32 - 50)),
+                    size: (wanted.x as u32, wanted.y as u32),
+                };
+                for last in [None, Some(covering)] {
+                    let (corner, size) = on.open(last, wanted, least);
+                    let window = Rect::from_min_size(corner.unwrap(), size + FRAME);
+                    let covers = |stop: &Rect| stop.shrink(1.0).intersects(window);
+                    assert!(!stops.iter().any(covers), "{:?} on {screen}", row.view);
+                    assert!(size.x > 150.0 && size.y > 150.0, "{size} on {screen}");
+                }
+            }
         }
     }
 
@@ -157,6 +206,7 @@ mod tests {
         let on = |screen| Screen {
             size: Some(screen),
             lcd: None,
+            stops: Vec::new(),
         };
         let place = Place {
             corner: Some((1500, 300)),

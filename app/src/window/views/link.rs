@@ -62,7 +62,7 @@ impl LinkPage {
         let bar = Panel::top("link bar").frame(super::bar_frame());
         bar.show(ui, |ui| self.bar(ui, language, &view));
         let side = Panel::left("link figures")
-            .exact_size(400.0)
+            .exact_size((ui.available_width() * 0.55).clamp(340.0, 400.0))
             .resizable(false)
             .frame(super::side_frame());
         side.show(ui, |ui| {

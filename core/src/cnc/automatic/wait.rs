@@ -11,8 +11,16 @@ impl Cnc {
     pub fn waits_for(&self) -> Option<Message> {
         match self.run.automatic.state {
             RunState::Reset | RunState::Stop => None,
-            RunState::Hold if self.plc.signals.feed_hold => Some(say::wait_in_feed_hold()),
-            RunState::Hold => Some(say::wait_for_cycle_start()),
+            RunState::Hold => {
+                let held = match self.plc.signals.feed_hold {
+                    true => say::wait_in_feed_hold(),
+                    false => say::wait_for_cycle_start(),
+                };
+                Some(match self.waits_for_fin() {
+                    Some(fin) => say::wait_held_in_function(fin, held),
+                    None => held,
+                })
+            }
             RunState::Run => self
                 .waits_in_run()
                 .or_else(|| self.waits_for_fin())

@@ -163,7 +163,7 @@ impl LadderView {
         }
         if self.tab == Tab::Rungs {
             let side = Panel::right("ladder side")
-                .exact_size(side::WIDTH)
+                .exact_size(side::width(ui.available_width()))
                 .resizable(false)
                 .frame(super::side_frame());
             side.show(ui, |ui| self.side(ui, language, machine));

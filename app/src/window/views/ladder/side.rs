@@ -12,8 +12,10 @@ use crate::kernel::Command;
 use crate::kernel::monitor::MachineView;
 use gsk_messages::{Language, say};
 
-/// Width of the list, points.
-pub const WIDTH: f32 = 304.0;
+/// Width of the list beside the rungs in a view of a width, points.
+pub fn width(view: f32) -> f32 {
+    (view * 0.3).clamp(190.0, 304.0)
+}
 
 impl LadderView {
     pub(super) fn side(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {

@@ -7,6 +7,7 @@ use gsk_messages::{Language, Message, say};
 
 use super::Next;
 use super::document::{Document, Origin};
+use crate::window::clear;
 
 /// What the user wants.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -204,6 +205,9 @@ pub enum Answer {
     Cancel,
 }
 
+/// Room that the question wants, points.
+const ROOM: egui::Vec2 = egui::vec2(520.0, 180.0);
+
 /// Asks before an unsaved text is lost.
 pub fn ask_to_save(context: &Context, name: &str, language: Language) -> Option<Answer> {
     let mut answer = None;
@@ -212,6 +216,7 @@ pub fn ask_to_save(context: &Context, name: &str, language: Language) -> Option<
         .collapsible(false)
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, [0.0, -60.0])
+        .constrain_to(clear::free(context, ROOM))
         .show(context, |ui| {
             ui.label(say::program_unsaved_lost(name).text(language));
             ui.add_space(8.0);

@@ -7,6 +7,7 @@ use gsk_messages::{Language, Message, say};
 use gsk_transfer::{Entry, FileName, Partition};
 
 use super::BAD;
+use crate::window::clear;
 
 /// Width of a field, points.
 pub const FIELD: f32 = 300.0;
@@ -119,6 +120,7 @@ pub fn window(
         .resizable(false)
         .pivot(Align2::CENTER_CENTER)
         .fixed_pos(room.center())
+        .constrain_to(clear::free(context, room.size()))
         .order(egui::Order::Foreground)
         .show(context, |ui| {
             ui.set_max_width(WIDTH.min(room.width() - 24.0));
