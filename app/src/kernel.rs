@@ -55,8 +55,8 @@ use part::PartSide;
 use probe::Probing;
 use raised::Raised;
 use refused::{Refusals, Verdict};
-use waiting::Waiting;
 pub use thread::{KernelThread, Outside, start};
+use waiting::Waiting;
 
 /// Ticks between two pictures.
 pub const PICTURE_TICKS: u64 = 25;

@@ -6,9 +6,9 @@ use egui::{ViewportCommand, ViewportEvent, ViewportId};
 use egui_kittest::kittest::Queryable;
 use gsk_app::kernel::Command;
 use gsk_core::command::ProgramId;
+use gsk_core::machine::Fault;
 use gsk_core::operation::RunState;
 use gsk_core::setup::Setup;
-use gsk_core::machine::Fault;
 use gsk_link::LinkState;
 use gsk_panel::keys::{KEYS, Key, Role};
 

@@ -15,6 +15,7 @@
 //! Targets are in mm, deviations in µm. Within a run the targets are met one after the
 //! other, which says from where each was approached.
 
+use gsk_core::units::Axis;
 use gsk_messages::say;
 
 use crate::line::{self as line_of, FileFault, MOST_READINGS, lines};
@@ -68,7 +69,7 @@ pub(crate) fn read(text: &str) -> Result<Measurement, FileFault> {
                 "target-count" => count = Some((line, line_of::number(line, value)?)),
                 "flags" => one_way = value.split_whitespace().nth(1) == Some("1"),
                 // What its operator wrote: often the letter alone.
-                "axis" => measured.axis = line_of::axis(line, value).ok(),
+                "axis" => measured.axis = axis_of(value),
                 "eof" => break,
                 _ => {}
             }
@@ -168,6 +169,15 @@ fn direction(run: &[Row], forwards: bool) -> Direction {
     }
 }
 
+/// The axis where its operator wrote that of a lathe.
+fn axis_of(value: &str) -> Option<Axis> {
+    match value {
+        "X" | "x" => Some(Axis::X),
+        "Z" | "z" => Some(Axis::Z),
+        _ => None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -186,10 +196,7 @@ mod tests {
     fn runs_go_there_and_back() {
         assert!(is_rtl(FILE));
         let measured = read(FILE).unwrap();
-        assert_eq!(
-            (measured.axis, measured.runs()),
-            (Some(gsk_core::units::Axis::Z), 2)
-        );
+        assert_eq!((measured.axis, measured.runs()), (Some(Axis::Z), 2));
         assert_eq!(measured.readings.len(), 12);
         let of = |at: usize| {
             let reading = measured.readings[at];
