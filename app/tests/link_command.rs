@@ -161,7 +161,12 @@ fn a_board_that_was_never_known_is_no_board_in_order() {
     let (code, out, complaint) = test(&twin.port, &["--machine", machine.path()]);
     assert_eq!(code, 1, "{out}{complaint}");
     assert!(!out.contains("as they must be"), "{out}");
-    assert!(complaint.contains("is not ready"), "{complaint}");
+    // Where the computer adds its own to the 300 ms, the link breaks before that.
+    let unready = ["is not ready", "601: "];
+    assert!(
+        unready.iter().any(|word| complaint.contains(word)),
+        "{complaint}"
+    );
 }
 
 #[test]
