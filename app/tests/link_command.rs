@@ -89,6 +89,7 @@ fn a_board_at_a_network_address_is_tried_as_one_at_a_port() {
     assert!(twin.port.starts_with("tcp:127.0.0.1:"), "{}", twin.port);
     // One after the other: the board takes the next partner when one has gone.
     let (code, text, error) = test(&twin.port, &["--write-settings"]);
+    assert!(!error.contains("603"), "{error}");
     assert_eq!(code, 0, "{text}{error}");
     let (code, text, error) = test(&twin.port, &["--travel", "1"]);
     assert_eq!(code, 0, "{text}{error}");

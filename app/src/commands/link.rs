@@ -74,6 +74,11 @@ fn report(events: &[Event]) -> bool {
     failed
 }
 
+/// Whether an event is the alarm of settings that differ.
+const fn is_about_settings(event: &Event) -> bool {
+    matches!(event, Event::Alarm { number, .. } if *number == number::BOARD_SETTINGS)
+}
+
 /// Says where the dialogue has stopped; an alarm says it by itself. True: it is no
 /// board that can be worked with.
 fn tell_state(board: &Board) -> bool {
@@ -91,6 +96,10 @@ fn tell_state(board: &Board) -> bool {
 fn test(args: &LinkTestArgs) -> Result<u8, CommandError> {
     let mut board = open(&args.board)?;
     let mut events = board.get_known();
+    if args.write_settings {
+        // They are about to be written, and stand in the list.
+        events.retain(|event| !is_about_settings(event));
+    }
     let mut failed = report(&events);
     let info = board.link.board().clone();
     if !info.firmware.is_empty() {
