@@ -330,9 +330,10 @@ impl Spot {
         }
         // As the control rounds and bounds it; 000 has the bounds of the others.
         let mut table = Offsets::default();
-        table
-            .set(1, then)
-            .map_err(|alarm| alarm.further_detail().cloned().unwrap_or(alarm.reason()))?;
+        table.set(1, then).map_err(|alarm| {
+            let why = alarm.further_detail().cloned();
+            say::data_not_allowed(self.name(), why.unwrap_or(alarm.reason()))
+        })?;
         Ok(Edit::Offset {
             number,
             part,

@@ -39,6 +39,8 @@ pub struct Asked {
 pub struct Sheets {
     into: Into,
     page: Page,
+    /// The page of parameters that is turned back to.
+    last: Page,
     parameters: Parameters,
     drafts: Drafts,
     /// What was wrong when it was to be written.
@@ -54,6 +56,7 @@ impl Sheets {
         Self {
             into,
             page: Page::Numbers(Kind::All),
+            last: Page::Numbers(Kind::All),
             parameters: Parameters::default(),
             drafts: Drafts::default(),
             complaint: None,
@@ -67,12 +70,16 @@ impl Sheets {
         self.drafts.count() > 0
     }
 
-    /// Turns to a page; one of parameters stays where one is wanted.
+    /// Turns to a page; of those of parameters to the one that was shown last.
     pub fn turn_to(&mut self, page: Page) {
         let of_parameters = |page| matches!(page, Page::Numbers(_) | Page::Group(_));
-        if !(of_parameters(page) && of_parameters(self.page)) {
-            self.page = page;
+        if of_parameters(self.page) {
+            self.last = self.page;
         }
+        self.page = match of_parameters(page) {
+            true => self.last,
+            false => page,
+        };
     }
 
     /// What was asked last was not taken.

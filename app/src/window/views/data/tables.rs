@@ -12,6 +12,8 @@ use super::values::Values;
 const NUMBER: f32 = 44.0;
 /// The least and the greatest width of a column of values, points.
 const COLUMN: [f32; 2] = [52.0, 110.0];
+/// Width of the column of noses, points: one digit.
+const NOSE: f32 = 44.0;
 /// Width of a pitch error, and of the coordinate beside it, points.
 const PITCH: [f32; 2] = [52.0, 84.0];
 /// Width of a variable's field, points.
@@ -24,11 +26,14 @@ pub fn offsets(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &m
     ui.heading(say::data_offsets().text(language));
     ui.weak(say::data_offsets_hint().text(language));
     ui.weak(say::data_add().text(language));
-    let gaps = ui.spacing().item_spacing.x * 5.0 + SCROLL_BAR + ui.spacing().button_padding.x * 8.0;
-    let column = (ui.available_width() - NUMBER - gaps) / 4.0;
+    let gaps = ui.spacing().item_spacing.x * 4.0 + SCROLL_BAR;
+    let column = (ui.available_width() - NUMBER - NOSE - gaps) / 3.0;
     let column = column.clamp(COLUMN[0], COLUMN[1]);
+    let width = |part: Part| match part {
+        Part::T => NOSE,
+        Part::X | Part::Z | Part::R => column,
+    };
     let height = ui.spacing().interact_size.y;
-    let padding = ui.spacing().button_padding.x;
     ui.horizontal(|ui| {
         cell(
             ui,
@@ -37,7 +42,7 @@ pub fn offsets(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &m
             &say::data_column_number().text(language),
         );
         for part in Part::ALL {
-            cell(ui, column + padding * 2.0, height, part.letter());
+            cell(ui, width(part), height, part.letter());
         }
     });
     let count = machine.offsets.rows.iter().count();
@@ -53,7 +58,8 @@ pub fn offsets(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &m
                     ui.add_enabled_ui(!fixed, |ui| {
                         for part in Part::ALL {
                             let spot = Spot::Offset(number, part);
-                            let field = field::show(ui, language, machine, drafts, spot, column);
+                            let field =
+                                field::show(ui, language, machine, drafts, spot, width(part));
                             if fixed {
                                 let why = say::data_offset_fixed().text(language);
                                 field.on_disabled_hover_text(why);
@@ -69,15 +75,14 @@ pub fn offsets(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &m
 /// ends, mm of slide travel.
 pub fn pitch(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Drafts) {
     ui.heading(say::data_pitch().text(language));
-    ui.weak(say::project_heading_pitch().text(language));
+    ui.weak(say::data_pitch_hint().text(language));
     let height = ui.spacing().interact_size.y;
-    let padding = ui.spacing().button_padding.x;
     let axes = [Axis::X, Axis::Z];
     ui.horizontal(|ui| {
         let number = say::data_column_number().text(language);
         cell(ui, NUMBER, height, &number);
         for letter in ["X", "Z"] {
-            cell(ui, PITCH[0] + padding * 2.0, height, letter);
+            cell(ui, PITCH[0], height, letter);
             cell(ui, PITCH[1], height, "mm");
         }
     });

@@ -184,4 +184,15 @@ mod tests {
             assert!(typed(&state, spot, text).is_err(), "{spot:?} {text}");
         }
     }
+
+    #[test]
+    fn what_is_wrong_with_an_offset_names_its_place() {
+        let state = State::of(&Setup::delivered());
+        for (part, text) in [(Part::X, "99999"), (Part::X, "x"), (Part::T, "12")] {
+            let said = typed(&state, Spot::Offset(5, part), text).unwrap_err();
+            let said = said.text(Language::En);
+            let place = format!("offset 005 {}: ", part.letter());
+            assert!(said.starts_with(&place), "{said}");
+        }
+    }
 }

@@ -185,8 +185,14 @@ impl ProjectView {
                 return;
             };
             let is_changed = document.is_changed;
+            let why_not = match self.editing.has_drafts() {
+                true => say::project_view_save_drafts(),
+                false => say::project_view_saved(),
+            };
             let save = Button::new(say::project_view_save().text(language));
-            if ui.add_enabled(is_changed, save).clicked() {
+            let save = ui.add_enabled(is_changed, save);
+            let save = save.on_disabled_hover_text(why_not.text(language));
+            if save.clicked() {
                 self.save(language, ui.ctx());
             }
             if ui.button(say::project_menu_save().text(language)).clicked() {
@@ -326,11 +332,13 @@ impl ProjectView {
                 return;
             }
             (Page::Differences, Some(compared), _) => {
-                let first = say::project_view_save_first();
-                let why_not = match document.is_changed {
-                    true => Some(&first),
-                    false => self.why_not.as_ref(),
+                // The control is switched on again with the folder: drafts would be lost.
+                let first = match (document.is_changed, self.editing.has_drafts()) {
+                    (true, _) => Some(say::project_view_save_first()),
+                    (false, true) => Some(say::project_view_save_drafts()),
+                    (false, false) => None,
                 };
+                let why_not = first.as_ref().or(self.why_not.as_ref());
                 compared.show(ui, language, self.node, why_not)
             }
             _ => {
