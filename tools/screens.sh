@@ -63,7 +63,8 @@ picture() {
 }
 
 for size in "${sizes[@]}"; do
-    Xvfb "$DISPLAY" -screen 0 "${size}x24" >"$work/display.log" 2>&1 &
+    # A server that starts over when a window closes may refuse the next one.
+    Xvfb "$DISPLAY" -screen 0 "${size}x24" -noreset >"$work/display.log" 2>&1 &
     display=$!
     sleep 1
     for language in zh en; do

@@ -188,8 +188,8 @@ fn a_return_that_begins_on_its_switch_is_told_the_way_off() {
 }
 
 /// What the operator is told while a key is pressed and let go.
-fn advice(latching: bool) -> Vec<String> {
-    let place = Point::new(-50.0, -150.0);
+fn advice(latching: bool, z: f64) -> Vec<String> {
+    let place = Point::new(-50.0, z);
     let mut simulation = lathe(LatheConfig::default(), &[(11, 2, latching)], place);
     let mut told = Vec::new();
     for (at, down) in [(Z_PLUS, true), (Z_PLUS, false), (MACHINE_ZERO, true)] {
@@ -216,7 +216,14 @@ fn advice(latching: bool) -> Vec<String> {
 fn a_key_of_a_return_let_go_too_early_is_told_to_be_held() {
     let text =
         "the return of Z is broken off: hold its key until the lamp lights, or set 011.2 = 1";
-    assert_eq!(advice(false), [text]);
+    assert_eq!(advice(false, -150.0), [text]);
     // One press is enough; the key of the mode stops it on purpose.
-    assert_eq!(advice(true), [""; 0]);
+    assert_eq!(advice(true, -150.0), [""; 0]);
+}
+
+#[test]
+fn a_return_broken_off_on_its_switch_is_told_to_begin_before_it() {
+    let text = "the return of Z is broken off at its deceleration switch: jog Z- until it is \
+                clear of the switch, then hold the key until the lamp lights";
+    assert_eq!(advice(false, -30.5), [text]);
 }

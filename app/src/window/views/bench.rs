@@ -24,7 +24,7 @@ const SCROLL_BAR: f32 = 12.0;
 const CONTACT: f32 = 48.0;
 const ACCEPTED: f32 = 34.0;
 /// What the column of inputs needs, points.
-const INPUTS: f32 = 330.0;
+const INPUTS: f32 = 400.0;
 /// The least and the most that the column of faults takes, points.
 const NARROW: f32 = 240.0;
 const WIDE: f32 = 420.0;

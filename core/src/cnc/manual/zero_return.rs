@@ -53,20 +53,25 @@ impl Cnc {
                 None | Some(Return::Board)
             )
         {
-            *self.coordinates.returns.get_mut(axis) = None;
+            let stage = self.coordinates.returns.get_mut(axis).take();
             self.command_axis(axis, None);
             self.drives.interpolator.release(axis);
-            self.advise_to_hold(axis);
+            self.advise_to_hold(axis, stage);
         }
     }
 
     /// A return that ends because its key was let go says so; with 011.2 ZNIK = 1 a key
-    /// was pressed to stop it.
-    fn advise_to_hold(&mut self, axis: Axis) {
-        if !*self.hand.axis_keys.get(axis) && !self.memory.parameters.zero_keys_latch() {
-            self.events
-                .push(Event::Advised(say::return_broken_off(axis)));
+    /// was pressed to stop it. Behind the switch a second try finds none on its way and
+    /// runs to the end of the travel.
+    fn advise_to_hold(&mut self, axis: Axis, stage: Option<Return>) {
+        if *self.hand.axis_keys.get(axis) || self.memory.parameters.zero_keys_latch() {
+            return;
         }
+        let advice = match stage {
+            Some(Return::Approach | Return::Straight) => say::return_broken_off(axis),
+            _ => say::return_broken_off_late(axis, self.way_off_switch(axis)),
+        };
+        self.events.push(Event::Advised(advice));
     }
 
     fn begin_return(&mut self, axis: Axis) -> Result<(), Alarm> {
@@ -115,13 +120,14 @@ impl Cnc {
 
     /// A return that begins on its switch, and which way leads off it.
     pub(crate) fn begins_on_switch(&self, axis: Axis) -> Alarm {
-        let back = if self.memory.parameters.zero_is_negative(axis) {
-            '+'
-        } else {
-            '-'
-        };
-        let way = format_args!("{axis}{back}");
+        let way = self.way_off_switch(axis);
         Alarm::new(number::ZERO_RETURN).because(say::return_on_switch(axis, way))
+    }
+
+    /// The direction away from the machine zero, `X-`.
+    fn way_off_switch(&self, axis: Axis) -> String {
+        let negative = self.memory.parameters.zero_is_negative(axis);
+        format!("{axis}{}", if negative { '+' } else { '-' })
     }
 
     /// What a stop in the middle of an approach has to do with it.
