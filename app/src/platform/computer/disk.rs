@@ -3,6 +3,8 @@
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::Duration;
 
 use super::super::{Facts, for_owner_alone};
 
@@ -123,6 +125,10 @@ pub const fn lasts(_path: &Path) -> bool {
     true
 }
 
+/// How often a file that another one has is asked for again, and after what pause.
+const LOCK_TRIES: u32 = 15;
+const LOCK_PAUSE: Duration = Duration::from_millis(20);
+
 /// A file that one process at a time has, or several that only read.
 #[derive(Debug)]
 pub struct Lock(#[expect(dead_code, reason = "held open, not read")] File);
@@ -139,7 +145,7 @@ impl Lock {
             .truncate(false)
             .write(true)
             .open(path)?;
-        Self::held(file.try_lock(), file)
+        Self::held(file, File::try_lock)
     }
 
     /// Beside others that only read.
@@ -148,14 +154,21 @@ impl Lock {
     /// There is no such file; [`ErrorKind::WouldBlock`]: another process has it alone.
     pub fn beside_readers(path: &Path) -> io::Result<Self> {
         let file = File::open(path)?;
-        Self::held(file.try_lock_shared(), file)
+        Self::held(file, File::try_lock_shared)
     }
 
-    fn held(locked: Result<(), TryLockError>, file: File) -> io::Result<Self> {
-        match locked {
-            Ok(()) => Ok(Self(file)),
-            Err(TryLockError::WouldBlock) => Err(ErrorKind::WouldBlock.into()),
-            Err(TryLockError::Error(error)) => Err(error),
+    /// Waits a moment for one that is just letting go: a process that ends, or one just
+    /// started, which has the open files of its parent until its own program runs.
+    fn held(file: File, lock: fn(&File) -> Result<(), TryLockError>) -> io::Result<Self> {
+        let mut left = LOCK_TRIES;
+        loop {
+            match lock(&file) {
+                Ok(()) => return Ok(Self(file)),
+                Err(TryLockError::WouldBlock) if left > 0 => left -= 1,
+                Err(TryLockError::WouldBlock) => return Err(ErrorKind::WouldBlock.into()),
+                Err(TryLockError::Error(error)) => return Err(error),
+            }
+            thread::sleep(LOCK_PAUSE);
         }
     }
 }
