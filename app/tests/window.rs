@@ -220,10 +220,10 @@ fn a_program_that_waits_says_for_what_and_in_which_block() {
     bench.click("Automatic mode");
     bench.click("Cycle start");
     bench.run(300);
-    let tells = |bench: &Bench| says(bench, "O0007 line 3, waiting for: FIN (G4.3) of T02");
-    assert!(!tells(&bench), "a tool change takes its time");
+    let named = |bench: &Bench| says(bench, "O0007 line 3, waiting for: FIN (G4.3) of T02");
+    assert!(!named(&bench), "a tool change takes its time");
     bench.click("Feed hold");
-    assert!(tells(&bench), "{}", bench.lcd());
+    assert!(named(&bench), "{}", bench.lcd());
     assert!(says(&bench, ", then cycle start after a feed hold"));
 }
 

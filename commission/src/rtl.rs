@@ -21,7 +21,7 @@ use gsk_messages::say;
 use crate::line::{self as line_of, FileFault, MOST_READINGS, lines};
 use crate::measurement::{Deviation, Direction, Measurement, Reading, Travel};
 
-/// What the lines behind a heading are.
+/// What the lines after a heading are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     Other,

@@ -11,7 +11,7 @@ pub struct Further {
     pub letter: char,
     /// It turns and counts in degrees; else it is a slide and counts in mm.
     pub rotary: bool,
-    /// A turn, where its coordinates begin anew behind it (rotary A with 188.0).
+    /// A turn, after which its coordinates begin anew (rotary A with 188.0).
     turn: Option<Length>,
     /// The sign of an absolute word says which way round (188.1), else it is the shorter one.
     by_sign: bool,
@@ -95,7 +95,7 @@ impl Axes {
         self.further(axis).is_some_and(|it| it.rotary)
     }
 
-    /// Whether the coordinates of an axis begin anew behind a turn.
+    /// Whether the coordinates of an axis begin anew after a turn.
     pub(crate) fn rolls(&self, axis: Axis) -> bool {
         self.turn(axis).is_some()
     }

@@ -31,7 +31,7 @@ const OFFSET: u16 = 1246;
 const BASIC: [char; 3] = ['X', 'Y', 'Z'];
 
 impl ParameterValues {
-    /// Takes a line of a file: `13=00001000`, `13.3=1` or `31=3000`; what stands behind `#`
+    /// Takes a line of a file: `13=00001000`, `13.3=1` or `31=3000`; what stands after `#`
     /// or `;` is no part of it.
     ///
     /// # Errors

@@ -50,7 +50,7 @@ pub mod parameter {
     pub const LIMITS: u16 = 172;
     /// Of a further axis, bits 1 and 0: 00 a slide, 01 rotary A, 11 rotary B.
     pub const KIND: u16 = 187;
-    /// Of a rotary axis A: bit 0: its coordinates begin anew behind a turn; bit 1: the sign
+    /// Of a rotary axis A: bit 0: its coordinates begin anew after a turn; bit 1: the sign
     /// of an absolute word is the sense.
     pub const ROLLOVER: u16 = 188;
     /// Bit 7: angles of ASIN and ATAN from −180 to 180.

@@ -38,7 +38,7 @@ impl MillMemory {
     }
 
     /// Takes a zero in words: `54=X,Y,Z`, `54.1P12=X,Y,Z`, `0=X,Y,Z` for the external one,
-    /// machine coordinates in mm; further axes stand behind.
+    /// machine coordinates in mm; further axes stand after them.
     ///
     /// # Errors
     /// What is wrong with it.

@@ -68,7 +68,7 @@ impl MillSetup {
         self
     }
 
-    /// Takes where the slides stand, `X,Y,Z` in mm, and further axes behind.
+    /// Takes where the slides stand, `X,Y,Z` in mm, and further axes after them.
     ///
     /// # Errors
     /// What is wrong with it.

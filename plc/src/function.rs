@@ -2,7 +2,7 @@
 //! timer, counter.
 
 use crate::code::{Bit, Function, Value};
-use crate::memory::SIZE;
+use crate::memory::{RESULT_FLAGS, SIZE};
 use crate::timer::Timers;
 
 /// R900: result bits of CMP for the whole program.
@@ -24,8 +24,6 @@ pub(crate) struct Remembered<'a> {
     pub timers: &'a mut Timers,
     /// Last ACT of each CTRC.
     pub edges: &'a mut [bool],
-    /// Place of R900 in flat memory.
-    pub result: usize,
 }
 
 /// Carries out one function instruction with the rung's result `act`.
@@ -46,7 +44,7 @@ pub(crate) fn execute(
             if act {
                 let a = read(bytes, *a, *length);
                 let b = read(bytes, *b, *length);
-                compare(bytes, a, b, usize::from(*at), *bit, remembered.result);
+                compare(bytes, a, b, usize::from(*at), *bit);
             }
         }
         Function::Timer {
@@ -175,17 +173,17 @@ fn write_bit(bytes: &mut Bytes, bit: Bit, value: bool) {
     }
 }
 
-fn compare(bytes: &mut Bytes, a: i32, b: i32, at: usize, bit: u8, result: usize) {
+fn compare(bytes: &mut Bytes, a: i32, b: i32, at: usize, bit: u8) {
     let three = u8::from(a > b) | u8::from(a == b) << 1 | u8::from(a < b) << 2;
     bytes[at] = bytes[at] & !(0b111 << bit) | three << bit;
-    let mut flags = bytes[result] & !RESULT_BITS;
+    let mut flags = bytes[RESULT_FLAGS] & !RESULT_BITS;
     if a == b {
         flags |= RESULT_ZERO;
     }
     if a < b {
         flags |= RESULT_NEGATIVE;
     }
-    bytes[result] = flags;
+    bytes[RESULT_FLAGS] = flags;
 }
 
 /// The counter's next value, and the value at which its output is 1.

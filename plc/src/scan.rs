@@ -323,7 +323,6 @@ impl Plc {
         let mut remembered = Remembered {
             timers: &mut self.state.timers,
             edges: &mut self.state.edges,
-            result: RESULT_FLAGS,
         };
         let mut returns = [0usize; CALL_DEPTH];
         let mut depth = 0;

@@ -17,7 +17,7 @@ use crate::interpreter::calls::subprogram::LEVELS;
 use crate::interpreter::context::code_calls::{CodeCalls, PlainCall, are_ordinary};
 use crate::interpreter::context::place::{Call, CallKind, Place};
 use crate::interpreter::macros::formula;
-use crate::interpreter::macros::levels::{LOCALS, Levels, Locals};
+use crate::interpreter::macros::levels::{LOCALS, Levels, Locals, Loop};
 use crate::interpreter::macros::statement::{self, Here, MACRO_LEVELS, Outcome};
 use crate::interpreter::macros::variable::NotNow;
 use crate::model::ControlModel;
@@ -192,24 +192,12 @@ impl Walker {
         syntax: Syntax,
         system: &mut impl System,
     ) -> Result<Read, NotNow> {
-        let levels = &self.levels;
-        let read = |number: u32| match number {
-            0 => Ok(None),
-            1..=LOCALS => Ok(levels.get(number as u8)),
-            _ => system.read(number).map_err(NotNow::Fault),
-        };
+        let read = |number: u32| self.variable(number, system);
         let read = formula::Read {
             variable: &read,
             signed_angles: system.signed_angles(),
         };
-        let here = Here {
-            program,
-            programs,
-            place: self.here,
-            calls: &self.calls,
-            syntax,
-            within: None,
-        };
+        let here = self.stand(program, programs, syntax, None);
         let outcome = statement::carry_out_code_call(call, &here, read)?;
         self.take_up(outcome, program, system)?;
         Ok(Read::Nothing)
@@ -226,12 +214,7 @@ impl Walker {
         if block.is_name() {
             return Ok(Read::Nothing);
         }
-        let levels = &self.levels;
-        let read = |number: u32| match number {
-            0 => Ok(None),
-            1..=LOCALS => Ok(levels.get(number as u8)),
-            _ => system.read(number).map_err(NotNow::Fault),
-        };
+        let read = |number: u32| self.variable(number, system);
         let read = formula::Read {
             variable: &read,
             signed_angles: system.signed_angles(),
@@ -243,17 +226,38 @@ impl Walker {
             };
             return Ok(Read::Words(Box::new(words)));
         };
-        let here = Here {
+        let within = self.levels.innermost(self.calls.len());
+        let here = self.stand(program, programs, syntax, within);
+        let outcome = statement::carry_out(statement, &here, read)?;
+        self.take_up(outcome, program, system)?;
+        Ok(Read::Nothing)
+    }
+
+    /// The value of a variable.
+    fn variable(&self, number: u32, system: &impl System) -> Result<Option<f64>, NotNow> {
+        match number {
+            0 => Ok(None),
+            1..=LOCALS => Ok(self.levels.get(number as u8)),
+            _ => system.read(number).map_err(NotNow::Fault),
+        }
+    }
+
+    /// Where a statement stands.
+    fn stand<'a>(
+        &'a self,
+        program: &'a Program,
+        programs: &'a ProgramMemory,
+        syntax: Syntax,
+        within: Option<Loop>,
+    ) -> Here<'a> {
+        Here {
             program,
             programs,
             place: self.here,
             calls: &self.calls,
             syntax,
-            within: levels.innermost(self.calls.len()),
-        };
-        let outcome = statement::carry_out(statement, &here, read)?;
-        self.take_up(outcome, program, system)?;
-        Ok(Read::Nothing)
+            within,
+        }
     }
 
     /// Puts into force what a statement leads to.

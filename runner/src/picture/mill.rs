@@ -215,7 +215,7 @@ impl MillDrawing {
     }
 }
 
-/// Points of a move behind its begin: chords of an arc; the places where axes of a rapid
+/// Points of a move after its begin: chords of an arc; the places where axes of a rapid
 /// that go by themselves arrive.
 fn corners(made: &Move) -> Vec<[f64; 3]> {
     if let Some(mut parts) = made.arrivals {

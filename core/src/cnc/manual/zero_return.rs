@@ -61,7 +61,7 @@ impl Cnc {
     }
 
     /// A return that ends because its key was let go says so; with 011.2 ZNIK = 1 a key
-    /// was pressed to stop it. Behind the switch a second try finds none on its way and
+    /// was pressed to stop it. Past the switch a second try finds none on its way and
     /// runs to the end of the travel.
     fn advise_to_hold(&mut self, axis: Axis, stage: Option<Return>) {
         if *self.hand.axis_keys.get(axis) || self.memory.parameters.zero_keys_latch() {

@@ -42,7 +42,7 @@ pub struct PlainCall {
     pub program: u16,
     /// The letter that calls: M or T.
     pub address: char,
-    /// The number behind it.
+    /// The number after it.
     pub code: i64,
 }
 
