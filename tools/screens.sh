@@ -5,9 +5,14 @@
 #
 #     tools/screens.sh FOLDER [PROGRAM [SIZE…]]        e.g. out target/release/gsk980td 800x1280
 #
-# Pictures are named SIZE-LANGUAGE-SURROUNDINGS-WHAT.png; all of them take half an hour.
+# The environment takes a part of them:
+#
+#     LANGUAGES="zh en"  LIGHTS="dark light"  VIEWS="first panel Machine Scope …"
+#
+# Pictures are named SIZE-LANGUAGE-LIGHT-WHAT.png; all of them take half an hour. Each run finds
+# a display number of its own, so several may run at a time.
 set -euo pipefail
-(($# >= 1)) || { sed -n '2,9s/^# \?//p' "$0" >&2; exit 2; }
+(($# >= 1)) || { sed -n '2,14s/^# \?//p' "$0" >&2; exit 2; }
 folder=$1
 program=${2:-target/release/gsk980td}
 shift $(($# < 2 ? $# : 2))
@@ -17,7 +22,10 @@ sizes=("$@")
 for needed in Xvfb xdotool import; do
     command -v "$needed" >/dev/null || { echo "$needed is missing" >&2; exit 1; }
 done
-views=(Machine Scope Bench Ladder Link Program Lesson Transfer Commission Data Project)
+read -ra languages <<<"${LANGUAGES:-zh en}"
+read -ra lights <<<"${LIGHTS:-dark light}"
+every=(first panel Machine Scope Bench Ladder Link Program Lesson Transfer Commission Data Project)
+read -ra views <<<"${VIEWS:-${every[*]}}"
 sample=$(dirname "$0")/../assets/programs/01-stepped-shaft.CNC
 
 mkdir -p "$folder"
@@ -25,14 +33,14 @@ work=$(mktemp -d)
 display=
 window=
 trap 'kill $window $display 2>/dev/null || true; rm -rf "$work"' EXIT
-export DISPLAY=:94 LIBGL_ALWAYS_SOFTWARE=1
+export LIBGL_ALWAYS_SOFTWARE=1
 
 # remember DATA [VIEW]: what the window shows beside the panel, or in its place.
 remember() {
-    local panel="docked: Some([${2:-}])" light=false
-    [[ $surroundings != light ]] || light=true
+    local panel="docked: Some([${2:-}])" is_light=false
+    [[ $light != light ]] || is_light=true
     mkdir -p "$1"
-    echo "(light: $light, layouts: (chosen: Some(Panel), changes: {Panel: ($panel)}," \
+    echo "(light: $is_light, layouts: (chosen: Some(Panel), changes: {Panel: ($panel)}," \
         "front: ${2:+Some(}${2:-None}${2:+)}))" >"$1/window.ron"
 }
 
@@ -59,26 +67,28 @@ stop() {
 }
 
 picture() {
-    import -window root "$folder/$size-$language-$surroundings-$1.png"
+    import -window root "$folder/$size-$language-$light-$1.png"
 }
 
 for size in "${sizes[@]}"; do
     # A server that starts over when a window closes may refuse the next one.
-    Xvfb "$DISPLAY" -screen 0 "${size}x24" -noreset >"$work/display.log" 2>&1 &
+    mkfifo "$work/number"
+    Xvfb -displayfd 3 -screen 0 "${size}x24" -noreset 3>"$work/number" >"$work/display.log" 2>&1 &
     display=$!
-    sleep 1
-    for language in zh en; do
-        for surroundings in dark light; do
-            # A data folder for each start: a file that is not as it was written is not read.
-            data=$work/$size-$language-$surroundings
-            remember "$data"
-            start "$data" --lang "$language" --first-start
-            picture first
-            stop
-            for view in "" "${views[@]}"; do
-                remember "$data-$view" "$view"
-                start "$data-$view" --lang "$language" --program "$sample"
-                picture "$(tr '[:upper:]' '[:lower:]' <<<"${view:-panel}")"
+    read -r number <"$work/number"
+    rm "$work/number"
+    export DISPLAY=:$number
+    for language in "${languages[@]}"; do
+        for light in "${lights[@]}"; do
+            for view in "${views[@]}"; do
+                # A data folder for each start: a file that is not as it was written is not read.
+                data=$work/$size-$language-$light-$view
+                case $view in
+                first) remember "$data"; start "$data" --lang "$language" --first-start ;;
+                panel) remember "$data"; start "$data" --lang "$language" --program "$sample" ;;
+                *) remember "$data" "$view"; start "$data" --lang "$language" --program "$sample" ;;
+                esac
+                picture "$(tr '[:upper:]' '[:lower:]' <<<"$view")"
                 stop
             done
         done
