@@ -1,6 +1,7 @@
 //! The layouts of the window: keys, splitters, docked views, a narrow window.
 
 use crate::common::Bench;
+use crate::common::windows::Windows;
 use egui::{Event, Modifiers, PointerButton, Pos2, Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable};
 use gsk_app::window::layout::{Layout, Layouts};
@@ -76,20 +77,26 @@ fn a_dragged_splitter_stays_and_a_double_click_puts_it_back() {
 #[test]
 fn a_view_floats_docks_and_closes_by_the_signs_above_it() {
     let mut bench = Bench::new();
+    let windows = Windows::of(&bench);
     shift(&mut bench, egui::Key::F2);
     assert_eq!(layouts(&bench).floating(), [View::Scope]);
+    let shown = windows.look(&mut bench);
+    assert_eq!(shown.len(), 1);
+    assert!(shown[0].label("Scope picture").is_some());
+    windows.click(&mut bench, "Dock Scope in the window");
+    bench.run(10);
+    assert_eq!(layouts(&bench).docked(), [View::Scope]);
     let click = |bench: &mut Bench, name: &str| {
         bench.harness.get_by_label(name).click();
         for _ in 0..3 {
             bench.run(10);
         }
     };
-    click(&mut bench, "Dock Scope in the window");
-    assert_eq!(layouts(&bench).docked(), [View::Scope]);
     assert!(bench.harness.query_by_label("Scope picture").is_some());
     click(&mut bench, "Scope in a window of its own");
     assert_eq!(layouts(&bench).floating(), [View::Scope]);
-    click(&mut bench, "Dock Scope in the window");
+    windows.click(&mut bench, "Dock Scope in the window");
+    bench.run(10);
     click(&mut bench, "Close Scope");
     assert!(!layouts(&bench).is_open(View::Scope));
     shift(&mut bench, egui::Key::F2);
@@ -98,6 +105,16 @@ fn a_view_floats_docks_and_closes_by_the_signs_above_it() {
         [View::Scope],
         "it comes back where it was"
     );
+}
+
+#[test]
+fn where_there_is_one_window_a_view_opens_in_a_pane_and_stays_there() {
+    let mut bench = Bench::new();
+    shift(&mut bench, egui::Key::F2);
+    assert_eq!(layouts(&bench).docked(), [View::Scope]);
+    let float = "Scope in a window of its own";
+    assert!(bench.harness.query_by_label(float).is_none());
+    assert!(bench.harness.query_by_label("Close Scope").is_some());
 }
 
 #[test]

@@ -27,6 +27,7 @@ mod project;
 #[cfg(unix)]
 mod serial;
 mod speed;
+mod stops;
 mod streams;
 mod tips;
 mod transfer;

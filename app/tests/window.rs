@@ -2,12 +2,14 @@
 //! reader or a tester does: names, mouse, PC keys, and what the LCD says.
 
 use crate::common::Bench;
+use crate::common::windows::Windows;
 use egui::{ViewportCommand, ViewportEvent, ViewportId};
 use egui_kittest::kittest::Queryable;
-use gsk_app::kernel::Command;
+use gsk_app::kernel::{Command, Opened, Storing};
 use gsk_core::command::ProgramId;
 use gsk_core::machine::Fault;
 use gsk_core::operation::RunState;
+use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_link::LinkState;
 use gsk_panel::keys::{KEYS, Key, Role};
@@ -379,25 +381,51 @@ fn a_right_click_keeps_overtravel_release_for_one_axis_key_and_shows_it() {
 #[test]
 fn every_window_of_a_linked_panel_says_real_motion_with_the_boards_state() {
     let mut bench = Bench::new();
-    let badges = |bench: &Bench| {
-        let all = bench.harness.query_all_by_label("REAL MOTION / 真实机床");
-        all.count()
-    };
-    assert_eq!(badges(&bench), 0);
+    let windows = Windows::of(&bench);
+    let badge = "REAL MOTION / 真实机床";
+    assert!(!says(&bench, badge));
     assert_eq!(bench.harness.state().title(), "GSK980TD");
     let mut picture = bench.kernel.snapshot();
     picture.board = Some(LinkState::Ready);
     bench.console.pictures.force_push(picture);
     let shift = egui::Modifiers::SHIFT;
-    for (key, windows) in [(egui::Key::F2, 2), (egui::Key::F3, 3), (egui::Key::F5, 4)] {
+    for (open, key) in [egui::Key::F2, egui::Key::F3, egui::Key::F5]
+        .into_iter()
+        .enumerate()
+    {
         bench.harness.key_press_modifiers(shift, key);
         for _ in 0..3 {
             bench.harness.step();
         }
-        assert_eq!(badges(&bench), windows);
+        let shown = windows.look(&mut bench);
+        assert_eq!(shown.len(), open + 1);
+        for window in &shown {
+            assert!(window.label(badge).is_some(), "{:?}", window.labels);
+            assert!(window.label("board: ready").is_some());
+        }
+        assert!(says(&bench, badge));
     }
-    assert!(says(&bench, "board: ready"));
     assert!(bench.harness.state().title().contains("REAL MOTION"));
+}
+
+#[test]
+fn after_the_alarm_of_a_program_the_hint_does_not_ask_for_another() {
+    let mut bench = Bench::new();
+    assert!(says(&bench, "Open a program, press"));
+    bench.console.send(Command::Open(Box::new(Opened {
+        name: "wrong.CNC".to_owned(),
+        path: None,
+        storing: Storing::Ask,
+        program: Program::new("O1\nG77\nM30\n"),
+        subprograms: Vec::new(),
+    })));
+    bench.run(100);
+    for key in ["Automatic mode", "Cycle start", "Reset"] {
+        bench.click(key);
+    }
+    bench.run(500);
+    assert!(says(&bench, "Press [自动] AUTO, then [运行] START"));
+    assert!(!says(&bench, "Open a program, press"));
 }
 
 #[test]

@@ -291,6 +291,8 @@ impl Window {
         self.follow_sound();
         let why_not = self.model_choice().why_not;
         self.views.project().set_why_not(why_not);
+        let only_docks = ui.ctx().embed_viewports();
+        self.settings.layouts.set_only_docks(only_docks);
         self.views.follow(&self.settings.layouts);
         self.take_files(ui);
         zoom::follow(ui.ctx(), &self.settings);
@@ -547,10 +549,11 @@ impl Window {
             return top_bar::status(ui, Some(&text), false, "");
         }
         let unknown = self.picture.as_ref().is_some_and(|it| it.place_unknown);
-        let hint = if unknown {
-            say::window_hint_machine_zero()
-        } else {
-            say::window_hint()
+        let program = self.picture.as_ref().and_then(|it| it.program);
+        let hint = match (unknown, program) {
+            (true, _) => say::window_hint_machine_zero(),
+            (false, Some(_)) => say::window_hint_start(),
+            (false, None) => say::window_hint(),
         };
         let message = self.message.as_ref();
         let text = message.map(|message| message.text(language));

@@ -3,6 +3,7 @@
 
 pub mod folder;
 pub mod hand;
+pub mod windows;
 
 use std::path::Path;
 use std::time::Duration;

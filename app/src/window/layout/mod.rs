@@ -169,6 +169,9 @@ pub struct Layouts {
     /// Views in windows of their own; at the start there is none.
     #[serde(skip)]
     floating: Vec<View>,
+    /// The system has one window only, as a page in a browser: views are docked.
+    #[serde(skip)]
+    only_docks: bool,
     /// What is shown where there is no room for panel and views together; none: the panel.
     front: Option<View>,
 }
@@ -225,7 +228,7 @@ impl Layouts {
         if docked || self.floating.contains(&view) {
             self.take_away(view);
             self.home(view).docks = docked;
-        } else if self.home(view).docks {
+        } else if self.only_docks || self.home(view).docks {
             self.dock(view);
         } else {
             self.float(view);
@@ -240,6 +243,12 @@ impl Layouts {
         self.set_docked(docked);
         self.home(view).docks = true;
         self.front = Some(view);
+    }
+
+    /// Says whether the system has one window only: views then open in panes, where they
+    /// cover no key that stops the machine (WINDOW-25).
+    pub const fn set_only_docks(&mut self, only_docks: bool) {
+        self.only_docks = only_docks;
     }
 
     /// Shows a docked view, none: the panel, where there is no room for all of them.
@@ -390,6 +399,18 @@ mod tests {
             (layouts.floating(), layouts.docked()),
             (vec![View::Bench], vec![View::Scope])
         );
+    }
+
+    #[test]
+    fn where_there_is_one_window_views_are_docked() {
+        let mut layouts = Layouts::of(Layout::Panel);
+        layouts.float(View::Scope);
+        layouts.toggle(View::Scope);
+        layouts.set_only_docks(true);
+        layouts.toggle(View::Scope);
+        layouts.toggle(View::Bench);
+        assert_eq!(layouts.docked(), [View::Scope, View::Bench]);
+        assert_eq!(layouts.floating(), []);
     }
 
     #[test]

@@ -20,6 +20,8 @@ const GROUND: Color32 = Color32::from_gray(40);
 pub enum Place {
     /// In a pane.
     Docked,
+    /// In a pane of the only window there is.
+    Only,
     /// In a window of its own, which has a name and closes by itself.
     Floating,
 }
@@ -48,6 +50,7 @@ pub fn show(ui: &mut Ui, row: &ViewRow, language: Language, place: Place) -> Opt
             (Asked::Close, say::window_view_close((row.name)())),
             (Asked::Float, say::window_view_float((row.name)())),
         ],
+        Place::Only => vec![(Asked::Close, say::window_view_close((row.name)()))],
         Place::Floating => vec![(Asked::Dock, say::window_view_dock((row.name)()))],
     };
     let asked = ui.scope_builder(inside, |ui| {
@@ -57,7 +60,7 @@ pub fn show(ui: &mut Ui, row: &ViewRow, language: Language, place: Place) -> Opt
                 asked = Some(*what);
             }
         }
-        if place == Place::Docked {
+        if place != Place::Floating {
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let name = (row.name)().text(language);
                 ui.label(RichText::new(name).color(Color32::from_gray(200)));

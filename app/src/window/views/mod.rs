@@ -258,7 +258,11 @@ impl Views {
         language: Language,
     ) -> Option<header::Asked> {
         let row = view.row();
-        let asked = header::show(ui, row, language, header::Place::Docked);
+        let place = match ui.ctx().embed_viewports() {
+            true => header::Place::Only,
+            false => header::Place::Docked,
+        };
+        let asked = header::show(ui, row, language, place);
         let mut room = ui.max_rect();
         room.min.y = room.bottom().min(room.top() + header::HEIGHT);
         let size = room.size().max(Vec2::from(row.least));
@@ -309,9 +313,9 @@ impl Views {
                 corner,
                 size,
             };
-            let left = window.show(context, &mut typed, |ui, native| {
+            let left = window.show(context, &mut typed, |ui| {
                 let asked = header::show(ui, row, language, header::Place::Floating);
-                self.content(ui, view, language, native);
+                self.content(ui, view, language, true);
                 asked
             });
             if let Some(place) = left.place {
@@ -365,34 +369,17 @@ struct Left {
 }
 
 impl OwnWindow {
-    /// Draws it, or inside the main window where the system has one window only.
+    /// Draws it.
     fn show(
         &self,
         context: &Context,
         typed: &mut Typed,
-        mut add: impl FnMut(&mut Ui, bool) -> Option<header::Asked>,
+        mut add: impl FnMut(&mut Ui) -> Option<header::Asked>,
     ) -> Left {
         let row = self.row;
         let title = (row.name)().text(self.language);
         let id = format!("{:?}", row.view);
         let mut left = Left::default();
-        if context.embed_viewports() {
-            let mut open = true;
-            egui::Window::new(title)
-                .id(egui::Id::unique(&id))
-                .open(&mut open)
-                .default_size(self.size)
-                .min_size(row.least)
-                .collapsible(false)
-                .show(context, |ui| {
-                    badge::show(ui, &id, self.board, self.language);
-                    left.asked = add(ui, false);
-                });
-            if !open {
-                left.asked = Some(header::Asked::Close);
-            }
-            return left;
-        }
         let mut builder = ViewportBuilder::default()
             .with_title(badge::title(&format!("{title} - GSK980TD"), self.board))
             .with_app_id("gsk980td")
@@ -404,7 +391,7 @@ impl OwnWindow {
         let viewport = ViewportId::from_hash_of(&id);
         context.show_viewport_immediate(viewport, builder, |ui, _| {
             badge::show(ui, &id, self.board, self.language);
-            left.asked = add(ui, true);
+            left.asked = add(ui);
             let typing = ui.ctx().egui_wants_keyboard_input();
             ui.input(|input| {
                 typed.focused |= input.focused;

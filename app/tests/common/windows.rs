@@ -1,0 +1,104 @@
+//! Windows of views as a system draws them, which a harness without a display has not.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use egui::{
+    Context, Event, ImmediateViewport, Modifiers, PointerButton, Pos2, RawInput, Rect,
+    ViewportInfo, pos2,
+};
+
+use super::Bench;
+
+/// A window of its own as it was drawn.
+pub struct Shown {
+    /// Its place on the screen without frame and title, if it asked for one.
+    pub place: Option<Rect>,
+    /// What is written in it, and where.
+    pub labels: Vec<(String, Pos2)>,
+}
+
+impl Shown {
+    /// Where something is written.
+    pub fn label(&self, words: &str) -> Option<Pos2> {
+        let label = self.labels.iter().find(|(label, _)| label == words);
+        label.map(|(_, place)| *place)
+    }
+}
+
+/// The windows beside the main one.
+pub struct Windows {
+    all: Rc<RefCell<Vec<Shown>>>,
+    /// What happens in the first of them.
+    events: Rc<RefCell<Vec<Event>>>,
+}
+
+impl Windows {
+    /// From now on views may have windows of their own.
+    pub fn of(bench: &Bench) -> Self {
+        bench.harness.ctx.set_embed_viewports(false);
+        let windows = Self {
+            all: Rc::default(),
+            events: Rc::default(),
+        };
+        let (all, events) = (Rc::clone(&windows.all), Rc::clone(&windows.events));
+        Context::set_immediate_viewport_renderer(move |context, window| {
+            let shown = draw(context, window, events.take());
+            all.borrow_mut().push(shown);
+        });
+        windows
+    }
+
+    /// Those of the next picture.
+    pub fn look(&self, bench: &mut Bench) -> Vec<Shown> {
+        self.all.borrow_mut().clear();
+        bench.harness.step();
+        self.all.take()
+    }
+
+    /// Clicks in the first of them.
+    #[track_caller]
+    pub fn click(&self, bench: &mut Bench, label: &str) {
+        let shown = self.look(bench);
+        let pos = shown.first().and_then(|it| it.label(label));
+        let pos = pos.expect("there is no such label");
+        self.events.borrow_mut().push(Event::PointerMoved(pos));
+        for pressed in [true, false] {
+            self.events.borrow_mut().push(Event::PointerButton {
+                pos,
+                button: PointerButton::Primary,
+                pressed,
+                modifiers: Modifiers::default(),
+            });
+            self.look(bench);
+        }
+    }
+}
+
+fn draw(context: &Context, mut window: ImmediateViewport<'_>, events: Vec<Event>) -> Shown {
+    let (size, corner) = (window.builder.inner_size, window.builder.position);
+    let id = window.ids.this;
+    let input = RawInput {
+        viewport_id: id,
+        viewports: std::iter::once((id, ViewportInfo::default())).collect(),
+        screen_rect: size.map(|size| Rect::from_min_size(Pos2::ZERO, size)),
+        focused: false,
+        events,
+        ..RawInput::default()
+    };
+    let output = context.run_ui(input, |ui| (window.viewport_ui_cb)(ui));
+    let update = output.platform_output.accesskit_update;
+    let nodes = update.into_iter().flat_map(|update| update.nodes);
+    let labels = nodes.filter_map(|(_, node)| {
+        let bounds = node.bounds().unwrap_or_default();
+        let (x, y) = ((bounds.x0 + bounds.x1) / 2.0, (bounds.y0 + bounds.y1) / 2.0);
+        let words = node.label().or_else(|| node.value())?;
+        Some((words.to_owned(), pos2(x as f32, y as f32)))
+    });
+    Shown {
+        place: corner
+            .zip(size)
+            .map(|(corner, size)| Rect::from_min_size(corner, size)),
+        labels: labels.collect(),
+    }
+}
