@@ -102,7 +102,7 @@ fn a_box_changes_its_bit_and_the_value_and_both_are_written_and_taken_back() {
     let value = bench.harness.get_by_label("Value of 001").value();
     assert_eq!(value.as_deref(), Some("00010000"));
     // Nothing is written without the rights.
-    assert!(says(&bench, "not written: "));
+    assert!(says(&bench, "cannot be written now: "));
     press(&mut bench, "Write 1");
     assert_eq!(cnc(&bench).parameters().byte(1), 0);
     may_write(&mut bench);
@@ -133,7 +133,17 @@ fn parameters_are_found_by_words_and_by_function_and_kept_in_their_range() {
     assert!(cnc(&bench).alarms().iter().all(|alarm| alarm.number != 43));
     fill(&mut bench, "Value of 022", "fast");
     assert!(says(&bench, "fast is no value"));
+    press(&mut bench, "Write 1");
+    let complaints = |bench: &Bench| {
+        let all = bench
+            .harness
+            .query_all_by_label_contains("fast is no value");
+        all.count()
+    };
+    assert_eq!(complaints(&bench), 2, "beside the field and in the bar");
+    // It goes as soon as the value is one.
     fill(&mut bench, "Value of 022", "3000");
+    assert_eq!(complaints(&bench), 0);
     press(&mut bench, "Write 1");
     assert_eq!(cnc(&bench).parameters().value(parameter::X_RAPID), 3000);
     assert!(says(&bench, "No.022 = 3000: 1 written"));
@@ -205,7 +215,7 @@ fn variables_are_written_in_mdi() {
     let mut bench = opened();
     automatic(&mut bench);
     press(&mut bench, "Macro variables");
-    assert!(says(&bench, "not written: "));
+    assert!(says(&bench, "cannot be written now: "));
     may_write(&mut bench);
     fill(&mut bench, "variable #201", "1.5");
     press(&mut bench, "Write 1");

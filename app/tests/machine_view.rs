@@ -156,6 +156,28 @@ fn the_work_zero_that_a_program_sets_moves_no_tool_through_the_part() {
     assert_eq!(cnc.run_state(), RunState::Reset, "it has come to its end");
 }
 
+#[test]
+fn what_is_said_of_a_collision_goes_with_new_stock() {
+    let mut bench = opened(
+        "O0007\nG50 X100 Z100\nT0101 M03 S800\nG00 X42 Z2\n\
+        G90 X36 Z-30 F300\nG00 X20 Z-10\nG00 X100 Z100\nM30\n",
+    );
+    bench.click("Automatic mode");
+    bench.click("Cycle start");
+    let says = |bench: &Bench| {
+        let mut all = bench.harness.query_all_by_label_contains("COLLISION: ");
+        all.next().is_some()
+    };
+    for _ in 0..100 {
+        bench.run(200);
+    }
+    assert!(comes(&mut bench, "Collisions: "), "nothing is hit");
+    assert!(says(&bench), "the line of messages says nothing");
+    bench.click("New stock");
+    bench.run(100);
+    assert!(!says(&bench));
+}
+
 /// Types a number into a field.
 fn fill(bench: &mut Bench, label: &str, number: &str) {
     let spin = By::new().role(Role::SpinButton).label_contains(label);

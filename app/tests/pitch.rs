@@ -124,7 +124,7 @@ fn the_view_writes_as_the_control_lets_it_and_takes_it_back() {
     assert!(
         bench
             .harness
-            .query_by_label_contains("not written:")
+            .query_by_label_contains("cannot be written now:")
             .is_some()
     );
     let before = bench.kernel.emulator().simulation.cnc.parameters().clone();

@@ -30,6 +30,8 @@ const STEPS: f32 = 210.0;
 const CHANGES: f32 = 160.0;
 
 const WRONG: Color32 = Color32::from_rgb(255, 150, 110);
+/// What the control does not take now.
+const NOT_NOW: Color32 = Color32::from_rgb(255, 214, 110);
 const FINE: Color32 = Color32::from_rgb(110, 230, 120);
 
 /// The view of commissioning.
@@ -368,7 +370,7 @@ impl CommissionView {
             });
         let refusal = machine.parameters_refused;
         let (words, colour) = match refusal {
-            Some(refusal) => (say::commission_refused(refused(refusal)), WRONG),
+            Some(refusal) => (say::data_cannot_write(refused(refusal)), NOT_NOW),
             None => (say::commission_can_write(), FINE),
         };
         ui.label(RichText::new(words.text(language)).color(colour));

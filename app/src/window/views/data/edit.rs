@@ -343,7 +343,7 @@ impl Spot {
 }
 
 /// What has been typed and is not written yet.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Drafts {
     typed: BTreeMap<Spot, String>,
 }

@@ -18,11 +18,17 @@ use crate::window::help::show_article;
 const LINE: f32 = 22.0;
 /// Columns of the list, points: mark, number, name, value, as delivered.
 const COLUMNS: [f32; 5] = [14.0, 52.0, 118.0, 78.0, 78.0];
+/// A list that is narrower has neither names nor what was delivered: what a parameter means
+/// is worth more.
+const NARROW: f32 = 480.0;
+const NARROW_COLUMNS: [f32; 5] = [14.0, 52.0, 0.0, 78.0, 0.0];
 /// The chosen parameter stands beside the list where there is so much room, points.
 const BESIDE: f32 = 700.0;
-/// Its width there, and its share of the height below the list.
+/// Its width there, and its share of the height below the list; as long as none is chosen
+/// two lines.
 const DETAILS: f32 = 330.0;
-const SHARE: f32 = 0.55;
+const SHARE: f32 = 0.45;
+const UNCHOSEN: f32 = 44.0;
 /// Width of the field of a value, points.
 const VALUE: f32 = 110.0;
 
@@ -55,7 +61,10 @@ impl Parameters {
         let details = match ui.available_width() >= BESIDE {
             true => Panel::right("parameter beside").exact_size(DETAILS),
             false => {
-                let height = ui.available_height() * SHARE;
+                let height = match self.chosen {
+                    Some(_) => ui.available_height() * SHARE,
+                    None => UNCHOSEN,
+                };
                 Panel::bottom("parameter below").exact_size(height)
             }
         };
@@ -184,10 +193,7 @@ impl Parameters {
             Some(bit) => format!("{:03}.{bit}", row.number),
             None => format!("{:03}", row.number),
         };
-        let meaning = match language {
-            Language::Zh => row.meaning_zh,
-            Language::En => row.meaning_en,
-        };
+        let meaning = meaning(row, language);
         let (place, response) =
             ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::CLICK);
         let chosen = self.chosen == Some(own);
@@ -231,7 +237,7 @@ impl Parameters {
             (row.symbol.to_owned(), ink),
             (value, of_value),
             (delivered, weak),
-            (meaning.to_owned(), ink),
+            (meaning, ink),
         ];
         put(ui, place, cells);
     }
@@ -333,6 +339,21 @@ const fn digit(on: bool) -> &'static str {
     if on { "1" } else { "0" }
 }
 
+/// What a parameter is about; the Chinese manual has no more than a number for one of eight
+/// bits: they are named.
+fn meaning(row: &ParameterRow, language: Language) -> String {
+    if language == Language::En {
+        return row.meaning_en.to_owned();
+    }
+    let bits = memory::rows().iter();
+    let bits = bits.filter(|it| it.number == row.number && it.bit.is_some());
+    let names: Vec<&str> = bits.map(|it| it.symbol).collect();
+    match row.bit.is_none() && !names.is_empty() {
+        true => names.join(" "),
+        false => row.meaning_zh.to_owned(),
+    }
+}
+
 /// Whether the control has another value than the one it was delivered with.
 fn differs(row: &ParameterRow, machine: &Values<'_>) -> bool {
     let own = match row.bit {
@@ -345,7 +366,11 @@ fn differs(row: &ParameterRow, machine: &Values<'_>) -> bool {
 /// Texts in the columns of a row; what has no room ends in three dots.
 fn put(ui: &Ui, place: egui::Rect, cells: [(String, Color32); 6]) {
     let mut left = place.left() + 2.0;
-    let widths = COLUMNS.into_iter().chain([f32::INFINITY]);
+    let columns = match place.width() < NARROW {
+        true => NARROW_COLUMNS,
+        false => COLUMNS,
+    };
+    let widths = columns.into_iter().chain([f32::INFINITY]);
     for ((text, colour), width) in cells.into_iter().zip(widths) {
         let room = width.min(place.right() - left) - 6.0;
         if room > 8.0 && !text.is_empty() {

@@ -43,8 +43,10 @@ pub struct Sheets {
     last: Page,
     parameters: Parameters,
     drafts: Drafts,
-    /// What was wrong when it was to be written.
-    complaint: Option<Message>,
+    /// What is typed was to be written while something of it was no value.
+    asked_too_early: bool,
+    /// Why it was not taken, and what was typed then.
+    complaint: Option<(Message, Drafts)>,
     undo: Undo<Edit, Edit>,
     /// Something was written: what is there by now is no draft any more.
     settling: bool,
@@ -59,6 +61,7 @@ impl Sheets {
             last: Page::Numbers(Kind::All),
             parameters: Parameters::default(),
             drafts: Drafts::default(),
+            asked_too_early: false,
             complaint: None,
             undo: Undo::default(),
             settling: false,
@@ -84,7 +87,7 @@ impl Sheets {
 
     /// What was asked last was not taken.
     pub fn refuse(&mut self, why: Message, asked: &Asked) {
-        self.complaint = Some(why);
+        self.complaint = Some((why, self.drafts.clone()));
         if !asked.takes_back {
             self.undo.take();
         }
@@ -188,13 +191,24 @@ impl Sheets {
         };
         let of_drafts = edits.as_ref().ok().and_then(|it| refusal(it, values));
         let (words, colour) = match (of_drafts.or(of_page), self.into) {
-            (Some(refusal), _) => (say::commission_refused(refused(refusal)), WRONG),
+            // It stands against what is typed alone.
+            (Some(refusal), _) => (
+                say::data_cannot_write(refused(refusal)),
+                match self.drafts.count() {
+                    0 => ui.visuals().weak_text_color(),
+                    _ => TYPED,
+                },
+            ),
             (None, Into::Control) => (say::data_can_write(), FINE),
             (None, Into::Project) => (say::data_into_project(), FINE),
         };
         ui.label(RichText::new(words.text(language)).color(colour));
-        if let Some(complaint) = &self.complaint {
-            ui.label(RichText::new(complaint.text(language)).color(WRONG));
+        // A complaint goes with what it is about.
+        self.asked_too_early &= edits.is_err();
+        self.complaint.take_if(|(_, drafts)| *drafts != self.drafts);
+        let wrong = edits.as_ref().err().filter(|_| self.asked_too_early);
+        if let Some(said) = wrong.or(self.complaint.as_ref().map(|(why, _)| why)) {
+            ui.label(RichText::new(said.text(language)).color(WRONG));
         }
         if !values.alarms.is_empty() {
             ui.label(RichText::new(values.alarms.join("   ")).color(WRONG));
@@ -219,7 +233,6 @@ impl Sheets {
             }
             if discard.clicked() {
                 self.drafts.discard();
-                self.complaint = None;
             } else if write.clicked() {
                 return self.write(edits, values);
             }
@@ -229,12 +242,9 @@ impl Sheets {
     }
 
     fn write(&mut self, edits: Result<Vec<Edit>, Message>, values: &Values<'_>) -> Option<Asked> {
-        let mut edits = match edits {
-            Ok(edits) => edits,
-            Err(said) => {
-                self.complaint = Some(said);
-                return None;
-            }
+        let Ok(mut edits) = edits else {
+            self.asked_too_early = true;
+            return None;
         };
         self.complaint = None;
         self.drafts.counted(&edits, values);
@@ -255,6 +265,7 @@ fn choose(ui: &mut Ui, language: Language, page: &mut Page) {
     let words = page.name().text(language);
     let shown = ComboBox::from_id_salt("data page")
         .width(ui.available_width().min(PAGES * 2.0))
+        .height(ui.available_height())
         .selected_text(words.as_str())
         .show_ui(ui, |ui| entries(ui, language, page));
     let name = say::data_all_parameters().text(language);

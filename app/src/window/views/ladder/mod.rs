@@ -32,6 +32,9 @@ use gsk_messages::{Language, Message, say};
 use layout::Drawing;
 use search::Search;
 
+/// A view of this width shows a rung whole beside what is chosen, points.
+const WIDE: f32 = 800.0;
+
 /// What the view shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Tab {
@@ -151,8 +154,13 @@ impl LadderView {
             let tools = Panel::top("ladder tools").frame(super::bar_frame());
             tools.show(ui, |ui| self.edit_bar(ui, language));
         }
+        // Where there is little room the coils stand there as long as nothing is chosen.
+        let has_room = ui.available_width() >= WIDE;
+        let has_side = has_room || self.chosen.is_some() || !machine.plc.forces().is_empty();
         let line = Panel::bottom("ladder state").frame(super::bar_frame());
-        line.show(ui, |ui| self.state_line(ui, language, machine));
+        line.show(ui, |ui| {
+            self.state_line(ui, language, machine, has_side || self.tab != Tab::Rungs);
+        });
         if self.tab == Tab::Rungs && self.editing {
             let editor = Panel::bottom("rung editor")
                 .default_size(132.0)
@@ -161,7 +169,7 @@ impl LadderView {
                 .frame(super::side_frame());
             editor.show(ui, |ui| self.rung_editor(ui, language));
         }
-        if self.tab == Tab::Rungs {
+        if self.tab == Tab::Rungs && has_side {
             let side = Panel::right("ladder side")
                 .exact_size(side::width(ui.available_width()))
                 .resizable(false)
@@ -339,10 +347,10 @@ impl LadderView {
             .collect()
     }
 
-    fn state_line(&self, ui: &mut Ui, language: Language, machine: &MachineView) {
+    fn state_line(&self, ui: &mut Ui, language: Language, machine: &MachineView, has_side: bool) {
         let plc = &machine.plc;
         let ladder = plc.ladder();
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             let (words, colour) = match (plc.fault(), machine.halted) {
                 (Some(fault), _) => {
                     let words = fault.message().text(language);
@@ -368,6 +376,11 @@ impl LadderView {
             let figures = say::ladder_size(ladder.steps(), ladder.rung_count(), ladder.parts());
             let figures = figures.text(language);
             ui.label(RichText::new(figures).weak());
+            if !has_side {
+                ui.separator();
+                let words = say::ladder_click_element().text(language);
+                ui.label(RichText::new(words).weak());
+            }
             if machine.next_ladder.is_some() {
                 ui.separator();
                 let words = say::ladder_new_at_power_on().text(language);

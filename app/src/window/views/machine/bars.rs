@@ -1,6 +1,7 @@
 //! The bar above the picture, and below it what is to be read.
 
-use egui::{Color32, RichText, ScrollArea, Ui};
+use egui::text::LayoutJob;
+use egui::{Color32, Label, RichText, ScrollArea, TextFormat, TextStyle, Ui};
 use gsk_core::command::ProgramId;
 use gsk_messages::{Language, Message, say};
 use gsk_runner::narration::pass_in_words;
@@ -68,13 +69,7 @@ impl LatheView {
                 }
             }
             ui.separator();
-            for (what, color) in [
-                (Spending::Rapid, lines::RAPID),
-                (Spending::Feed, lines::FEED),
-                (Spending::Thread, lines::THREAD),
-            ] {
-                ui.label(RichText::new(what.words().text(language)).color(color));
-            }
+            legend(ui, language);
         });
     }
 
@@ -90,7 +85,7 @@ impl LatheView {
             let chosen = self.chosen.as_ref().map(|chosen| chosen.block);
             if let Some(block) = chosen.or(running.map(block_of)) {
                 let words = RichText::new(self.words_of(block)).monospace();
-                let words = egui::Label::new(words).truncate().sense(egui::Sense::CLICK);
+                let words = Label::new(words).truncate().sense(egui::Sense::CLICK);
                 let hint = say::lathe_show_text().text(language);
                 if ui.add(words).on_hover_text(hint).clicked() {
                     self.text.wish = Some(self.show_block(block, true));
@@ -182,6 +177,8 @@ impl LatheView {
         let words = say::lathe_collisions(findings.len()).text(language);
         ui.label(RichText::new(words).color(HIT));
         let mut meant = None;
+        // The bar shows that there are more.
+        ui.spacing_mut().scroll = egui::style::ScrollStyle::solid();
         ScrollArea::vertical()
             .max_height(LIST)
             .auto_shrink([false, true])
@@ -223,4 +220,24 @@ impl LatheView {
             ProgramId::External | ProgramId::Mdi | ProgramId::Dnc => line.to_string(),
         }
     }
+}
+
+/// What the colours of the path mean, in one row.
+fn legend(ui: &mut Ui, language: Language) {
+    let font_id = TextStyle::Body.resolve(ui.style());
+    let mut job = LayoutJob::default();
+    for (what, color) in [
+        (Spending::Rapid, lines::RAPID),
+        (Spending::Feed, lines::FEED),
+        (Spending::Thread, lines::THREAD),
+    ] {
+        let gap = match job.text.is_empty() {
+            true => "",
+            false => "  ",
+        };
+        let words = what.words().text(language);
+        let format = TextFormat::simple(font_id.clone(), color);
+        job.append(&format!("{gap}{words}"), 0.0, format);
+    }
+    ui.add(Label::new(job).extend());
 }

@@ -36,6 +36,8 @@ const TREE: f32 = 200.0;
 const STEP: f32 = 14.0;
 /// In a view that is narrower the tree is a list to be opened, points.
 const NARROW: f32 = 520.0;
+/// Room around the list that is opened, points.
+const LIST_ROOM: f32 = 50.0;
 /// Projects that are remembered (manual PLC-V 3: four).
 const MOST: usize = 4;
 /// What is not saved.
@@ -284,6 +286,7 @@ impl ProjectView {
         let words = chosen.map_or_else(String::new, |(_, _, words)| words);
         let shown = ComboBox::from_id_salt("project place")
             .width(ui.available_width())
+            .height(ui.clip_rect().bottom() - ui.cursor().top() - LIST_ROOM)
             .selected_text(words.as_str())
             .show_ui(ui, |ui| self.tree(ui, language));
         let name = say::project_view_place().text(language);
