@@ -2,6 +2,7 @@
 //! threads and of eframe; a test drives it as the program does.
 
 mod alarm_line;
+mod answers;
 pub mod app;
 mod badge;
 mod clear;
@@ -19,6 +20,7 @@ pub mod layout;
 mod lcd;
 mod long_press;
 mod message;
+mod news;
 mod opener;
 mod panel_view;
 mod placing;
@@ -29,6 +31,7 @@ pub mod refusal;
 mod room;
 mod samples;
 mod settings;
+mod status;
 mod surroundings;
 mod tips;
 mod top_bar;
@@ -47,12 +50,11 @@ use gsk_panel::keys::Key;
 use gsk_panel::occurrences::Occurrence;
 
 use crate::files::lessons::Lessons;
-use crate::kernel::{Command, Console, KeysReversed, LessonOrder, Notice, Snapshot};
+use crate::kernel::{Command, Console, KeysReversed, Snapshot};
 use crate::platform;
 use crate::sound::Sounds;
 use files::Browser;
 use first_start::FirstStart;
-use gsk_messages::say;
 use held::{Change, Held};
 use help::Help;
 use keyboard::PcAction;
@@ -184,25 +186,6 @@ impl Window {
     /// What the control is to take over while it is off.
     pub const fn take_chosen(&mut self) -> Option<Chosen> {
         self.views.project().take_chosen()
-    }
-
-    /// The models to choose from, and why not now.
-    fn model_choice(&self) -> top_bar::ModelChoice {
-        let run = self.picture.as_ref().map(|picture| picture.run);
-        let why_not = if self.board().is_some() {
-            Some(say::model_not_with_board())
-        } else if !matches!(run, Some(RunState::Reset | RunState::Stop)) {
-            Some(say::model_not_while_running())
-        } else if self.views.unsaved().is_some() {
-            Some(say::model_not_unsaved())
-        } else {
-            None
-        };
-        top_bar::ModelChoice {
-            shown: self.models.shown,
-            offered: self.models.changeable,
-            why_not,
-        }
     }
 
     /// From now on the panel is painted: for a real display.
@@ -382,183 +365,6 @@ impl Window {
     /// Pieces of the path in the machine view.
     pub fn pieces_of_path(&mut self) -> usize {
         self.views.lathe().pieces()
-    }
-
-    /// Takes what the kernel has sent.
-    fn receive(&mut self) {
-        // The program that is no longer the selected one.
-        let mut left = None;
-        if let Some(picture) = self.console.pictures.pop() {
-            let before = self.picture.as_ref();
-            let alarm = before.and_then(|it| it.alarm.as_ref());
-            let alarms = picture.alarm.is_some() && picture.alarm.as_ref() != alarm;
-            let was_known = before.is_some_and(|it| !it.place_unknown);
-            if alarms || (picture.place_unknown && was_known) {
-                // The newest word stands on the line.
-                self.message = None;
-            }
-            let was = before.and_then(|it| it.program);
-            left = was.filter(|program| picture.program != Some(*program));
-            if before.is_none_or(|before| before.screen != picture.screen) {
-                platform::tell_screen(|| picture.screen.text());
-            }
-            self.views.lessons().seen(&picture);
-            self.hear(&picture);
-            self.picture = Some(picture);
-        }
-        while let Ok(notice) = self.console.notices.try_recv() {
-            match notice {
-                Notice::Said(text) => self.message = Some(Message::Said(text)),
-                Notice::Collided(what) => self.message = Some(Message::Collided(what)),
-                Notice::FreshStock => {
-                    self.message
-                        .take_if(|message| matches!(message, Message::Collided(_)));
-                }
-                Notice::Refused(alarm) => self.message = Some(Message::Refused(alarm)),
-                Notice::Sent(what) => self.message = Some(Message::Sent(what)),
-                Notice::NumberTaken(opened, number) => {
-                    self.questions.ask_for_place(opened, number);
-                }
-                Notice::Opened { name, path, place } => {
-                    self.views.program().opened(path.as_deref(), &place);
-                    self.views.lathe().opened(path.as_deref(), &place);
-                    let shown = PathBuf::from(name);
-                    let shown = shown.file_name().unwrap_or_default();
-                    let shown = shown.to_string_lossy().into_owned();
-                    self.message = Some(Message::opened(self.message.take(), shown, place));
-                    if let Some(path) = path.as_ref().filter(|path| platform::lasts(path)) {
-                        self.settings.remember(path);
-                    }
-                    self.opened = path;
-                }
-                // What it says of a file must not cover an alarm that stands by now.
-                Notice::Looked(..)
-                    if self.picture.as_ref().is_some_and(|it| it.alarm.is_some()) => {}
-                Notice::Looked(file, look) => {
-                    self.message = Some(Message::looked(self.message.take(), file, look));
-                }
-                Notice::Key(Some(why)) => self.message = Some(Message::KeyRefused(why)),
-                Notice::Key(None) => {
-                    self.message
-                        .take_if(|message| matches!(message, Message::KeyRefused(_)));
-                }
-            }
-        }
-        // What is said of the new one has come before its picture.
-        self.message
-            .take_if(|message| left.is_some_and(|program| message.is_about(program)));
-    }
-
-    /// Files that were dropped on the window.
-    fn take_files(&mut self, ui: &Ui) {
-        let (dropped, hovering) = ui.input(|input| {
-            let dropped = input.raw.dropped_files.clone();
-            (dropped, !input.raw.hovered_files.is_empty())
-        });
-        if !dropped.is_empty() {
-            let (opener, context) = (self.opener.clone(), ui.ctx().clone());
-            platform::take_dropped(&dropped, move |path| opener.open(path, &context));
-        } else if hovering {
-            self.message = Some(Message::DropHere);
-        }
-    }
-
-    fn answer(&mut self, asked: top_bar::Asked, ui: &Ui) {
-        match asked {
-            top_bar::Asked::Choose => {
-                self.opener.choose(self.settings.language, ui.ctx());
-            }
-            top_bar::Asked::Open(path) => self.open(ui.ctx(), path),
-            top_bar::Asked::Sample(sample) => self.opener.open_sample(sample, ui.ctx()),
-            // A page has no folders, and need not have what reads them.
-            top_bar::Asked::Project(_) if !platform::has_folders() => {}
-            top_bar::Asked::Project(command) => {
-                let language = self.settings.language;
-                self.views.project().command(command, language, ui.ctx());
-                self.show_view(View::Project);
-            }
-            top_bar::Asked::Layout(layout) => self.settings.layouts.choose(layout),
-            top_bar::Asked::View(view) => self.settings.layouts.toggle(view),
-            top_bar::Asked::Lessons => match self.settings.layouts.is_open(View::Lesson) {
-                true => self.settings.layouts.toggle(View::Lesson),
-                false => self.settings.layouts.dock(View::Lesson),
-            },
-            top_bar::Asked::LeaveLesson => {
-                self.console.send(Command::Lesson(LessonOrder::Leave));
-            }
-            top_bar::Asked::Speed(speed) => self.console.send(Command::Speed(speed)),
-            top_bar::Asked::FreeBits => self.console.send(Command::FreeBits),
-            top_bar::Asked::Mend => self.console.send(Command::Mend),
-            top_bar::Asked::Light => {
-                self.settings.light = !self.settings.light;
-                surroundings::set(ui.ctx(), self.settings.light);
-            }
-            top_bar::Asked::Model(model) => self.models.asked = Some(model),
-            top_bar::Asked::Sound(volume) => self.settings.sound = volume,
-            top_bar::Asked::Fingers => self.settings.fingers = !self.settings.fingers,
-            top_bar::Asked::Zoom(per_cent) => self.settings.zoom = per_cent,
-            top_bar::Asked::FirstStart => self.ask_first(),
-            top_bar::Asked::Keys => self.key_map = !self.key_map,
-            top_bar::Asked::Help => self.help.ask(None),
-            top_bar::Asked::Language => {
-                self.settings.language = self.settings.language.other();
-            }
-        }
-    }
-
-    fn status(&self, ui: &mut Ui) {
-        let language = self.settings.language;
-        if let Some(key) = self.held.kept() {
-            let text = say::window_key_is_kept_hint(key_label(key)).text(language);
-            return top_bar::status(ui, Some(&text), true, "");
-        }
-        let speed = self
-            .picture
-            .as_ref()
-            .map_or(100, |picture| picture.speed_percent);
-        if speed < 100 {
-            let text = say::window_too_slow(speed).text(language);
-            return top_bar::status(ui, Some(&text), true, "");
-        }
-        let pressed = self
-            .picture
-            .as_ref()
-            .is_some_and(|picture| picture.pressed.contains(&Key::EmergencyStop));
-        let alarm = self.picture.as_ref().and_then(|it| it.alarm.as_ref());
-        // With a board the alarm says where the slides stand.
-        if pressed && alarm.is_none_or(|alarm| alarm.detail.is_none()) {
-            return top_bar::status(
-                ui,
-                Some(&say::window_hint_emergency_stop().text(language)),
-                true,
-                "",
-            );
-        }
-        if let Some(alarm) = alarm
-            && self.message.is_none()
-        {
-            return top_bar::alarm(ui, alarm, language, self.lcd.place());
-        }
-        let warned = self.message.as_ref().is_some_and(Message::is_warning);
-        let waits = self.picture.as_ref().and_then(|it| it.waits.as_ref());
-        if let Some(waits) = waits.filter(|_| !warned) {
-            let place = waits.block.as_ref();
-            let place = place.map(|it| alarm_line::place_of(it, language));
-            let what = waits.what.clone();
-            let text = say::window_waits(place.unwrap_or_default(), what).text(language);
-            return top_bar::status(ui, Some(&text), false, "");
-        }
-        let unknown = self.picture.as_ref().is_some_and(|it| it.place_unknown);
-        let program = self.picture.as_ref().and_then(|it| it.program);
-        let hint = match (unknown, program) {
-            (true, _) => say::window_hint_machine_zero(),
-            (false, Some(_)) => say::window_hint_start(),
-            (false, None) => say::window_hint(),
-        };
-        let message = self.message.as_ref();
-        let text = message.map(|message| message.text(language));
-        let warning = message.is_some_and(Message::is_warning);
-        top_bar::status(ui, text.as_deref(), warning, &hint.text(language));
     }
 
     /// Whether RESET may have something to stop; unknown is yes.
