@@ -13,6 +13,7 @@ mod common;
 
 mod data_view;
 mod first_start;
+mod focus;
 mod layouts;
 mod lease;
 mod lessons;

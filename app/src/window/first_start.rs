@@ -9,6 +9,7 @@ use gsk_core::model::ModelId;
 
 use super::Window;
 use super::files::{self, Wanted};
+use super::focus;
 use super::layout::{Layout, Layouts};
 use super::view::View;
 use crate::kernel::Console;
@@ -168,6 +169,7 @@ impl FirstStart {
                             },
                         );
                     });
+                    focus::follow(ui);
                 });
         });
         if ui.input(|input| input.key_pressed(Key::Escape)) {

@@ -10,6 +10,7 @@ use gsk_messages::{Language, say};
 use gsk_panel::occurrences::Occurrence;
 
 use super::clear;
+use super::focus;
 use super::placing::View;
 use crate::kernel::{LessonOrder, Snapshot};
 
@@ -143,6 +144,7 @@ impl Help {
             .show(ui, |ui| {
                 let below = self.text(ui, language, picture);
                 asked = asked.take().or(below);
+                focus::follow(ui);
             });
         asked
     }

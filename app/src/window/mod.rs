@@ -4,12 +4,14 @@
 mod alarm_line;
 mod answers;
 pub mod app;
+mod at_end;
 mod badge;
 mod clear;
 mod face;
 mod figures;
 mod files;
 mod first_start;
+mod focus;
 pub mod fonts;
 mod hearing;
 mod held;

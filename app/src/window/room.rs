@@ -5,7 +5,7 @@ use gsk_messages::say;
 
 use super::layout::{self, InTurn, Pane};
 use super::views::header;
-use super::{Window, placing};
+use super::{Window, focus, placing};
 
 /// Ground of the bar to change from one pane to another.
 const GROUND: Color32 = Color32::from_gray(40);
@@ -87,6 +87,7 @@ impl Window {
                 if entry.clicked() {
                     layouts.keep_together(&turns.together);
                 }
+                focus::follow(ui);
             });
         });
     }

@@ -12,6 +12,8 @@ use gsk_core::model::ModelId;
 
 use super::Settings;
 use super::alarm_line;
+use super::at_end;
+use super::focus;
 use super::fonts;
 use super::layout::Layout;
 use super::samples::Sample;
@@ -21,6 +23,8 @@ use crate::kernel::{Imposed, Snapshot, Times};
 use crate::pace::Speed;
 use gsk_messages::{Language, Message, say};
 
+/// The group at the right end of the bar.
+const RIGHT: &str = "bar right";
 /// Where less room is left for the menus, points, those of programs are one.
 const NARROW: f32 = 620.0;
 
@@ -117,8 +121,7 @@ pub fn show(
     let mut asked = None;
     ui.horizontal_centered(|ui| {
         // What does not fit beside the right side is scrolled: nothing lies over anything.
-        let known = egui::Id::unique("bar right");
-        let right: f32 = ui.data(|data| data.get_temp(known)).unwrap_or(320.0);
+        let right = at_end::width(ui, RIGHT, 320.0);
         let room = (ui.available_width() - right - ui.spacing().item_spacing.x).max(40.0);
         ScrollArea::horizontal()
             .id_salt("bar")
@@ -151,32 +154,28 @@ pub fn show(
                             .on_hover_text(opened.display().to_string());
                     }
                 });
+                focus::follow(ui);
             });
-        let side = ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if ui
-                .button(say::window_other_language().text(language))
-                .clicked()
-            {
-                asked = Some(Asked::Language);
-            }
-            if ui.button(say::window_keys().text(language)).clicked() {
-                asked = Some(Asked::Keys);
-            }
-            if ui.button(say::window_help().text(language)).clicked() {
-                asked = Some(Asked::Help);
-            }
-            if let Some(picture) = picture {
-                asked = speeds(ui, language, picture).or(asked.take());
+        at_end::show(ui, RIGHT, 320.0, |ui| {
+            if imposed != Imposed::default() {
+                asked = standing(ui, language, imposed, &is_open).or(asked.take());
             }
             if picture.is_some_and(|picture| picture.lesson.is_some()) {
                 asked = practises(ui, language, is_open(View::Lesson)).or(asked.take());
             }
-            if imposed != Imposed::default() {
-                asked = standing(ui, language, imposed, &is_open).or(asked.take());
+            if let Some(picture) = picture {
+                asked = speeds(ui, language, picture).or(asked.take());
             }
-            ui.min_rect().width()
+            for (words, answer) in [
+                (say::window_help(), Asked::Help),
+                (say::window_keys(), Asked::Keys),
+                (say::window_other_language(), Asked::Language),
+            ] {
+                if ui.button(words.text(language)).clicked() {
+                    asked = Some(answer);
+                }
+            }
         });
-        ui.data_mut(|data| data.insert_temp(known, side.inner));
     });
     asked
 }

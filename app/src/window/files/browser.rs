@@ -8,7 +8,7 @@ use egui::{Button, Context, Key, Panel, ScrollArea, TextEdit, Ui, ViewportBuilde
 
 use super::{Ask, Asked, Wanted, beside};
 use crate::platform;
-use crate::window::clear;
+use crate::window::{clear, focus};
 use gsk_messages::{Language, Message, say};
 
 /// Size of the dialog, points.
@@ -233,6 +233,7 @@ impl Open {
                         clicked = Some((entry.clone(), row.double_clicked()));
                     }
                 }
+                focus::follow(ui);
             });
         let Some((entry, twice)) = clicked else {
             return Outcome::Stays;

@@ -13,7 +13,8 @@ use gsk_panel::pages::{signal_meaning, signal_name};
 
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
-use crate::window::reader;
+use crate::window::focus;
+use crate::window::{at_end, reader};
 use gsk_messages::{Language, Message, say};
 
 /// Height of a line, points.
@@ -30,6 +31,8 @@ const NARROW: f32 = 240.0;
 const WIDE: f32 = 420.0;
 /// A fault and its name for scripts need as much, points.
 const BOTH_NAMES: f32 = 380.0;
+/// The group of buttons that hold an input.
+const HELD_AT: &str = "held";
 /// Bytes of X that machine contacts have plugs for.
 const PLUGGED: std::ops::Range<u16> = 0..4;
 
@@ -129,15 +132,14 @@ impl Bench {
                         });
                     }
                 }
+                focus::follow(ui);
             });
     }
 
     fn inputs(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
         ui.horizontal(|ui| {
             ui.heading(say::bench_inputs().text(language));
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let words = say::window_add().text(language);
-                let added = ui.button(words).clicked();
+            at_end::show(ui, "bench add", 120.0, |ui| {
                 let entry = egui::TextEdit::singleline(&mut self.entry)
                     .desired_width(70.0)
                     .hint_text("X20.5");
@@ -145,6 +147,8 @@ impl Bench {
                 let name = say::bench_input_address().text(language);
                 response
                     .widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, &name));
+                let words = say::window_add().text(language);
+                let added = ui.button(words).clicked();
                 let entered =
                     response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
                 if (added || entered) && !self.entry.trim().is_empty() {
@@ -174,6 +178,7 @@ impl Bench {
                 for address in self.others.iter().copied().chain(plugged) {
                     self.input(ui, language, machine, address);
                 }
+                focus::follow(ui);
             });
     }
 
@@ -183,45 +188,59 @@ impl Bench {
             .inputs
             .contact(usize::from(address.byte), address.bit);
         let accepted = machine.plc.memory().bit(address);
-        line(ui, |ui| {
-            for (value, word) in [
-                (Some(true), "1".to_owned()),
-                (Some(false), "0".to_owned()),
-                (None, say::bench_sensor().text(language)),
-            ] {
-                let chosen = held == value;
-                let (fill, ink) = match (chosen, value) {
-                    (true, Some(_)) => (HELD, Color32::BLACK),
-                    (true, None) => (Color32::from_gray(58), Color32::from_gray(210)),
-                    (false, _) => (Color32::TRANSPARENT, Color32::from_gray(150)),
-                };
-                let button = egui::Button::new(RichText::new(&word).color(ink))
-                    .fill(fill)
-                    .min_size(vec2(28.0, 0.0));
-                let response = ui.add(button);
-                response.widget_info(|| {
-                    let name = format!("{address} {word}");
-                    egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, name)
-                });
-                if response.clicked() {
-                    self.console.send(Command::ForceInput(address, value));
-                }
-            }
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                lamp(ui, contact, &say::bench_contact().text(language), CONTACT);
-                lamp(ui, accepted, "PLC", ACCEPTED);
-                ui.label(RichText::new(format!("X{}.{}", address.byte, address.bit)).monospace());
-                let symbol = signal_name(address);
-                let meaning = signal_meaning(address, language);
-                let words = if symbol == "-" {
-                    meaning.to_owned()
-                } else {
-                    format!("{symbol}  {meaning}")
-                };
+        let size = vec2(ui.available_width(), LINE);
+        let (rect, _) = ui.allocate_exact_size(size, Sense::HOVER);
+        let place = UiBuilder::new()
+            .max_rect(rect)
+            .layout(Layout::left_to_right(Align::Center));
+        ui.scope_builder(place, |ui| {
+            lamp(ui, contact, &say::bench_contact().text(language), CONTACT);
+            lamp(ui, accepted, "PLC", ACCEPTED);
+            ui.label(RichText::new(format!("X{}.{}", address.byte, address.bit)).monospace());
+            let symbol = signal_name(address);
+            let meaning = signal_meaning(address, language);
+            let words = if symbol == "-" {
+                meaning.to_owned()
+            } else {
+                format!("{symbol}  {meaning}")
+            };
+            let room = ui.available_width() - at_end::width(ui, HELD_AT, 150.0) - 12.0;
+            let size = vec2(room.max(0.0), LINE);
+            ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
                 ui.add(Label::new(RichText::new(&words).weak()).truncate())
                     .on_hover_text(&words);
             });
+            at_end::show(ui, HELD_AT, 150.0, |ui| {
+                self.held_at(ui, language, address, held);
+            });
         });
+    }
+
+    /// What an input is held at, or its sensor.
+    fn held_at(&self, ui: &mut Ui, language: Language, address: BitAddress, held: Option<bool>) {
+        for (value, word) in [
+            (None, say::bench_sensor().text(language)),
+            (Some(false), "0".to_owned()),
+            (Some(true), "1".to_owned()),
+        ] {
+            let chosen = held == value;
+            let (fill, ink) = match (chosen, value) {
+                (true, Some(_)) => (HELD, Color32::BLACK),
+                (true, None) => (Color32::from_gray(58), Color32::from_gray(210)),
+                (false, _) => (Color32::TRANSPARENT, Color32::from_gray(150)),
+            };
+            let button = egui::Button::new(RichText::new(&word).color(ink))
+                .fill(fill)
+                .min_size(vec2(28.0, 0.0));
+            let response = ui.add(button);
+            response.widget_info(|| {
+                let name = format!("{address} {word}");
+                egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, name)
+            });
+            if response.clicked() {
+                self.console.send(Command::ForceInput(address, value));
+            }
+        }
     }
 
     fn add(&mut self, language: Language) {

@@ -3,7 +3,7 @@
 
 use egui::{
     Align, Color32, CornerRadius, Layout, Rect, RichText, Role, Sense, Stroke, StrokeKind, Ui,
-    UiBuilder, WidgetInfo, vec2,
+    UiBuilder, Vec2, WidgetInfo, pos2, vec2,
 };
 
 use crate::window::view::{ViewRow, key_name};
@@ -11,8 +11,9 @@ use gsk_messages::{Language, say};
 
 /// Height of the line, points.
 pub const HEIGHT: f32 = 22.0;
-/// Side of a sign, points.
+/// Side of a sign, and what can be clicked around it, points.
 const SIGN: f32 = 10.0;
+const PLACE: Vec2 = vec2(28.0, HEIGHT);
 const GROUND: Color32 = Color32::from_gray(40);
 
 /// Where the view is.
@@ -42,43 +43,50 @@ pub fn show(ui: &mut Ui, row: &ViewRow, language: Language, place: Place) -> Opt
     let size = vec2(ui.available_width(), HEIGHT);
     let (line, _) = ui.allocate_exact_size(size, Sense::HOVER);
     ui.painter().rect_filled(line, 0.0, GROUND);
-    let inside = UiBuilder::new()
-        .max_rect(line.shrink2(vec2(8.0, 0.0)))
-        .layout(Layout::right_to_left(Align::Center));
     let signs: &[(Asked, gsk_messages::Message)] = &match place {
         Place::Docked => vec![
-            (Asked::Close, say::window_view_close((row.name)())),
             (Asked::Float, say::window_view_float((row.name)())),
+            (Asked::Close, say::window_view_close((row.name)())),
         ],
         Place::Only => vec![(Asked::Close, say::window_view_close((row.name)()))],
         Place::Floating => vec![(Asked::Dock, say::window_view_dock((row.name)()))],
     };
-    let asked = ui.scope_builder(inside, |ui| {
-        let mut asked = None;
-        for (what, name) in signs {
-            if sign(ui, *what, &name.text(language)) {
-                asked = Some(*what);
+    let line = line.shrink2(vec2(8.0, 0.0));
+    if place != Place::Floating {
+        let inside = UiBuilder::new()
+            .max_rect(line)
+            .layout(Layout::left_to_right(Align::Center));
+        ui.scope_builder(inside, |ui| {
+            let name = (row.name)().text(language);
+            ui.label(RichText::new(name).color(Color32::from_gray(200)));
+            if let Some(key) = row.key {
+                ui.label(RichText::new(key_name(key)).weak().small());
             }
+        });
+    }
+    let mut asked = None;
+    for (index, (what, name)) in signs.iter().enumerate() {
+        let from_right = (signs.len() - index) as f32;
+        let corner = pos2(line.right() - from_right * PLACE.x, line.top());
+        let place = Rect::from_min_size(corner, PLACE);
+        if sign(ui, place, *what, &name.text(language)) {
+            asked = Some(*what);
         }
-        if place != Place::Floating {
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                let name = (row.name)().text(language);
-                ui.label(RichText::new(name).color(Color32::from_gray(200)));
-                if let Some(key) = row.key {
-                    ui.label(RichText::new(key_name(key)).weak().small());
-                }
-            });
-        }
-        asked
-    });
-    asked.inner
+    }
+    asked
 }
 
 /// A sign that can be clicked; its name stands in the tip.
-fn sign(ui: &mut Ui, what: Asked, name: &str) -> bool {
-    let size = vec2(SIGN + 10.0, HEIGHT);
-    let (place, response) = ui.allocate_exact_size(size, Sense::CLICK);
+fn sign(ui: &Ui, place: Rect, what: Asked, name: &str) -> bool {
+    let id = ui.scope_id().with((name, "sign"));
+    let response = ui.interact(place, id, Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
+    if response.has_focus() {
+        let line = ui.visuals().widgets.hovered.fg_stroke;
+        let mark = place.shrink2(vec2(1.0, 2.0));
+        ui.painter()
+            .rect_stroke(mark, 2.0, line, StrokeKind::Inside);
+    }
     let ink = if response.hovered() {
         Color32::WHITE
     } else {

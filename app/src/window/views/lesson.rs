@@ -10,6 +10,7 @@ use gsk_panel::keys::Key;
 use gsk_runner::lesson::{Lesson, Remark, Step, built_in, demonstration_named};
 
 use crate::kernel::{Command, Console, LessonOrder, LessonState, Snapshot};
+use crate::window::focus;
 
 /// Seconds without progress after which the hint is shown by itself.
 const HINT_AFTER: f64 = 40.0;
@@ -120,9 +121,12 @@ impl LessonView {
                 ScrollArea::vertical()
                     .id_salt("lesson")
                     .auto_shrink([false, false])
-                    .show(ui, |ui| match lesson {
-                        Some(lesson) => self.lesson(ui, language, &lesson),
-                        None => self.list(ui, language),
+                    .show(ui, |ui| {
+                        match lesson {
+                            Some(lesson) => self.lesson(ui, language, &lesson),
+                            None => self.list(ui, language),
+                        }
+                        focus::follow(ui);
                     });
             });
     }

@@ -11,7 +11,8 @@ use crate::kernel::link_view::LinkView;
 use crate::kernel::{Command, Console, LinkOrder};
 use crate::saying::differs;
 use crate::window::badge::state_name;
-use crate::window::fonts;
+use crate::window::focus;
+use crate::window::{at_end, fonts};
 use gsk_messages::{Language, say};
 
 const GOOD: Color32 = Color32::from_rgb(110, 230, 120);
@@ -68,7 +69,10 @@ impl LinkPage {
         side.show(ui, |ui| {
             ScrollArea::vertical()
                 .auto_shrink([false, false])
-                .show(ui, |ui| figures::show(ui, language, &view, &self.rates));
+                .show(ui, |ui| {
+                    figures::show(ui, language, &view, &self.rates);
+                    focus::follow(ui);
+                });
         });
         egui::CentralPanel::default()
             .frame(super::side_frame())
@@ -86,7 +90,16 @@ impl LinkPage {
             };
             ui.label(board);
             ui.label(RichText::new(&view.port).monospace().weak());
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            at_end::show(ui, "link orders", 320.0, |ui| {
+                let words = say::link_page_reconnect().text(language);
+                let still = view.state != LinkState::Moving;
+                let button = ui.add_enabled(still, egui::Button::new(words));
+                self.order(&button, LinkOrder::Reconnect);
+                let words = say::link_page_check_position().text(language);
+                let hint = say::link_page_check_position_hint().text(language);
+                let ready = view.state == LinkState::Ready;
+                let button = ui.add_enabled(ready, egui::Button::new(words));
+                self.order(&button.on_hover_text(hint), LinkOrder::Check);
                 let words = say::link_page_save_report().text(language);
                 if ui.button(words).clicked() {
                     let view = view.clone();
@@ -96,15 +109,6 @@ impl LinkPage {
                         report(&view)
                     });
                 }
-                let words = say::link_page_check_position().text(language);
-                let hint = say::link_page_check_position_hint().text(language);
-                let ready = view.state == LinkState::Ready;
-                let button = ui.add_enabled(ready, egui::Button::new(words));
-                self.order(&button.on_hover_text(hint), LinkOrder::Check);
-                let words = say::link_page_reconnect().text(language);
-                let still = view.state != LinkState::Moving;
-                let button = ui.add_enabled(still, egui::Button::new(words));
-                self.order(&button, LinkOrder::Reconnect);
             });
         });
         if let Some(advice) = words::advice(view.state) {
@@ -152,6 +156,7 @@ impl LinkPage {
                     let text = RichText::new(text).monospace().color(ink);
                     ui.add(Label::new(text).truncate());
                 }
+                focus::follow(ui);
             });
     }
 
@@ -164,7 +169,10 @@ impl LinkPage {
         ScrollArea::both()
             .id_salt("differences")
             .max_height(most)
-            .show(ui, |ui| differences(ui, language, view));
+            .show(ui, |ui| {
+                differences(ui, language, view);
+                focus::follow(ui);
+            });
         ui.add_space(4.0);
         let words = say::link_page_write_settings().text(language);
         self.order(&ui.button(words), LinkOrder::WriteSettings);

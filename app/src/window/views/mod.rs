@@ -35,6 +35,7 @@ use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use crate::pc::Remembered;
 use crate::platform;
+use crate::window::focus;
 use bench::Bench;
 use commission::CommissionView;
 use data::DataView;
@@ -275,6 +276,7 @@ impl Views {
                     let mut inside = ui.new_child(UiBuilder::new().max_rect(place));
                     inside.set_clip_rect(inside.clip_rect().intersect(place));
                     self.content(&mut inside, view, language, false);
+                    focus::follow(ui);
                 });
         });
         asked

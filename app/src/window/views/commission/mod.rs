@@ -21,6 +21,7 @@ use super::written;
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use crate::pitch::letter;
+use crate::window::focus;
 use fields::{Fields, number, optional, readings, rows};
 use pitch::PitchStep;
 
@@ -88,7 +89,10 @@ impl CommissionView {
                 ScrollArea::vertical()
                     .id_salt("commission")
                     .auto_shrink([false, false])
-                    .show(ui, |ui| self.work(ui, language, machine));
+                    .show(ui, |ui| {
+                        self.work(ui, language, machine);
+                        focus::follow(ui);
+                    });
             });
         scope
     }
@@ -367,6 +371,7 @@ impl CommissionView {
                             ui.end_row();
                         }
                     });
+                focus::follow(ui);
             });
         let refusal = machine.parameters_refused;
         let (words, colour) = match refusal {

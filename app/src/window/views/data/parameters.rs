@@ -12,6 +12,7 @@ use gsk_messages::{Language, say};
 use super::edit::{Drafts, Spot, is_state, parameter_text};
 use super::values::Values;
 use super::{Kind, Page, TYPED, field};
+use crate::window::focus;
 use crate::window::help::show_article;
 
 /// Height of a row of the list, points.
@@ -72,7 +73,10 @@ impl Parameters {
             ScrollArea::vertical()
                 .id_salt("parameter")
                 .auto_shrink([false, false])
-                .show(ui, |ui| self.details(ui, language, machine, drafts));
+                .show(ui, |ui| {
+                    self.details(ui, language, machine, drafts);
+                    focus::follow(ui);
+                });
         });
         CentralPanel::default()
             .frame(frame)
@@ -165,6 +169,7 @@ impl Parameters {
                 for row in rows.get(shown).unwrap_or_default() {
                     self.row(ui, language, machine, drafts, row);
                 }
+                focus::follow(ui);
             });
     }
 
@@ -195,7 +200,7 @@ impl Parameters {
         };
         let meaning = meaning(row, language);
         let (place, response) =
-            ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::CLICK);
+            ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::click());
         let chosen = self.chosen == Some(own);
         let said = match other {
             true => format!(

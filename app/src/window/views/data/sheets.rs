@@ -12,6 +12,7 @@ use super::edit::{Drafts, Edit};
 use super::parameters::Parameters;
 use super::values::Values;
 use super::{FINE, Kind, Page, TYPED, WRONG, tables};
+use crate::window::focus;
 
 /// Width of the list of pages, points.
 const PAGES: f32 = 180.0;
@@ -119,6 +120,7 @@ impl Sheets {
                         .show(ui, |ui| {
                             let taken = sheets.written(ui, language, values);
                             asked = taken.or_else(|| asked.take());
+                            focus::follow(ui);
                         });
                 });
         };
@@ -132,7 +134,10 @@ impl Sheets {
                     ScrollArea::vertical()
                         .id_salt("data pages")
                         .auto_shrink([false, false])
-                        .show(ui, |ui| self.pages(ui, language));
+                        .show(ui, |ui| {
+                            self.pages(ui, language);
+                            focus::follow(ui);
+                        });
                 });
         } else {
             list(ui, self);

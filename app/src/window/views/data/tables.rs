@@ -7,6 +7,7 @@ use gsk_messages::{Language, say};
 use super::edit::{Drafts, Part, Spot};
 use super::field;
 use super::values::Values;
+use crate::window::focus;
 
 /// Width of the column of numbers, points.
 const NUMBER: f32 = 44.0;
@@ -68,6 +69,7 @@ pub fn offsets(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &m
                     });
                 });
             }
+            focus::follow(ui);
         });
 }
 
@@ -101,6 +103,7 @@ pub fn pitch(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut
                     }
                 });
             }
+            focus::follow(ui);
         });
 }
 
@@ -137,6 +140,7 @@ pub fn variables(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: 
                     field::show(ui, language, machine, drafts, spot, VARIABLE);
                 });
             }
+            focus::follow(ui);
         });
 }
 

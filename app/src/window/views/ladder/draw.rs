@@ -387,7 +387,12 @@ impl Pen<'_> {
     pub(super) fn choose(&mut self, at: usize, place: Rect, name: &str) {
         let index = self.first + at;
         let id = self.ui.scope_id().with(("statement", index));
-        let response = self.ui.interact(place, id, Sense::click());
+        // Tab goes through the rungs in view alone: a ladder has thousands of elements.
+        let sense = match self.ui.clip_rect().contains_rect(place) {
+            true => Sense::click(),
+            false => Sense::CLICK,
+        };
+        let response = self.ui.interact(place, id, sense);
         let chosen = self.sheet.chosen == Some(index);
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, name));
         if response.has_focus() || chosen {

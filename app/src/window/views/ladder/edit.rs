@@ -13,6 +13,7 @@ use super::change::{Change, changed, lines};
 use super::draft::Draft;
 use super::{LadderView, Tab, words};
 use crate::kernel::monitor::MachineView;
+use crate::window::focus;
 use crate::window::views::aside;
 use gsk_messages::{Language, say};
 
@@ -365,6 +366,7 @@ impl LadderView {
                     draft.set(text, Some(editor.rung));
                     draft.text().clone_into(&mut editor.source);
                 }
+                focus::follow(ui);
             });
         self.editor = Some(editor);
         if let Some(line) = chosen {
@@ -426,6 +428,7 @@ impl LadderView {
                     draft.set(text, Some(WHOLE));
                 }
             });
+            focus::follow(ui);
         });
     }
 
@@ -480,6 +483,7 @@ fn complaints(
                     chosen = Some(error.line);
                 }
             }
+            focus::follow(ui);
         });
     chosen
 }

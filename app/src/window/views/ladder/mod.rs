@@ -25,6 +25,7 @@ use gsk_core::plc::{Ladder, Statement, Subject};
 
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
+use crate::window::focus;
 use draft::Draft;
 use draw::Sheet;
 use edit::Editor;
@@ -162,6 +163,7 @@ impl LadderView {
             self.state_line(ui, language, machine, has_side || self.tab != Tab::Rungs);
         });
         if self.tab == Tab::Rungs && self.editing {
+            focus::pass_over_edge(ui, "rung editor");
             let editor = Panel::bottom("rung editor")
                 .default_size(132.0)
                 .size_range(80.0..=400.0)

@@ -10,6 +10,7 @@ use super::draw::{self, comment};
 use super::{LadderView, subjects, value};
 use crate::kernel::Command;
 use crate::kernel::monitor::MachineView;
+use crate::window::focus;
 use gsk_messages::{Language, say};
 
 /// Width of the list beside the rungs in a view of a width, points.
@@ -39,6 +40,7 @@ impl LadderView {
                     }
                 }
                 self.forces(ui, language, machine);
+                focus::follow(ui);
             });
     }
 

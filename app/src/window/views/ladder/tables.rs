@@ -11,6 +11,7 @@ use super::directive::Table;
 use super::draft::Draft;
 use super::{LadderView, draw, value, words};
 use crate::kernel::monitor::MachineView;
+use crate::window::focus;
 use gsk_messages::{Language, Message, say};
 
 /// Height of a row, points.
@@ -226,6 +227,7 @@ fn table(
                     clicked = Some(index);
                 }
             }
+            focus::follow(ui);
         });
     clicked
 }

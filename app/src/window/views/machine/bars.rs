@@ -12,6 +12,7 @@ use super::xray::{self, Done};
 use super::{Chosen, HIT, Instrument, LatheView, Wish, block_of, lines, place};
 use crate::kernel::Command;
 use crate::window::alarm_line;
+use crate::window::focus;
 
 /// Height of the list of collisions, points.
 const LIST: f32 = 72.0;
@@ -85,7 +86,7 @@ impl LatheView {
             let chosen = self.chosen.as_ref().map(|chosen| chosen.block);
             if let Some(block) = chosen.or(running.map(block_of)) {
                 let words = RichText::new(self.words_of(block)).monospace();
-                let words = Label::new(words).truncate().sense(egui::Sense::CLICK);
+                let words = Label::new(words).truncate().sense(egui::Sense::click());
                 let hint = say::lathe_show_text().text(language);
                 if ui.add(words).on_hover_text(hint).clicked() {
                     self.text.wish = Some(self.show_block(block, true));
@@ -199,6 +200,7 @@ impl LatheView {
                         meant = Some((block, place(collision.contact)));
                     }
                 }
+                focus::follow(ui);
             });
         if let Some((block, at)) = meant {
             self.chosen = block.map(|block| Chosen { block, pass: None });

@@ -36,6 +36,7 @@ use super::program::{Document, Origin, with_line_feeds};
 use super::{bar_frame, plain_frame, side_frame};
 use crate::kernel::part::PartView;
 use crate::kernel::{Command, Console, Place};
+use crate::window::focus;
 use caliper::Caliper;
 use camera::{Camera, Sight};
 use clock::Clock;
@@ -245,6 +246,7 @@ impl LatheView {
             running: part.block.is_some(),
             trouble: self.made.trouble.as_ref(),
         };
+        focus::pass_over_edge(ui, "job");
         let panel = Panel::right("job").frame(side_frame());
         let clamped = panel
             .default_size(300.0)

@@ -115,6 +115,8 @@ pub fn edit(
         let mut output = TextEdit::multiline(&mut document.text)
             .id(id())
             .code_editor()
+            // Tab goes on: a program has no use for it, and the keyboard must get out.
+            .lock_focus(false)
             .frame(Frame::NONE.inner_margin(margin))
             .desired_width(f32::INFINITY)
             .min_size(room)

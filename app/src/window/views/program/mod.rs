@@ -18,6 +18,7 @@ use gsk_messages::{Language, Message, say};
 
 use super::{bar_frame, plain_frame, side_frame};
 use crate::kernel::{Console, Place};
+use crate::window::focus;
 use crate::window::message::why_not;
 use bar::{Bar, Wish};
 use check::{Checked, Checker};
@@ -197,6 +198,7 @@ impl ProgramView {
         if let Some(wish) = wish {
             self.carry_out(wish, ui.ctx(), language);
         }
+        focus::pass_over_edge(ui, "program findings");
         Panel::bottom("program findings")
             .frame(side_frame())
             .resizable(true)
@@ -430,6 +432,7 @@ impl ProgramView {
                         ui.label(said.text(language));
                     }
                 }
+                focus::follow(ui);
             });
         if let Some((line, columns)) = go {
             let start = self.document.character_of(self.document.line_start(line));

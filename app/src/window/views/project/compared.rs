@@ -14,6 +14,7 @@ use super::document::{Document, folder_of};
 use super::tree::{LadderParts, Node};
 use crate::kernel::Console;
 use crate::project::Encodings;
+use crate::window::focus;
 
 /// Values of a project that the control is to take over.
 #[derive(Clone, Debug, PartialEq)]
@@ -303,6 +304,7 @@ impl Compared {
                         box_.on_disabled_hover_text(refused(refusal).text(language));
                     }
                 }
+                focus::follow(ui);
             });
         if let Some((at, taken)) = turned {
             self.tick(&[at], taken);

@@ -22,6 +22,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::kernel::Console;
 use crate::project::Encodings;
+use crate::window::focus;
 pub use compared::Chosen;
 use compared::{Asked, Compared, Other, Target};
 use content::Content;
@@ -125,6 +126,7 @@ impl ProjectView {
     /// Draws the view and takes its input.
     pub fn show(&mut self, ui: &mut Ui, language: Language) {
         self.reopen(ui.ctx());
+        let bottom = ui.max_rect().bottom();
         self.hear(ui.ctx());
         Panel::top("project bar")
             .frame(super::bar_frame())
@@ -132,7 +134,7 @@ impl ProjectView {
         if self.document.is_some() && ui.available_width() < NARROW {
             Panel::top("project place")
                 .frame(super::side_frame())
-                .show(ui, |ui| self.place(ui, language));
+                .show(ui, |ui| self.place(ui, language, bottom));
         } else if self.document.is_some() {
             Panel::left("project tree")
                 .exact_size(TREE)
@@ -142,7 +144,10 @@ impl ProjectView {
                     ScrollArea::vertical()
                         .id_salt("project tree")
                         .auto_shrink([false, false])
-                        .show(ui, |ui| self.tree(ui, language));
+                        .show(ui, |ui| {
+                            self.tree(ui, language);
+                            focus::follow(ui);
+                        });
                 });
         }
         CentralPanel::default()
@@ -279,14 +284,15 @@ impl ProjectView {
         }
     }
 
-    /// The tree where there is no room for it: a list that is opened.
-    fn place(&mut self, ui: &mut Ui, language: Language) {
+    /// The tree where there is no room for it: a list that is opened, down to the bottom of
+    /// the view.
+    fn place(&mut self, ui: &mut Ui, language: Language, bottom: f32) {
         let places = self.places(language);
         let chosen = places.into_iter().find(|(node, ..)| *node == self.node);
         let words = chosen.map_or_else(String::new, |(_, _, words)| words);
         let shown = ComboBox::from_id_salt("project place")
             .width(ui.available_width())
-            .height(ui.clip_rect().bottom() - ui.cursor().top() - LIST_ROOM)
+            .height(bottom - ui.cursor().top() - LIST_ROOM)
             .selected_text(words.as_str())
             .show_ui(ui, |ui| self.tree(ui, language));
         let name = say::project_view_place().text(language);

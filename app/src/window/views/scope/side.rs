@@ -5,6 +5,7 @@ use gsk_panel::pages::signal_meaning;
 
 use super::trace::{Quantity, TRACES};
 use super::{BitChannel, Cursors, Scope};
+use crate::window::focus;
 use gsk_messages::{Language, say};
 
 /// Width of the list with one reading a trace, and with two cursors, points.
@@ -38,6 +39,7 @@ impl Scope {
                 }
                 ui.add_space(6.0);
                 self.bits(ui, language);
+                focus::follow(ui);
             });
     }
 

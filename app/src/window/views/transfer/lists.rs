@@ -61,7 +61,7 @@ impl TransferView {
                         _ => text,
                     };
                     let label = Label::new(text).truncate().selectable(false);
-                    let label = label.sense(Sense::CLICK);
+                    let label = label.sense(Sense::click());
                     let row = ui.scope(|ui| {
                         ui.set_width(width);
                         ui.add(label)

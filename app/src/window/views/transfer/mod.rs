@@ -21,6 +21,7 @@ use web_time::Duration;
 use crate::kernel::Console;
 use crate::pc::worker::{News, Order, Stage, Worker};
 use crate::pc::{Item, Remembered};
+use crate::window::focus;
 use dialogs::Dialog;
 use job::Job;
 
@@ -170,7 +171,10 @@ impl TransferView {
                 ScrollArea::vertical()
                     .id_salt("transfer buttons")
                     .auto_shrink([false, false])
-                    .show(ui, |ui| self.buttons(ui, language));
+                    .show(ui, |ui| {
+                        self.buttons(ui, language);
+                        focus::follow(ui);
+                    });
             });
         CentralPanel::default()
             .frame(super::side_frame())
@@ -178,9 +182,12 @@ impl TransferView {
                 ScrollArea::both()
                     .id_salt("transfer files")
                     .auto_shrink([false, false])
-                    .show(ui, |ui| match self.direction {
-                        Direction::Send => self.sending(ui, language),
-                        Direction::Receive => self.receiving(ui, language),
+                    .show(ui, |ui| {
+                        match self.direction {
+                            Direction::Send => self.sending(ui, language),
+                            Direction::Receive => self.receiving(ui, language),
+                        }
+                        focus::follow(ui);
                     });
             });
         self.dialogs(ui.ctx(), language);

@@ -8,6 +8,7 @@ use gsk_transfer::{Entry, FileName, Partition};
 
 use super::BAD;
 use crate::window::clear;
+use crate::window::focus;
 
 /// Width of a field, points.
 pub const FIELD: f32 = 300.0;
@@ -91,6 +92,7 @@ impl Naming {
                         name.clone_into(&mut self.old);
                     }
                 }
+                focus::follow(ui);
             });
     }
 }

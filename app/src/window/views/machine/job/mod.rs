@@ -14,6 +14,7 @@ use gsk_workpiece::job::Job;
 use gsk_workpiece::tool::Tool;
 
 use crate::job;
+use crate::window::focus;
 
 const WRONG: Color32 = Color32::from_rgb(255, 100, 90);
 const DOUBTFUL: Color32 = Color32::from_rgb(255, 196, 90);
@@ -96,7 +97,10 @@ impl JobPanel {
             ui.separator();
             ScrollArea::vertical()
                 .auto_shrink([false, false])
-                .show(ui, |ui| self.item(ui, &mut job, language));
+                .show(ui, |ui| {
+                    self.item(ui, &mut job, language);
+                    focus::follow(ui);
+                });
         });
         let rule = job.check();
         // While the pointer drags a value nothing is clamped.
