@@ -21,7 +21,7 @@ const LINE: f32 = 22.0;
 const COLUMNS: [f32; 5] = [14.0, 52.0, 118.0, 78.0, 78.0];
 /// A list that is narrower has neither names nor what was delivered: what a parameter means
 /// is worth more.
-const NARROW: f32 = 480.0;
+const NARROW: f32 = 560.0;
 const NARROW_COLUMNS: [f32; 5] = [14.0, 52.0, 0.0, 78.0, 0.0];
 /// The chosen parameter stands beside the list where there is so much room, points.
 const BESIDE: f32 = 700.0;
@@ -70,6 +70,11 @@ impl Parameters {
             }
         };
         details.resizable(false).frame(frame).show(ui, |ui| {
+            // A scrolled area would be higher than these words.
+            if self.chosen.is_none() {
+                ui.label(say::data_choose().text(language));
+                return;
+            }
             ScrollArea::vertical()
                 .id_salt("parameter")
                 .auto_shrink([false, false])
@@ -250,7 +255,6 @@ impl Parameters {
     /// The chosen parameter.
     fn details(&self, ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Drafts) {
         let Some((number, bit)) = self.chosen else {
-            ui.label(say::data_choose().text(language));
             return;
         };
         let Some(row) = memory::row(number, None) else {
