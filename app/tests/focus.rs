@@ -65,7 +65,7 @@ fn tab(bench: &mut Bench, modifiers: Modifiers) -> Option<Stop> {
     bench.harness.key_press_modifiers(modifiers, Key::Tab);
     // An edge of a panel is passed over in the next picture.
     for _ in 0..3 {
-        bench.run(5);
+        bench.harness.step();
     }
     stop(bench)
 }

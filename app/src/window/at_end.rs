@@ -17,7 +17,6 @@ pub fn show(ui: &mut Ui, name: &str, guess: f32, add: impl FnOnce(&mut Ui)) {
     let drawn = ui.horizontal(add).response.rect.width();
     if (drawn - known).abs() > 0.5 {
         ui.data_mut(|data| data.insert_temp(Id::unique(name), drawn));
-        ui.ctx()
-            .request_discard("width");
+        ui.ctx().request_discard("width");
     }
 }

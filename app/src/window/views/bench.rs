@@ -25,7 +25,7 @@ const SCROLL_BAR: f32 = 12.0;
 const CONTACT: f32 = 48.0;
 const ACCEPTED: f32 = 34.0;
 /// What the column of inputs needs, points.
-const INPUTS: f32 = 400.0;
+const INPUTS: f32 = 470.0;
 /// The least and the most that the column of faults takes, points.
 const NARROW: f32 = 240.0;
 const WIDE: f32 = 420.0;
@@ -204,7 +204,7 @@ impl Bench {
             } else {
                 format!("{symbol}  {meaning}")
             };
-            let room = ui.available_width() - at_end::width(ui, HELD_AT, 150.0) - 12.0;
+            let room = ui.available_width() - at_end::width(ui, HELD_AT, 150.0) - 24.0;
             let size = vec2(room.max(0.0), LINE);
             ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
                 ui.add(Label::new(RichText::new(&words).weak()).truncate())

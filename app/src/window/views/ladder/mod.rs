@@ -34,7 +34,7 @@ use layout::Drawing;
 use search::Search;
 
 /// A view of this width shows a rung whole beside what is chosen, points.
-const WIDE: f32 = 800.0;
+const WIDE: f32 = 940.0;
 
 /// What the view shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
