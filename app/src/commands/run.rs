@@ -151,8 +151,15 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
         None => None,
     };
     let partner = partner.as_mut().map(|partner| partner as &mut dyn Partner);
-    let (mut report, simulation) =
-        execution::execute(&name, simulation, limits, partner, board, &mut outputs)?;
+    let (mut report, simulation) = execution::execute(
+        &name,
+        simulation,
+        limits,
+        partner,
+        board,
+        &mut outputs,
+        args.lang,
+    )?;
     report.part = chosen.zip(outputs.live.as_ref()).map(|(chosen, live)| {
         PartReport::new(live.machining(), chosen.name(), args.part.measure, None)
     });

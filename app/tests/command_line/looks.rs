@@ -249,6 +249,7 @@ fn run_operate_and_the_tables_speak_chinese_where_they_are_asked_to() {
     let (code, zh, _) = said(&["run", program.path(), "--lang", "zh"]);
     assert_eq!(code, 1, "{zh}");
     assert!(zh.contains(": 报警\n") && zh.contains("第 3 行"), "{zh}");
+    assert!(zh.contains("没有指定 R, 也没有指定 I、K"), "{zh}");
     let (_, en, _) = said(&["run", program.path()]);
     assert!(en.contains(": ALARM\n") && en.contains("line 3"), "{en}");
 

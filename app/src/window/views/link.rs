@@ -68,7 +68,11 @@ impl LinkPage {
         side.show(ui, |ui| {
             ScrollArea::vertical()
                 .auto_shrink([false, false])
-                .show(ui, |ui| figures::show(ui, language, &view, &self.rates));
+                .show(ui, |ui| {
+                    // The figures stand at the right edge, beside the bar that scrolls them.
+                    ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
+                    figures::show(ui, language, &view, &self.rates);
+                });
         });
         egui::CentralPanel::default()
             .frame(super::side_frame())
