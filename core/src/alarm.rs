@@ -368,9 +368,9 @@ mod tests {
             "P/S 112: 除零错误 (H05 of 1 and 0)\n\
              原因: G65 中除数为零(包括 tan 90°)\n\
              处理: 运算前先判断除数\n\
-             cause: G65 H05 and others\n\
+             cause: G65 divides by zero, tan 90 degrees included\n\
              way out: test the divisor before dividing\n\
-             cleared by: RESET after correcting the cause"
+             cleared by: the cause is corrected, then RESET"
         );
         assert_eq!(Alarm::new(20).advice(), None);
     }

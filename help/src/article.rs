@@ -51,8 +51,8 @@ fn label_in(label: &str, language: Language) -> &str {
     }
 }
 
-/// A subject as a heading calls it.
-fn called(subject: Subject<'_>, language: Language) -> String {
+/// A subject as a heading calls it; it can be asked for so, too.
+pub fn called(subject: Subject<'_>, language: Language) -> String {
     let said = match subject {
         Subject::Alarm(number) => say::help_alarm(format!("{number:03}")),
         Subject::Parameter(number) => say::help_parameter(format!("{number:03}")),

@@ -134,8 +134,24 @@ fn of_signal(row: &Signal, language: Language) -> Vec<String> {
     if !row.symbol.is_empty() {
         facts.push(say::help_symbol(row.symbol).text(language));
     }
-    facts.push(say::help_direction(row.direction.replace('>', " → ")).text(language));
+    let ends = row.direction.split('>').map(|end| end_of(end, language));
+    let direction = ends.collect::<Vec<_>>().join(" → ");
+    facts.push(say::help_direction(direction).text(language));
     facts
+}
+
+/// One end of a signal, as the table of signals writes it.
+fn end_of(end: &str, language: Language) -> String {
+    let said = match end {
+        "machine" => say::help_end_machine(),
+        "panel" => say::help_end_panel(),
+        "display" => say::help_end_display(),
+        "CNC parameter" => say::help_end_parameter(),
+        "PLC internal" => say::help_end_internal(),
+        "PLC retained" => say::help_end_retained(),
+        end => return end.to_owned(),
+    };
+    said.text(language)
 }
 
 fn lit_by(lamp: Bit, language: Language) -> String {

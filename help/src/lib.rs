@@ -23,7 +23,7 @@ mod search;
 mod subject;
 mod table;
 
-pub use article::{Article, article};
+pub use article::{Article, article, called};
 pub use document::document;
 pub use facts::{facts, name};
 pub use lcd::on_screen;

@@ -2,6 +2,7 @@
 
 use gsk_messages::Language;
 
+use crate::article;
 use crate::facts::{facts, name};
 use crate::subject::Subject;
 use crate::table::{Topic, topics};
@@ -38,6 +39,10 @@ pub fn ask_among(question: &str, among: impl Fn(Subject<'_>) -> bool) -> Vec<&'s
 /// How far a topic is from what was asked; none when it is something else.
 fn distance(topic: &Topic, asked: &str, number: Option<u16>, words: &[String]) -> Option<u8> {
     let called = folded(&topic.subject.to_string());
+    let headed = |language| folded_words(&article::called(topic.subject, language)) == asked;
+    if [Language::Zh, Language::En].into_iter().any(headed) {
+        return Some(0);
+    }
     if called == asked || called.strip_prefix("no. ") == Some(asked) && number.is_none() {
         return Some(0);
     }
@@ -55,6 +60,12 @@ fn distance(topic: &Topic, asked: &str, number: Option<u16>, words: &[String]) -
         [topic.rule(language), topic.example(language), &facts].concat()
     });
     (texts.iter().any(|text| all(&text.to_lowercase()))).then_some(3)
+}
+
+/// Words of a text, each folded.
+fn folded_words(text: &str) -> String {
+    let words: Vec<String> = text.split_whitespace().map(folded).collect();
+    words.join(" ")
 }
 
 /// Small letters; a code or a number as its table writes it.

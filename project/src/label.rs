@@ -65,7 +65,7 @@ pub fn unit(key: Key, model: ModelId) -> &'static str {
         }
         Key::Offset(_, _, OffsetWord::T) => "",
         Key::Offset(..) => "mm",
-        Key::Pitch(..) => "um",
+        Key::Pitch(..) => "µm",
         _ => "",
     }
 }

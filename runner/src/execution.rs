@@ -12,7 +12,7 @@ use gsk_core::operation::{Mode, RunState};
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::simulation::Simulation;
 use gsk_core::units::{Point, TICK_MS};
-use gsk_messages::{Message, say};
+use gsk_messages::{Language, Message, say};
 
 pub use board::Board;
 use board::Standing;
@@ -115,7 +115,7 @@ struct Run<'a> {
 }
 
 /// Executes the selected program, or the one that a partner sends, on the simulated
-/// lathe or at a board that is known.
+/// lathe or at a board that is known; the report is in a language.
 pub fn execute<'a>(
     name: &str,
     simulation: Simulation,
@@ -123,6 +123,7 @@ pub fn execute<'a>(
     partner: Option<&'a mut dyn Partner>,
     board: Option<Board>,
     watcher: &'a mut dyn Watcher,
+    language: Option<Language>,
 ) -> Result<(Report, Simulation), ExecutionError> {
     let before = simulation.cnc.parameters().clone();
     let mut run = Run {
@@ -158,15 +159,15 @@ pub fn execute<'a>(
     let end = run.run_to_end(limits);
     let time_ms = run.time_ms();
     let waits_for = match &end {
-        End::Refused(why) | End::Stop(why) => Some(why.to_string()),
-        End::Limit => run.simulation.cnc.waits_for().map(|what| what.to_string()),
+        End::Refused(why) | End::Stop(why) => Some(report::said(why, language)),
+        End::Limit => (run.simulation.cnc.waits_for()).map(|what| report::said(&what, language)),
         _ => None,
     };
     run.come_to_rest();
     run.close_board();
     let cnc = &run.simulation.cnc;
     let alarm = match &end {
-        End::Alarm(alarm) => Some(AlarmReport::new(alarm, cnc.programs(), None)),
+        End::Alarm(alarm) => Some(AlarmReport::new(alarm, cnc.programs(), language)),
         _ => None,
     };
     let turns = |address| cnc.plc().memory().bit(address);

@@ -128,7 +128,7 @@ pub fn check_mill(setup: &MillSetup, programs: &ProgramMemory) -> Seen {
 pub fn run(setup: &Setup) -> Seen {
     let mut moves = Moves::default();
     let simulation = Simulation::new(setup.clone());
-    match execution::execute("", simulation, LIMITS, None, None, &mut moves) {
+    match execution::execute("", simulation, LIMITS, None, None, &mut moves, None) {
         Ok((report, _)) => Seen::read(&moves.written, &report),
         Err(error) => Seen {
             moves: Vec::new(),

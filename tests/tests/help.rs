@@ -62,6 +62,12 @@ fn what_the_tables_know_stands_beside_the_text() {
         let topic = topic(Subject::Signal(row.address)).expect("a topic");
         let said = article(topic, Language::Zh).to_string();
         assert!(said.contains(row.text_zh), "{said}");
+        // Where it comes from and goes to has no English word in it.
+        let ways = said.lines().filter(|line| line.starts_with("方向: "));
+        for way in ways {
+            let small = way.chars().any(|it| it.is_ascii_lowercase());
+            assert!(!small, "{way}");
+        }
     }
 }
 
@@ -146,6 +152,13 @@ fn questions_find_what_they_mean() {
         ("key cs", "key CS"),
         ("x0.5", "X0.5"),
         ("page oft", "page oft"),
+        // As the headings call them, in both languages.
+        ("报警 7", "alarm 007"),
+        ("参数 004.3", "No. 004.3"),
+        ("按键 CS", "key CS"),
+        ("诊断 008", "DGN 008"),
+        ("diagnosis 008", "DGN 008"),
+        ("编程速率 (多个页面)", "field 编程速率 PRG.FEED"),
     ] {
         assert_eq!(first(question).as_deref(), Some(subject), "{question}");
     }

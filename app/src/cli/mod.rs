@@ -185,11 +185,11 @@ pub enum Command {
     /// with a column that says what acts in `check` and `plot`.
     Parameters(ParametersArgs),
     /// Print the alarm table: number, text, meaning, cause, cure
-    Alarms(TableArgs),
+    Alarms(ExplainedArgs),
     /// Print the PLC signal table
     Signals(TableArgs),
     /// Print the faults of the simulated lathe: name for `fault NAME on`, what it does
-    Faults(TableArgs),
+    Faults(ExplainedArgs),
     /// Check, print or scan a ladder (instruction list)
     #[command(subcommand)]
     Ladder(LadderCommand),
@@ -274,6 +274,9 @@ pub struct OperateArgs {
     /// Write what happened as a script with the time of every key
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
+    /// Language of what is said of the script [default: English]
+    #[arg(long, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
 }
 
 /// `screen`.
@@ -299,6 +302,17 @@ pub struct TableArgs {
     /// Print as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// A table with explanations.
+#[derive(Args, Debug)]
+pub struct ExplainedArgs {
+    /// The table.
+    #[command(flatten)]
+    pub table: TableArgs,
+    /// Language of the explanations [default: English]
+    #[arg(long, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
 }
 
 /// `parameters`.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::PictureArgs;
+use super::{Language, PictureArgs, language};
 use crate::job::PartArgs;
 use crate::setup_args::SetupArgs;
 
@@ -63,4 +63,7 @@ pub struct RunArgs {
     /// Print the result as one JSON object
     #[arg(long)]
     pub json: bool,
+    /// Language of alarms, warnings and report [default: English, with the Chinese texts of the screen]
+    #[arg(long, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
 }

@@ -1,8 +1,9 @@
 //! `help`: what a command does, and what a symbol of the control means.
 
 use clap::CommandFactory;
-use gsk_help::{Topic, article, ask, document, topics};
+use gsk_help::{Topic, article, ask, called, document, topics};
 use gsk_messages::{Language, say};
+use gsk_panel::glyphs::text_columns;
 
 use super::{CommandError, FINE, output};
 use crate::cli::{Cli, HelpArgs};
@@ -64,7 +65,12 @@ pub fn help(args: &HelpArgs) -> Result<u8, CommandError> {
 fn headings(topics: &[&Topic], language: Language) -> String {
     let line = |topic: &&Topic| {
         let name = gsk_help::name(topic.subject, language);
-        let line = format!("{:<24} {name}", topic.subject.to_string());
+        let asked = match language {
+            Language::Zh => called(topic.subject, language),
+            Language::En => topic.subject.to_string(),
+        };
+        let gap = 24_usize.saturating_sub(text_columns(&asked));
+        let line = format!("{asked}{} {name}", " ".repeat(gap));
         format!("{}\n", line.trim_end())
     };
     topics.iter().map(line).collect()

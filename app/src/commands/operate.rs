@@ -48,7 +48,7 @@ pub fn operate(args: &OperateArgs) -> Result<u8, CommandError> {
     let restored = retained::bring_back(data.as_ref(), &mut setup);
     loading::apply(&mut setup, &args.setup)?;
     if let Some(program) = &args.program {
-        loading::open(&mut setup, core::slice::from_ref(program))?.print(None);
+        loading::open(&mut setup, core::slice::from_ref(program))?.print(args.lang);
     }
 
     keep_script_apart(args, &script, &folder_of(path))?;
@@ -147,7 +147,7 @@ fn play(
     if let Some(live) = &mut live {
         let known = live.get_known(emulator, simulation, Emulator::tick);
         if let Err(said) = known {
-            complain!("gsk980td: {said}");
+            output::complain_of(&said.message());
             return if live.is_over() { ENDED } else { ALARM };
         }
     }
@@ -164,18 +164,19 @@ fn play(
         ScriptEnd::Finished => {
             let took = clock(emulator.simulation.cnc.ticks() as f64 * 0.001);
             // Beside the screens that the script prints, not among them.
-            complain!("{}", say::script_done(path.display(), lines, took));
+            let said = say::script_done(path.display(), lines, took);
+            complain!("{}", output::worded(&said));
             FINE
         }
         ScriptEnd::Failed(failure) => {
-            complain!("{}: {failure}", path.display());
+            complain!("{}: {}", path.display(), output::worded(&failure.message()));
             ALARM
         }
         ScriptEnd::Asked => ENDED,
     };
     match live {
         Some(live) if live.is_over() => {
-            complain!("gsk980td: {}", say::run_ended_from_outside());
+            output::complain_of(&say::run_ended_from_outside());
             ENDED
         }
         Some(live) => {
@@ -235,7 +236,7 @@ impl Surroundings for Files {
     }
 
     fn told(&mut self, said: &Message) {
-        complain!("gsk980td: {said}");
+        output::complain_of(said);
     }
 
     fn partner(&mut self, name: &str) -> Result<Box<dyn Partner>, CommandError> {

@@ -56,6 +56,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
     let written = results(&[&args.moves, &args.positions, &args.plot, &args.part.section]);
     keep_apart(&read, &written)?;
     let person = attended(args)?;
+    let language = args.lang.unwrap_or(Language::En);
     let bare = match args.link {
         Some(_) => Setup::at_the_panel(),
         None => Setup::default(),
@@ -67,7 +68,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
     };
     let restored = data.as_ref().map(|data| retained::load(data, &mut setup));
     for complaint in restored.iter().flat_map(|restored| &restored.complaints) {
-        complain!("gsk980td: {complaint}");
+        output::complain_of(complaint);
     }
     if let (Some(restored), Some(_)) = (&restored, &args.link) {
         restored.place(&mut setup);
@@ -79,9 +80,9 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
         .map(|name| dnc::Partner::new(Source::of(name)));
     if partner.is_some() {
         loading::with_keys_for_dnc(&mut setup);
-        loading::store_files(&mut setup.memory.programs, &args.files)?.print(None);
+        loading::store_files(&mut setup.memory.programs, &args.files)?.print(args.lang);
     } else {
-        loading::open(&mut setup, &args.files)?.print(None);
+        loading::open(&mut setup, &args.files)?.print(args.lang);
     }
 
     let main = args.dnc.as_ref().or(args.files.first());
@@ -103,6 +104,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
         }),
         rates: RapidRates::of(&setup.memory),
         explain: args.explain,
+        language,
         progress: output::progress(u64::from(lines)),
         line: 0,
         pass: None,
@@ -139,7 +141,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
             let known = live.get_known(&mut simulation, |simulation| simulation, Simulation::tick);
             if let Err(said) = known {
                 outputs.progress.finish_and_clear();
-                complain!("gsk980td: {said}");
+                output::complain_of(&said.message());
                 return Ok(if live.is_over() { ENDED } else { ALARM });
             }
             let home = args.home;
@@ -149,8 +151,15 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
         None => None,
     };
     let partner = partner.as_mut().map(|partner| partner as &mut dyn Partner);
-    let (mut report, simulation) =
-        execution::execute(&name, simulation, limits, partner, board, &mut outputs)?;
+    let (mut report, simulation) = execution::execute(
+        &name,
+        simulation,
+        limits,
+        partner,
+        board,
+        &mut outputs,
+        args.lang,
+    )?;
     report.part = chosen.zip(outputs.live.as_ref()).map(|(chosen, live)| {
         PartReport::new(live.machining(), chosen.name(), args.part.measure, None)
     });
@@ -174,21 +183,21 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
         if let Some(live) = &outputs.live {
             drawing.stand_before(live.machining());
         }
-        failures.extend(drawn(path, drawing, target).err());
+        failures.extend(drawn(path, drawing, target, language).err());
         if let Some(said) = picture::shortfall(drawing) {
-            complain!("gsk980td: {said}");
+            output::complain_of(&said);
         }
     }
     let moves_on_screen = [&args.moves, &args.positions]
         .into_iter()
         .any(|path| output::is_standard(path.as_deref()));
-    output::report(&report, args.json, moves_on_screen, None)?;
+    output::report(&report, args.json, moves_on_screen, args.lang)?;
     let unknown = report
         .alarm
         .as_ref()
         .is_some_and(|alarm| alarm.number == number::NO_REFERENCE);
     if unknown && !args.home {
-        complain!("gsk980td: {}", say::run_home_first());
+        output::complain_of(&say::run_home_first());
     }
     if !failures.is_empty() {
         return Err(CommandError::Several(failures));
@@ -202,9 +211,14 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
 }
 
 /// Writes the picture of the path.
-fn drawn(path: &Path, drawing: &Drawing, target: output::Reserved) -> Result<(), CommandError> {
+fn drawn(
+    path: &Path,
+    drawing: &Drawing,
+    target: output::Reserved,
+    language: Language,
+) -> Result<(), CommandError> {
     let format = Format::of(path)?;
-    let bytes = picture::encode(format, drawing, Language::En)?;
+    let bytes = picture::encode(format, drawing, language)?;
     Ok(target.write(&bytes)?)
 }
 
@@ -244,6 +258,7 @@ struct Outputs {
     drawing: Option<Drawing>,
     rates: RapidRates,
     explain: bool,
+    language: Language,
     progress: ProgressBar,
     line: u32,
     /// The pass that was explained last.
@@ -287,7 +302,7 @@ impl Watcher for Outputs {
             drawing.push(executed, self.rates);
         }
         if self.explain {
-            output::print(&narration::executed(executed, Language::En));
+            output::print(&narration::executed(executed, self.language));
         }
     }
 
@@ -303,8 +318,8 @@ impl Watcher for Outputs {
         if time_ms.is_multiple_of(PROGRESS_MS) && !self.progress.is_hidden() {
             self.progress.set_position(u64::from(self.line));
             let time = clock(time_ms as f64 / 1000.0);
-            self.progress
-                .set_message(say::report_progress_time(time).to_string());
+            let said = say::report_progress_time(time);
+            self.progress.set_message(output::worded(&said));
         }
         let found = self.live.as_mut().map(|live| live.ticked(simulation));
         self.stops_at_collision && found.is_some_and(|found| !found.is_empty())
@@ -324,7 +339,7 @@ impl Watcher for Outputs {
             return;
         }
         self.pass = Some(explanation.pass);
-        output::print(&narration::pass(explanation, Language::En));
+        output::print(&narration::pass(explanation, self.language));
     }
 
     fn wants_explanations(&self) -> bool {
@@ -332,6 +347,6 @@ impl Watcher for Outputs {
     }
 
     fn tell(&mut self, said: &Message) {
-        self.progress.suspend(|| complain!("gsk980td: {said}"));
+        self.progress.suspend(|| output::complain_of(said));
     }
 }

@@ -15,6 +15,7 @@ use super::drive::Drive;
 use super::journal::Journal;
 use crate::board::GET_KNOWN;
 use crate::ending::{Ending, SignalError};
+use crate::output;
 
 /// How often a link without a port is looked at.
 const WITHOUT_PORT: Duration = Duration::from_millis(4);
@@ -157,7 +158,7 @@ impl PulseBoard for Live {
             drive.speak(None);
             drive.hear();
             for said in drive.said() {
-                complain!("gsk980td: {said}");
+                output::complain_of(&said);
             }
             if !drive.has_port() {
                 thread::sleep(WITHOUT_PORT);

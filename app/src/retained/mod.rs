@@ -95,7 +95,7 @@ impl Restored {
 pub fn bring_back(data: Option<&DataDir>, setup: &mut Setup) -> Option<Restored> {
     let restored = load(data?, setup);
     for complaint in &restored.complaints {
-        complain!("gsk980td: {complaint}");
+        crate::output::complain_of(complaint);
     }
     restored.place(setup);
     Some(restored)

@@ -244,6 +244,36 @@ fn every_second_of_a_check_has_a_kind_and_a_tool() {
 }
 
 #[test]
+fn run_operate_and_the_tables_speak_chinese_where_they_are_asked_to() {
+    let program = Scratch::new("speaks.nc", b"O0009\nG00 X40 Z2\nG02 X60 Z2\nM30\n");
+    let (code, zh, _) = said(&["run", program.path(), "--lang", "zh"]);
+    assert_eq!(code, 1, "{zh}");
+    assert!(zh.contains(": 报警\n") && zh.contains("第 3 行"), "{zh}");
+    assert!(zh.contains("没有指定 R, 也没有指定 I、K"), "{zh}");
+    let (_, en, _) = said(&["run", program.path()]);
+    assert!(en.contains(": ALARM\n") && en.contains("line 3"), "{en}");
+
+    let script = Scratch::new("speaks.txt", b"press MDI\nexpect page oft\n");
+    let (code, _, zh) = said(&["operate", script.path(), "--lang", "zh"]);
+    assert_eq!(code, 1, "{zh}");
+    assert!(zh.contains("第 2 行") && zh.contains("页面为 "), "{zh}");
+    let (_, _, en) = said(&["operate", script.path()]);
+    assert!(en.contains("line 2") && en.contains("the page is "), "{en}");
+
+    let (_, zh, _) = said(&["faults", "door-open", "--lang", "zh"]);
+    let (_, en, _) = said(&["faults", "door-open"]);
+    assert!(
+        zh.contains("信息 1015") && en.contains("message 1015"),
+        "{zh}{en}"
+    );
+    let (_, zh, _) = said(&["alarms", "1015", "--lang", "zh"]);
+    assert!(
+        zh.contains("原因") && zh.contains("自动方式时防护门打开"),
+        "{zh}"
+    );
+}
+
+#[test]
 fn a_picture_has_its_size_its_tools_and_its_numbers() {
     let program = Scratch::new(
         "two-tools.nc",

@@ -97,7 +97,7 @@ pub enum Unmet {
     /// A byte or entry of PLC memory.
     Value(ByteAddress, i32),
     /// A state of control, panel or lathe.
-    State(String),
+    State(Message),
     /// What should not be so.
     Holds,
 }
@@ -117,7 +117,7 @@ impl Unmet {
             Self::Mode(mode) => say::script_mode_is(mode),
             Self::Bit(address, value) => say::script_value_is(address, value),
             Self::Value(address, value) => say::script_value_is(address, value),
-            Self::State(seen) => say::script_state_is(seen),
+            Self::State(seen) => seen.clone(),
             Self::Holds => say::script_holds(),
         }
     }

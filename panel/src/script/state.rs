@@ -1,11 +1,10 @@
 //! What lessons ask of control, panel and lathe beside the rest of `expect`: ranges in place
 //! of values, offsets, parameters, programs, the state of a run.
 
-use core::fmt;
-
 use gsk_core::command::ProgramId;
 use gsk_core::operation::RunState;
 use gsk_core::units::Axis;
+use gsk_messages::{Language, Message, say};
 
 use super::{Coordinates, ParseError};
 use crate::emulator::{Emulator, folded};
@@ -157,22 +156,26 @@ impl State {
     /// Compares.
     ///
     /// # Errors
-    /// What is there instead, as the panel writes it.
-    pub(super) fn check(&self, emulator: &Emulator) -> Result<(), String> {
+    /// What is there instead.
+    pub(super) fn check(&self, emulator: &Emulator) -> Result<(), Message> {
         let (cnc, lathe) = (&emulator.simulation.cnc, &emulator.simulation.lathe);
         match self {
             Self::Screen(text) => {
                 let screen = emulator.screen();
                 let shown = (0..ROWS).any(|row| folded(&screen.row(row)).contains(text));
-                verdict(shown, || format!("\n{screen}"))
+                verdict(shown, || say::script_state_is(format!("\n{screen}")))
             }
             Self::Page(page) => {
                 let seen = emulator.panel.page();
-                verdict(seen == *page, || seen.name())
+                verdict(seen == *page, || {
+                    say::script_page_is(seen.title().text(Language::Zh))
+                })
             }
             Self::Key(key, down) => {
                 let seen = emulator.panel.pressed().contains(key);
-                verdict(seen == *down, || if seen { "down" } else { "up" })
+                verdict(seen == *down, || {
+                    say::script_value_is(key.id(), if seen { "down" } else { "up" })
+                })
             }
             Self::At(coordinates, axis, range) => {
                 let (x, z) = coordinates.shown(emulator);
@@ -180,78 +183,95 @@ impl State {
                     Axis::X => x,
                     Axis::Z => z,
                 };
-                verdict(range.contains(seen), || format!("{seen:.3}"))
+                let name = format!("{axis:?}");
+                verdict(range.contains(seen), || {
+                    say::script_value_is(name, format!("{seen:.3}"))
+                })
             }
             Self::Offset(number, column, range) => {
                 let row = cnc.offsets().get(*number);
-                let seen = match column {
-                    Column::X => row.x,
-                    Column::Z => row.z,
-                    Column::Radius => row.r,
-                    Column::Tip => row.t.into(),
+                let (name, seen, digits) = match column {
+                    Column::X => ("X", row.x, 3),
+                    Column::Z => ("Z", row.z, 3),
+                    Column::Radius => ("R", row.r, 3),
+                    Column::Tip => ("T", row.t.into(), 0),
                 };
-                verdict(range.contains(seen), || format!("{seen:.3}"))
+                verdict(range.contains(seen), || {
+                    say::script_value_is(format!("{number:03} {name}"), format!("{seen:.digits$}"))
+                })
             }
             Self::Parameter(number, None, value) => {
                 let seen = cnc.parameters().value(*number);
-                verdict(seen == *value, || seen)
+                verdict(seen == *value, || {
+                    say::script_value_is(format!("No.{number:03}"), seen)
+                })
             }
             Self::Parameter(number, Some(bit), value) => {
                 let seen = i32::from(cnc.parameters().bit(*number, *bit));
-                verdict(seen == *value, || seen)
+                verdict(seen == *value, || {
+                    say::script_value_is(format!("No.{number:03}.{bit}"), seen)
+                })
             }
             Self::Program(number, text) => {
                 let edited = emulator.panel.edited().filter(|(it, _)| it == number);
                 let stored = || cnc.programs().stored(*number).cloned();
                 let program = edited.map(|(_, program)| program).or_else(stored);
                 match (program, text) {
-                    (None, _) => Err("-".to_owned()),
+                    (None, _) => Err(say::script_value_is(format!("O{number:04}"), "-")),
                     (Some(_), None) => Ok(()),
                     (Some(program), Some(text)) => {
                         let seen = program.text();
-                        verdict(tight(seen).contains(text), || seen)
+                        verdict(tight(seen).contains(text), || say::script_state_is(seen))
                     }
                 }
             }
             Self::Selected(number) => {
                 let seen = cnc.programs().current();
-                verdict(seen == Some(ProgramId::Stored(*number)), || match seen {
-                    Some(ProgramId::Stored(number)) => format!("O{number:04}"),
-                    _ => "-".to_owned(),
+                verdict(seen == Some(ProgramId::Stored(*number)), || {
+                    say::script_selected_is(match seen {
+                        Some(ProgramId::Stored(number)) => format!("O{number:04}"),
+                        _ => "-".to_owned(),
+                    })
                 })
             }
             Self::Tool(tool, offset) => {
                 let (station, active) = cnc.tool();
                 let fits = station == *tool && offset.is_none_or(|offset| offset == active);
-                verdict(fits, || format!("T{station:02}{active:02}"))
+                verdict(fits, || {
+                    say::script_tool_is(format!("T{station:02}{active:02}"))
+                })
             }
             Self::Spindle(range) => {
                 let seen = lathe.spindle_rpm();
-                verdict(range.contains(seen), || format!("{seen:.0}"))
+                verdict(range.contains(seen), || {
+                    say::script_value_is("S", format!("{seen:.0}"))
+                })
             }
             Self::Run(state) => {
                 let seen = cnc.run_state();
-                verdict(seen == *state, || format!("{seen:?}").to_lowercase())
+                verdict(seen == *state, || {
+                    say::script_run_is(format!("{seen:?}").to_lowercase())
+                })
             }
             Self::Parts(range) => {
                 let seen = cnc.counters().parts;
-                verdict(range.contains(seen.into()), || seen)
+                verdict(range.contains(seen.into()), || say::script_parts_are(seen))
             }
             Self::Power(on) => {
                 let seen = emulator.panel.powered();
-                verdict(seen == *on, || if seen { "on" } else { "off" })
+                verdict(seen == *on, || {
+                    say::script_state_is(if seen { "on" } else { "off" })
+                })
             }
-            Self::Referenced(axis) => verdict(*cnc.referenced().get(*axis), || "-".to_owned()),
+            Self::Referenced(axis) => verdict(*cnc.referenced().get(*axis), || {
+                say::script_no_reference(format!("{axis:?}"))
+            }),
         }
     }
 }
 
-fn verdict<T: fmt::Display>(fits: bool, seen: impl FnOnce() -> T) -> Result<(), String> {
-    if fits {
-        Ok(())
-    } else {
-        Err(seen().to_string())
-    }
+fn verdict(fits: bool, seen: impl FnOnce() -> Message) -> Result<(), Message> {
+    if fits { Ok(()) } else { Err(seen()) }
 }
 
 /// Without blanks, in capitals.

@@ -219,9 +219,10 @@ fn states_of_control_panel_and_lathe_are_expected() {
     assert_eq!(result, Ok(()));
     for (line, seen) in [
         ("expect not alarm none", "it is so"),
-        ("expect offset 1 Z 1..2", "it is 0.000"),
-        ("expect run hold", "it is reset"),
-        ("expect selected 1", "it is -"),
+        ("expect offset 1 Z 1..2", "001 Z is 0.000"),
+        ("expect run hold", "the run is reset"),
+        ("expect selected 1", "the program is -"),
+        ("expect page oft", "the page is 现在位置(相对坐标)"),
         ("expect screen \"no such text\"", "GSK980TD"),
     ] {
         let (result, ..) = run_text(line);

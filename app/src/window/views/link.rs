@@ -70,6 +70,8 @@ impl LinkPage {
             ScrollArea::vertical()
                 .auto_shrink([false, false])
                 .show(ui, |ui| {
+                    // The figures stand at the right edge, beside the bar that scrolls them.
+                    ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
                     figures::show(ui, language, &view, &self.rates);
                     focus::follow(ui);
                 });

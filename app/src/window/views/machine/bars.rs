@@ -124,6 +124,7 @@ impl LatheView {
             }
             Some(part) if part.guessed => (say::lathe_guessed(), DOUBTFUL),
             Some(_) => (say::lathe_job(), Color32::from_gray(160)),
+            None if self.made.practice => (say::lathe_no_path(), Color32::from_gray(160)),
             None if self.made.serial > 0 => (say::lathe_nothing_cut(), DOUBTFUL),
             None => (say::window_one_moment(), Color32::from_gray(160)),
         };
