@@ -91,9 +91,7 @@ impl ProjectError {
                 let name = format!("{} {}", fault.key.path(), fault.key.name());
                 say::subject_reason(name, fault.rule.clone())
             })),
-            Self::OtherModel(path, model) => {
-                say::project_other_model(path.display(), &model.record().name)
-            }
+            Self::OtherModel(path, model) => say::project_other_model(path.display(), model.name()),
             Self::WrongPassword => say::project_wrong_password(),
             Self::NotSaved(error) => error.message(),
         }

@@ -200,7 +200,7 @@ impl OfMill {
     /// What is said of it.
     pub fn message(self) -> Message {
         match self {
-            Self::NotRun(model) => say::mill_not_run(&model.record().name),
+            Self::NotRun(model) => say::mill_not_run(model.name()),
             Self::LathesAlone(option) => say::mill_option_of_lathe(option),
             Self::MillsAlone(option) => say::mill_option_of_mill(option),
         }
@@ -328,7 +328,7 @@ pub fn any_model() -> impl TypedValueParser<Value = ModelId> {
 
 fn models(taken: fn(&ModelId) -> bool) -> impl TypedValueParser<Value = ModelId> {
     let words = ModelId::ALL.into_iter().filter(taken);
-    let words = words.map(|id| PossibleValue::new(id.word()).help(&*id.record().name));
+    let words = words.map(|id| PossibleValue::new(id.word()).help(id.name()));
     PossibleValuesParser::new(words).map(|word| ModelId::from_word(&word).unwrap_or_default())
 }
 

@@ -45,6 +45,16 @@ impl ModelId {
         }
     }
 
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Gsk980td => "GSK980TD",
+            Self::Gsk980mdi => "GSK980MDi",
+            Self::Hx31 => "华兴 31/32",
+            Self::Ncb08 => "NC-B08",
+        }
+    }
+
     /// The model of a word.
     pub fn from_word(word: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|it| it.word() == word)
@@ -121,7 +131,7 @@ impl ControlModel {
     pub fn set_parameter(&mut self, number: u16, value: i32) -> Result<(), Message> {
         let record = self.record();
         let Some(parameter) = record.parameters.get(&number) else {
-            return Err(say::model_parameter_unknown(&record.name, number));
+            return Err(say::model_parameter_unknown(self.id.name(), number));
         };
         let (low, high) = parameter.range;
         if !(low..=high).contains(&value) {
@@ -176,12 +186,9 @@ mod tests {
     fn every_record_can_be_read() {
         for id in ModelId::ALL {
             let record = id.record();
-            assert!(record.g_code(0).is_some(), "{} has no G00", record.name);
-            assert!(
-                record.m_function(30).is_some(),
-                "{} has no M30",
-                record.name
-            );
+            let name = id.name();
+            assert!(record.g_code(0).is_some(), "{name} has no G00");
+            assert!(record.m_function(30).is_some(), "{name} has no M30");
             assert_eq!(ModelId::from_word(id.word()), Some(id));
         }
     }

@@ -61,7 +61,7 @@ fn of_word(line: &str, spans: &[Span], word: &Word<'_>, reader: Reader) -> Optio
     match (word.address, number) {
         (address @ ('G' | 'M'), Some(number)) => {
             let Some(said) = of_model(address, number, reader.model) else {
-                let model = &reader.model.record().name;
+                let model = reader.model.name();
                 return Some(say::hover_no_code(word_text(word), model).text(language));
             };
             let said = said.text(language);

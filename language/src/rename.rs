@@ -107,7 +107,7 @@ pub(crate) fn settled(
         .into_iter()
         .any(|it| *it == GCode::RepeatAndComeBack)
     {
-        return Err(say::numbers_of_model(&model.record().name));
+        return Err(say::numbers_of_model(model.name()));
     }
     let computed = structure
         .leads

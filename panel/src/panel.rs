@@ -247,7 +247,7 @@ impl Panel {
             return Screen::new();
         }
         if self.in_self_test() {
-            return pages::power_on(language, cnc.model().record());
+            return pages::power_on(language, cnc.model().id());
         }
         pages::draw_in(language, self.page, &self.view, cnc)
     }

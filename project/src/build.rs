@@ -297,7 +297,7 @@ impl Builder<'_> {
         let executed = match self.take(Key::Model) {
             Some(Value::Model(id)) if id.record().executes => Some(id),
             Some(Value::Model(id)) => {
-                let name = &id.record().name;
+                let name = id.name();
                 self.fault(Key::Model, say::project_model_not_executed(name));
                 None
             }

@@ -83,16 +83,16 @@ impl Finding {
         let letter = code.get(..1).unwrap_or_default();
         let written = |number: u8| format!("{letter}{number:02}");
         match &self.outcome {
-            Outcome::Foreign => say::dialect_foreign(code, &from.name),
+            Outcome::Foreign => say::dialect_foreign(code, from.name()),
             Outcome::Renumbered { here, number } => {
-                say::dialect_renumbered(code, here.text(), written(*number), &to.name)
+                say::dialect_renumbered(code, here.text(), written(*number), to.name())
             }
-            Outcome::Missing { here } => say::dialect_missing(code, here.text(), &to.name),
+            Outcome::Missing { here } => say::dialect_missing(code, here.text(), to.name()),
             Outcome::Differs {
                 here,
                 there,
                 number: None,
-            } => say::dialect_differs(code, here.text(), &to.name, there.text()),
+            } => say::dialect_differs(code, here.text(), to.name(), there.text()),
             Outcome::Differs {
                 here,
                 there,
@@ -100,7 +100,7 @@ impl Finding {
             } => say::dialect_differs_renumbered(
                 code,
                 here.text(),
-                &to.name,
+                to.name(),
                 there.text(),
                 written(*number),
             ),

@@ -33,11 +33,12 @@ pub fn dialect(args: &DialectArgs) -> Result<u8, CommandError> {
         out.push_str(&format!("{name}:{}: {text}\n", finding.line));
     }
     if from.program_name != to.program_name {
-        let names = say::dialect_names(&from.name, &from.program_name, &to.name, &to.program_name);
+        let names =
+            say::dialect_names(from.name(), &from.program_name, to.name(), &to.program_name);
         out.push_str(&format!("{}\n", said(&names)));
     }
     if findings.is_empty() {
-        out.push_str(&format!("{}\n", said(&say::dialect_same(&to.name))));
+        out.push_str(&format!("{}\n", said(&say::dialect_same(to.name()))));
     }
     output::print(&out);
     Ok(if findings.is_empty() { FINE } else { ALARM })

@@ -189,7 +189,7 @@ impl App {
                 self.another = before.another.take();
                 self.sized = true;
                 self.window.set_model(model, true);
-                self.window.say(say::model_is_on(&model.record().name));
+                self.window.say(say::model_is_on(model.name()));
                 before.turn_off();
             }
             Err(said) => self.window.say(said),

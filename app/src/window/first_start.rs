@@ -213,7 +213,7 @@ impl FirstStart {
             heading(ui, &said(say::first_which_control()));
             ui.horizontal_wrapped(|ui| {
                 for id in ModelId::ALL.into_iter().filter(|id| id.record().executes) {
-                    if option(ui, self.model == id, &id.record().name, LEAST).clicked() {
+                    if option(ui, self.model == id, id.name(), LEAST).clicked() {
                         self.model = id;
                     }
                 }

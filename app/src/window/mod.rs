@@ -247,7 +247,7 @@ impl Window {
 
     /// The window's title.
     pub fn title(&self) -> String {
-        badge::title(&self.models.shown.record().name, self.board())
+        badge::title(self.models.shown.name(), self.board())
     }
 
     /// State of the board that moves real slides, if there is one.

@@ -143,10 +143,9 @@ pub fn show(
                         asked = menus::views(ui, settings).or(asked.take());
                     });
                     if !models.shown.is_main() {
-                        let name = RichText::new(&models.shown.record().name).color(IMPOSED);
-                        ui.label(name).on_hover_text(
-                            say::model_is_on(&models.shown.record().name).text(language),
-                        );
+                        let name = RichText::new(models.shown.name()).color(IMPOSED);
+                        ui.label(name)
+                            .on_hover_text(say::model_is_on(models.shown.name()).text(language));
                     }
                     if let Some(opened) = opened {
                         let name = opened.file_name().unwrap_or_default().to_string_lossy();

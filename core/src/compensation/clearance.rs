@@ -94,6 +94,10 @@ impl Curve {
         }
     }
 
+    pub(super) const fn is_line(&self) -> bool {
+        self.arc.is_none()
+    }
+
     /// What its points may lie off the arc with the radius of its middle.
     pub(super) fn loose(&self) -> f64 {
         self.arc.as_ref().map_or(0.0, Arc::loose)

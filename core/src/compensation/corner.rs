@@ -65,6 +65,8 @@ pub(super) enum Role {
 pub(super) struct Vectors {
     list: [Point; 4],
     count: u8,
+    /// There is one, to the point where the paths beside both moves meet.
+    pub(super) meets: bool,
 }
 
 impl Vectors {
@@ -75,6 +77,14 @@ impl Vectors {
             vectors.count += 1;
         }
         vectors
+    }
+
+    /// The one to the point where the paths beside both moves meet.
+    fn meeting(point: Point) -> Self {
+        Self {
+            meets: true,
+            ..Self::of(&[point])
+        }
     }
 
     pub(super) fn all(&self) -> &[Point] {
@@ -207,7 +217,7 @@ fn one_side(a: &Piece, b: &Piece, rho: f64, role: Role) -> Result<Vectors, Fault
         if role == Role::Both && is_within(TANGENT_IF_SHORT) {
             near_tangent(a, b, rho, met)
         } else {
-            met.map(|meeting| Vectors::of(&[meeting]))
+            met.map(Vectors::meeting)
         }
     };
     Ok(match angle(a.exit, b.entry, rho) {
@@ -271,7 +281,7 @@ fn near_tangent(
             Ok(if is_short && off > shorter / 2.0 {
                 between()
             } else {
-                Vectors::of(&[meeting])
+                Vectors::meeting(meeting)
             })
         }
         Err(Fault::NoMeetingLineArc | Fault::NoMeetingArcLine | Fault::NoMeetingOfArcs)

@@ -134,9 +134,24 @@ impl Trails {
 
 /// Whether the nose would cut into the moves about it: on its way round the
 /// corner at the start and along the move, into the moves before, the move itself
-/// and the next one; and whether it has cut into the next one on the moves before.
+/// and the next one; and whether it has cut into the next one on the moves before,
+/// of which `last` is one.
+///
+/// ```text
+///              path .-------   inner: the path leaves the line before it on the side of
+///    . . . . . . . .'          the nose
+///    -------------.
+///   before       `-------- surface
+///    . . . . . .
+///    ---------. `.             outer: the line before lies on the other side of the
+///              `. `. path      path's own line
+/// ```
+///
+/// Along a line between two points where paths meet, the nose keeps clear of the lines
+/// that it meets there: those are not looked at.
 pub(super) fn cuts_into<'a>(
     before: &(impl Iterator<Item = &'a Trail> + Clone),
+    last: Option<&Trail>,
     start: Point,
     way: &Way,
     trail: &Trail,
@@ -144,6 +159,10 @@ pub(super) fn cuts_into<'a>(
 ) -> bool {
     let radius = trail.rho.abs();
     let next = next.map(Curve::surface);
+    let between = trail.surface.is_line() && way.start.meets && way.end.meets;
+    let met = last.filter(|last| between && last.surface.is_line());
+    let before_it = |before: &&Trail| met.is_none_or(|met| !core::ptr::eq(*before, met));
+    let after_it = next.filter(|next| !(between && next.is_line()));
     let cuts = |path: &Curve, surface: &Curve| clearance::cuts(path, surface, radius - ROUNDING);
     let own = if trail.parallel {
         let (path, surface) = (&trail.path, &trail.surface);
@@ -155,6 +174,11 @@ pub(super) fn cuts_into<'a>(
         let cuts = |surface: &Curve| clearance::cuts(path, surface, radius - into);
         before.clone().any(|before| cuts(&before.surface)) || next.is_some_and(|next| cuts(&next))
     };
+    let along = |into: f64| {
+        let cuts = |surface: &Curve| clearance::cuts(&trail.path, surface, radius - into);
+        let mut others = before.clone().filter(before_it);
+        others.any(|before| cuts(&before.surface)) || after_it.is_some_and(|next| cuts(&next))
+    };
     // By what the radius of an arc shrinks on its way, the nose comes nearer to the moves
     // beside it, and sets off that near on the next one.
     let loosest = before
@@ -162,7 +186,7 @@ pub(super) fn cuts_into<'a>(
         .map(|before| before.surface.loose())
         .fold(trail.surface.loose(), f64::max);
     let shrinks = (2.0 * loosest + ROUNDING).min(TILTED);
-    if own || around(&trail.path, shrinks.max(ROUNDING)) {
+    if own || along(shrinks.max(ROUNDING)) {
         return true;
     }
     if before.clone().next().is_none() {

@@ -211,12 +211,13 @@ impl Compensation {
         let same_nose = self.stand.radius == moving.nose.radius;
         // Neither a vector of another nose nor one of another corner keeps clear.
         if same_nose && !moving.square_start {
+            let (last, start) = (self.before.last(), moving.piece.start);
             let before = self.before.all().iter().filter(|before| before.rho == rho);
             let surface = next.as_ref().and_then(|next| next.surface.as_ref());
             let surface =
                 surface.filter(|(piece, by)| *by == rho && are_same(moving.piece.end, piece.start));
             let next = surface.map(|(piece, _)| *piece);
-            if interference::cuts_into(&before, moving.piece.start, &way, &trail, next) {
+            if interference::cuts_into(&before, last, start, &way, &trail, next) {
                 return Err(Fault::Interference);
             }
         }

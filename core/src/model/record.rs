@@ -14,8 +14,9 @@ const G_CODES: usize = 100;
 /// What a model is.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Record {
-    /// Its name.
-    pub name: String,
+    /// Whose it is.
+    #[serde(skip)]
+    id: ModelId,
     /// Whether its programs are carried out; else its codes are only known.
     pub executes: bool,
     /// How its programs are named.
@@ -156,6 +157,11 @@ impl Record {
         &RECORDS[id as usize]
     }
 
+    /// The name of its model.
+    pub const fn name(&self) -> &'static str {
+        self.id.name()
+    }
+
     /// What a G code means.
     #[inline]
     pub fn g_code(&self, number: i64) -> Option<GCode> {
@@ -200,6 +206,7 @@ fn read(id: ModelId) -> Record {
         Ok(record) => record,
         Err(error) => unreachable!("the record of {id:?} is part of the program: {error}"),
     };
+    record.id = id;
     record.g_table = (0..G_CODES)
         .map(|code| record.g.get(&(code as u8)).copied())
         .collect();

@@ -152,7 +152,7 @@ impl Painter {
             What::Handwheel => self.handwheel(part, state.wheel),
             What::Text(text, size) => self.text(text, size, part.rect, part.colour.rgb()),
             What::Model => {
-                let name = &state.model.record().name;
+                let name = state.model.name();
                 let room = part.rect.w;
                 // A long name is smaller.
                 let size = NAME_SIZE * (room / width(name, NAME_SIZE)).min(1.0);

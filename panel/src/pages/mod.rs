@@ -149,10 +149,6 @@ mod tests {
                 assert!(line.is_ascii() || own, "{}: {line}", row.name);
             }
         }
-        assert!(
-            power_on(Language::En, ModelId::default().record())
-                .text()
-                .is_ascii()
-        );
+        assert!(power_on(Language::En, ModelId::default()).text().is_ascii());
     }
 }

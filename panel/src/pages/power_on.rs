@@ -1,6 +1,6 @@
 //! The picture of the self-test (manual III-3.1).
 
-use gsk_core::model::Record;
+use gsk_core::model::ModelId;
 use gsk_messages::{Language, say};
 
 use crate::screen::Screen;
@@ -9,9 +9,9 @@ use crate::screen::Screen;
 pub const POWER_ON_TICKS: u64 = 3000;
 
 /// Draws it.
-pub fn draw(language: Language, model: &Record) -> Screen {
+pub fn draw(language: Language, model: ModelId) -> Screen {
     let mut screen = Screen::in_language(language);
-    screen.put(4, 13, &model.name);
+    screen.put(4, 13, model.name());
     screen.say(6, 10, &say::lcd_lathe_cnc());
     screen.say(9, 8, &say::lcd_maker());
     screen.say(12, 8, &say::lcd_self_test());

@@ -180,7 +180,7 @@ fn models_of(ui: &mut Ui, language: Language, models: &ModelChoice) -> Option<As
     let mut asked = None;
     for id in ModelId::ALL.into_iter().filter(|id| id.record().executes) {
         let chosen = id == models.shown;
-        let name = say::window_model(&id.record().name).text(language);
+        let name = say::window_model(id.name()).text(language);
         let enabled = chosen || models.why_not.is_none();
         let mut entry = ui.add_enabled(enabled, egui::Button::selectable(chosen, name));
         if let Some(why_not) = &models.why_not {

@@ -138,7 +138,7 @@ impl Compared {
         let other = &basis.state;
         let model = project.memory().model.id();
         if basis.other == Other::Control && model != other.memory().model.id() {
-            let model = &model.record().name;
+            let model = model.name();
             let folder = document.folder.display();
             return Err(say::project_other_model(folder, model));
         }
