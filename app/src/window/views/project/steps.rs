@@ -353,15 +353,16 @@ impl ProjectView {
             ),
         };
         let [title, loss] = [title, loss].map(|said| said.text(language));
-        let answers = [agree, say::window_cancel()].map(|said| said.text(language));
+        // What loses nothing comes first, as in the question on closing the window.
+        let answers = [say::window_cancel(), agree].map(|said| said.text(language));
         let Some(answer) = questions::ask(context, "project", &title, &loss, &answers) else {
             return;
         };
         match self.question.take() {
-            Some(Question::Discard(command)) if answer == 0 => {
+            Some(Question::Discard(command)) if answer == 1 => {
                 self.carry_out(command, language, context);
             }
-            Some(Question::Replace(document)) if answer == 0 => {
+            Some(Question::Replace(document)) if answer == 1 => {
                 let opened = |document| News::Opened(document, false);
                 self.write(*document, language, context, opened);
             }
