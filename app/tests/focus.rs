@@ -1,6 +1,8 @@
 //! The keyboard alone: Tab through bar and views reaches everything once, in the order in
 //! which it is read, and shows where it is.
 
+use std::collections::HashSet;
+
 use egui::{Id, Key, Memory, Modifiers, Rect, Shape, Vec2, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use gsk_app::window::layout::{Layout, Layouts};
@@ -128,19 +130,18 @@ fn opened(view: Option<View>, size: Vec2) -> Bench {
 
 #[test]
 fn tab_goes_through_every_view_as_it_is_read_and_is_seen() {
+    // Small, so that much is scrolled.
+    let size = vec2(1024.0, 768.0);
     let views = VIEWS.iter().map(|it| Some(it.view));
     for view in std::iter::once(None).chain(views) {
-        for size in [vec2(1920.0, 1080.0), vec2(1024.0, 768.0)] {
-            let what = format!("{view:?} in {size}");
-            let mut bench = opened(view, size);
-            let forth = round(&mut bench, &what);
-            read_in_order(&forth, &what);
-            // And back to where it began.
-            let shift = Modifiers::SHIFT;
-            let first = forth.first().map(|stop| stop.id);
-            let met = (0..600).any(|_| tab(&mut bench, shift).map(|stop| stop.id) == first);
-            assert!(met, "{what}: no way back");
-        }
+        let what = format!("{view:?}");
+        let mut bench = opened(view, size);
+        let forth = round(&mut bench, &what);
+        read_in_order(&forth, &what);
+        // Back nothing holds it, either.
+        let back = (0..12).map(|_| tab(&mut bench, Modifiers::SHIFT).map(|stop| stop.id));
+        let back: HashSet<Option<Id>> = back.collect();
+        assert_eq!(back.len(), forth.len().min(12), "{what}: no way back");
     }
 }
 
