@@ -15,7 +15,10 @@ const EXAMPLES: [&str; 6] = [
 ];
 const EXAMPLE: &str = include_str!("../../assets/machines/small-flat-bed.ron");
 const BADLY_SET: &str = include_str!("../../assets/machines/badly-set.ron");
-const DOCUMENT: &str = include_str!("../../docs/machine-file.md");
+const DOCUMENTS: [(&str, &str); 2] = [
+    ("en", include_str!("../../docs/machine-file.md")),
+    ("zh", include_str!("../../docs/machine-file.zh-CN.md")),
+];
 
 fn read(text: &str) -> Result<LatheConfig, String> {
     let options =
@@ -99,7 +102,7 @@ fn a_slide_is_off_by_the_errors_of_its_screw() {
 }
 
 #[test]
-fn the_document_names_every_field() {
+fn the_documents_name_every_field() {
     let default = ron::ser::to_string(&LatheConfig::default()).unwrap();
     let mut fields = 0;
     for part in default.split(['(', ',', ')']) {
@@ -110,10 +113,12 @@ fn the_document_names_every_field() {
             name,
             "minus" | "plus" | "from" | "to" | "gain" | "largest_error"
         );
-        assert!(
-            inner || DOCUMENT.contains(&format!("`{name}`")),
-            "docs/machine-file.md does not tell of {name}"
-        );
+        for (language, text) in DOCUMENTS {
+            assert!(
+                inner || text.contains(&format!("`{name}`")),
+                "the document on machine files ({language}) does not name {name}"
+            );
+        }
         fields += 1;
     }
     assert!(fields > 20, "{fields}");
