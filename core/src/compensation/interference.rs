@@ -159,10 +159,6 @@ pub(super) fn cuts_into<'a>(
 ) -> bool {
     let radius = trail.rho.abs();
     let next = next.map(Curve::surface);
-    let between = trail.surface.is_line() && way.start.meets && way.end.meets;
-    let met = last.filter(|last| between && last.surface.is_line());
-    let before_it = |before: &&Trail| met.is_none_or(|met| !core::ptr::eq(*before, met));
-    let after_it = next.filter(|next| !(between && next.is_line()));
     let cuts = |path: &Curve, surface: &Curve| clearance::cuts(path, surface, radius - ROUNDING);
     let own = if trail.parallel {
         let (path, surface) = (&trail.path, &trail.surface);
@@ -170,14 +166,11 @@ pub(super) fn cuts_into<'a>(
     } else {
         cuts(&trail.path, &trail.surface)
     };
-    let around = |path: &Curve, into: f64| {
+    let around = |path: &Curve, into: f64, met: Option<&Trail>, next: Option<&Curve>| {
         let cuts = |surface: &Curve| clearance::cuts(path, surface, radius - into);
-        before.clone().any(|before| cuts(&before.surface)) || next.is_some_and(|next| cuts(&next))
-    };
-    let along = |into: f64| {
-        let cuts = |surface: &Curve| clearance::cuts(&trail.path, surface, radius - into);
-        let mut others = before.clone().filter(before_it);
-        others.any(|before| cuts(&before.surface)) || after_it.is_some_and(|next| cuts(&next))
+        let is_met = |before: &Trail| met.is_some_and(|met| core::ptr::eq(before, met));
+        (before.clone()).any(|before| !is_met(before) && cuts(&before.surface))
+            || next.is_some_and(cuts)
     };
     // By what the radius of an arc shrinks on its way, the nose comes nearer to the moves
     // beside it, and sets off that near on the next one.
@@ -186,7 +179,10 @@ pub(super) fn cuts_into<'a>(
         .map(|before| before.surface.loose())
         .fold(trail.surface.loose(), f64::max);
     let shrinks = (2.0 * loosest + ROUNDING).min(TILTED);
-    if own || along(shrinks.max(ROUNDING)) {
+    let between = trail.surface.is_line() && way.start.meets && way.end.meets;
+    let met = last.filter(|last| between && last.surface.is_line());
+    let unmet = next.as_ref().filter(|next| !(between && next.is_line()));
+    if own || around(&trail.path, shrinks.max(ROUNDING), met, unmet) {
         return true;
     }
     if before.clone().next().is_none() {
@@ -196,7 +192,7 @@ pub(super) fn cuts_into<'a>(
     corner.any(|pair| match pair {
         [one, other] => {
             let path = Curve::line(start + *one, start + *other);
-            cuts(&path, &trail.surface) || around(&path, ROUNDING)
+            cuts(&path, &trail.surface) || around(&path, ROUNDING, None, next.as_ref())
         }
         _ => false,
     }) || next.is_some_and(|next| before.clone().any(|before| cuts(&before.path, &next)))

@@ -13,8 +13,7 @@ use gsk_panel::pages::{signal_meaning, signal_name};
 
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
-use crate::window::focus;
-use crate::window::{at_end, reader};
+use crate::window::{at_end, focus, reader};
 use gsk_messages::{Language, Message, say};
 
 /// Height of a line, points.

@@ -11,8 +11,7 @@ use crate::kernel::link_view::LinkView;
 use crate::kernel::{Command, Console, LinkOrder};
 use crate::saying::differs;
 use crate::window::badge::state_name;
-use crate::window::focus;
-use crate::window::{at_end, fonts};
+use crate::window::{at_end, focus, fonts};
 use gsk_messages::{Language, say};
 
 const GOOD: Color32 = Color32::from_rgb(110, 230, 120);
