@@ -318,7 +318,7 @@ fn number(word: &str) -> Result<f64, WordError> {
 
 /// The words of the models whose programs run.
 pub fn model() -> impl TypedValueParser<Value = ModelId> {
-    models(|id| id.record().executes)
+    models(|id| !id.is_mill())
 }
 
 /// The words of all models.

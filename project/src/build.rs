@@ -295,7 +295,7 @@ impl Builder<'_> {
 
     fn model(&mut self) -> ControlModel {
         let executed = match self.take(Key::Model) {
-            Some(Value::Model(id)) if id.record().executes => Some(id),
+            Some(Value::Model(id)) if !id.is_mill() => Some(id),
             Some(Value::Model(id)) => {
                 let name = id.name();
                 self.fault(Key::Model, say::project_model_not_executed(name));

@@ -4,6 +4,7 @@
 mod dialect;
 mod help;
 mod ladder;
+mod later;
 mod lesson;
 mod link;
 mod looks;
@@ -51,6 +52,7 @@ pub use transfer::{
 };
 
 use crate::setup_args::SetupArgs;
+use later::Later;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -142,7 +144,7 @@ fn language() -> impl TypedValueParser<Value = Language> {
     )
 }
 
-/// The commands.
+/// The commands; only the options of the one that is called are built.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Execute a program on the simulated lathe, as fast as the PC can
@@ -151,45 +153,45 @@ pub enum Command {
     /// acceleration, spindle, turret. Subprograms come from the other files and
     /// from the folder of the first one. M00 is answered with cycle start. With
     /// --link a real machine executes it, and nothing is answered by itself.
-    Run(RunArgs),
+    Run(Later<RunArgs>),
     /// Check programs without executing them: alarms, path, tools, time
     ///
     /// Interprets every block as the control does, without running the machine. Behind
     /// the alarm that the control would stop with further ones are listed, as far as
     /// the program can be followed. Each file is checked for itself; subprograms are found in its folder.
-    Check(CheckArgs),
+    Check(Later<CheckArgs>),
     /// Draw the toolpath of a program as a picture (PNG or SVG)
     ///
     /// Z to the right, X as a diameter upwards; a colour for each tool with its
     /// cutting time, rapids grey and dashed.
-    Plot(PlotArgs),
+    Plot(Later<PlotArgs>),
     /// List what means something else when another control model reads a program
     ///
     /// Block by block: codes that the other model does not have, that mean something else
     /// there, or that have another number. With -o the program is written with the numbers of
     /// the other model where they say the same; all else stands as it is, and is listed.
-    Dialect(DialectArgs),
+    Dialect(Later<DialectArgs>),
     /// Operate the panel by a script of key presses and expectations
     #[command(after_help = script_help())]
-    Operate(OperateArgs),
+    Operate(Later<OperateArgs>),
     /// List, check or play guided lessons
     #[command(subcommand)]
     Lesson(LessonCommand),
     /// Print or draw one LCD page as it looks after power-on
-    Screen(ScreenArgs),
+    Screen(Later<ScreenArgs>),
     /// Print the keys of the panel: script name, label, PC key, address
-    Keys(TableArgs),
+    Keys(Later<TableArgs>),
     /// Print the parameter table
     ///
     /// With `--model` that of another control model: the whole table of the GSK980MDi mill,
     /// with a column that says what acts in `check` and `plot`.
-    Parameters(ParametersArgs),
+    Parameters(Later<ParametersArgs>),
     /// Print the alarm table: number, text, meaning, cause, cure
-    Alarms(ExplainedArgs),
+    Alarms(Later<ExplainedArgs>),
     /// Print the PLC signal table
-    Signals(TableArgs),
+    Signals(Later<TableArgs>),
     /// Print the faults of the simulated lathe: name for `fault NAME on`, what it does
-    Faults(ExplainedArgs),
+    Faults(Later<ExplainedArgs>),
     /// Check, print or scan a ladder (instruction list)
     #[command(subcommand)]
     Ladder(LadderCommand),
@@ -207,31 +209,31 @@ pub enum Command {
     #[command(subcommand)]
     Mill(MillCommand),
     /// Find, try, watch or play a pulse board
-    Link(LinkArgs),
+    Link(Later<LinkArgs>),
     /// Files to and from a control through its serial port: the PC's side
-    Transfer(TransferArgs),
+    Transfer(Later<TransferArgs>),
     /// Explain a symbol of the control, or a command
     ///
     /// Alarms, parameters and their bits, G and M codes, keys, lamps, pages and their fields,
     /// PLC signals, diagnosis numbers: what each is for, its range, cause and way out, an
     /// example. Words are looked for in all of them.
-    Help(HelpArgs),
+    Help(Later<HelpArgs>),
     /// Serve an editor: alarms while a program is typed, what words mean, where they lead
     ///
     /// Speaks the language server protocol on standard input and output; an editor starts it.
-    Lsp(LspArgs),
+    Lsp(Later<LspArgs>),
     /// Print the licences of this program and of the packages it contains
     Notices,
     /// Print what a shell needs to complete this command line
     ///
     /// For bash: `gsk980td completions bash > ~/.local/share/bash-completion/completions/gsk980td`;
     /// the packages for Linux bring it along.
-    Completions(CompletionsArgs),
+    Completions(Later<CompletionsArgs>),
     /// Print the manual page, for `man -l`
-    Man(ManArgs),
+    Man(Later<ManArgs>),
     /// Hold the port of a board for the program at standard input
     #[command(name = crate::guard::COMMAND, hide = true)]
-    HoldPort(HoldPortArgs),
+    HoldPort(Later<HoldPortArgs>),
 }
 
 /// `hold-port`, which the program starts by itself.

@@ -26,7 +26,7 @@ pub fn chosen(directory: &Path) -> ModelId {
     let read = platform::read(&directory.join(CHOICE), LONGEST);
     let text = read.map(|bytes| String::from_utf8_lossy(&bytes).trim().to_owned());
     let id = text.ok().and_then(|word| ModelId::from_word(&word));
-    id.filter(|id| id.record().executes).unwrap_or_default()
+    id.filter(|id| !id.is_mill()).unwrap_or_default()
 }
 
 /// Chooses the model that the window opens with.

@@ -212,7 +212,7 @@ impl FirstStart {
         if self.asks_lathe {
             heading(ui, &said(say::first_which_control()));
             ui.horizontal_wrapped(|ui| {
-                for id in ModelId::ALL.into_iter().filter(|id| id.record().executes) {
+                for id in ModelId::ALL.into_iter().filter(|id| !id.is_mill()) {
                     if option(ui, self.model == id, id.name(), LEAST).clicked() {
                         self.model = id;
                     }

@@ -17,8 +17,6 @@ pub struct Record {
     /// Whose it is.
     #[serde(skip)]
     id: ModelId,
-    /// Whether its programs are carried out; else its codes are only known.
-    pub executes: bool,
     /// How its programs are named.
     #[serde(default = "four_digits")]
     pub program_name: String,

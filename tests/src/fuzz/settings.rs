@@ -68,7 +68,7 @@ fn apply(setup: &mut Setup, setting: &str) -> Option<()> {
                 .ok()
         }
         None if what == "M" => {
-            let id = ModelId::from_word(value).filter(|id| id.record().executes)?;
+            let id = ModelId::from_word(value).filter(|id| !id.is_mill())?;
             setup.memory.model = ControlModel::new(id);
             Some(())
         }

@@ -178,7 +178,7 @@ fn volumes(ui: &mut Ui, language: Language, chosen: Option<u8>) -> Option<Asked>
 /// The control models; another one is turned on while nothing runs.
 fn models_of(ui: &mut Ui, language: Language, models: &ModelChoice) -> Option<Asked> {
     let mut asked = None;
-    for id in ModelId::ALL.into_iter().filter(|id| id.record().executes) {
+    for id in ModelId::ALL.into_iter().filter(|id| !id.is_mill()) {
         let chosen = id == models.shown;
         let name = say::window_model(id.name()).text(language);
         let enabled = chosen || models.why_not.is_none();
