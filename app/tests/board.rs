@@ -4,10 +4,10 @@
 //! alarm of the control, and what the operator does then the tests do, too.
 
 use std::path::{Path, PathBuf};
-use std::process::Command as Process;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::process::executable;
 use crate::twin::Twin;
 use crossbeam::queue::ArrayQueue;
 use gsk_app::carrier::{Carrier, Line};
@@ -306,7 +306,7 @@ fn a_port_in_use_is_refused_with_its_name() {
         .to_string();
     assert!(refused.contains(&twin.port), "{refused}");
     assert!(refused.contains("another program"), "{refused}");
-    let test = Process::new(env!("CARGO_BIN_EXE_gsk980td"))
+    let test = executable()
         .args(["link", "test", &twin.port])
         .output()
         .unwrap();

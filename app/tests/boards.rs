@@ -15,6 +15,8 @@ mod board;
 mod link_command;
 mod operate_link;
 mod partner_gone;
+#[path = "common/process.rs"]
+mod process;
 mod run_link;
 #[path = "common/twin.rs"]
 mod twin;

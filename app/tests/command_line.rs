@@ -5,15 +5,16 @@ mod lessons;
 mod looks;
 mod mill;
 
+use crate::process::executable;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 fn samples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/programs")
 }
 
 fn gsk980td(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+    executable()
         .args(arguments)
         .current_dir(samples())
         .env_remove("DISPLAY")

@@ -4,6 +4,7 @@ use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
+use crate::process::executable;
 use crate::twin::{Twin, signal};
 
 /// So long anything may take on a busy computer.
@@ -11,7 +12,7 @@ const LONGEST: Duration = Duration::from_secs(120);
 const GEAR: [&str; 4] = ["--param", "17=5", "--param", "18=5"];
 
 fn link(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gsk980td"));
+    let mut command = executable();
     command.arg("link").args(arguments);
     command
 }

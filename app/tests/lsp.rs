@@ -1,9 +1,10 @@
 //! The language server as an editor uses it: the program is started, and spoken to on its
 //! streams.
 
+use crate::process::executable;
 use std::io::{BufReader, Write};
 use std::path::PathBuf;
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 
 use lsp_server::{Message, Notification, Request, RequestId};
 use serde_json::{Value, json};
@@ -40,7 +41,7 @@ impl Editor {
         let folder = format!("gsk980td-{}-lsp-{name}", std::process::id());
         let folder = std::env::temp_dir().join(folder);
         std::fs::create_dir_all(&folder).expect("folder");
-        let mut server = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+        let mut server = executable()
             .arg("lsp")
             .args(options)
             .stdin(Stdio::piped())

@@ -23,6 +23,8 @@ mod notices;
 mod overwriting;
 mod part;
 mod pitch;
+#[path = "common/process.rs"]
+mod process;
 mod program_view;
 mod project;
 #[cfg(unix)]

@@ -1,5 +1,6 @@
 //! The notices of a binary release name every package that the binary links, as it is.
 
+use crate::process::executable;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
@@ -120,10 +121,7 @@ fn each_licence_taken_has_its_text() {
 
 #[test]
 fn the_binary_prints_them() {
-    let output = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
-        .arg("notices")
-        .output()
-        .unwrap();
+    let output = executable().arg("notices").output().unwrap();
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.contains(read("LICENSE-MIT").trim()));

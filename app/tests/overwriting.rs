@@ -1,8 +1,9 @@
 //! Results never take the place of what a command reads.
 
+use crate::process::executable;
 use std::fs;
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 struct Folder(PathBuf);
 
@@ -23,7 +24,7 @@ impl Folder {
 
     /// Exit code and standard error of a command in this folder.
     fn said(&self, command: &str) -> (Option<i32>, String) {
-        let output = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+        let output = executable()
             .args(command.split_whitespace())
             .current_dir(&self.0)
             .stdin(Stdio::null())

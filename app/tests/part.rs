@@ -1,7 +1,7 @@
 //! The part on the command line: cut, measured, drawn, hit.
 
+use crate::process::executable;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 fn samples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/programs")
@@ -9,7 +9,7 @@ fn samples() -> PathBuf {
 
 /// Exit code, standard output, standard error.
 fn said(arguments: &[&str]) -> (i32, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+    let output = executable()
         .args(arguments)
         .current_dir(samples())
         .output()

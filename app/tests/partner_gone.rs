@@ -5,11 +5,12 @@
 
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::PathBuf;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use crate::process::executable;
 use crate::twin::{Twin, signal};
 
 /// So long anything may take on a busy computer, and so often it may be too busy for
@@ -48,7 +49,7 @@ impl Drop for Running {
 
 /// `link test` moves Z of a board; none when the computer was too busy.
 fn moves(twin: &Twin, case: &Case) -> Option<Running> {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gsk980td"));
+    let mut command = executable();
     command
         .args(["link", "test", &twin.port, "--travel", WAY, "--feed", "600"])
         .args(["--param", "17=5", "--param", "18=5"])
@@ -99,7 +100,7 @@ fn wait_until(longest: Duration, so: impl Fn() -> bool) -> bool {
 fn klipper_machine() -> PathBuf {
     let name = format!("gsk980td-{}-gone.ron", std::process::id());
     let path = std::env::temp_dir().join(name);
-    let output = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+    let output = executable()
         .args(["link", "twin", "--firmware", "klipper", "--print-machine"])
         .output()
         .unwrap();
@@ -260,7 +261,7 @@ fn when_the_holder_is_killed_another_one_stops_the_board_and_the_program_says_it
 fn a_normal_end_leaves_no_process_behind() {
     let _alone = alone();
     let twin = Twin::play(&[]);
-    let status = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+    let status = executable()
         .args(["link", "monitor", &twin.port, "--seconds", "2"])
         .stdout(Stdio::null())
         .stderr(Stdio::null())
@@ -272,7 +273,7 @@ fn a_normal_end_leaves_no_process_behind() {
 
 #[test]
 fn whoever_starts_the_holder_by_hand_is_told_what_it_is() {
-    let output = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+    let output = executable()
         .args(["hold-port", "--baud", "115200", "/dev/null"])
         .stdin(Stdio::null())
         .output()

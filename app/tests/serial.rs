@@ -3,9 +3,10 @@
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Output, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::process::executable;
 use gsk_app::ending::Ending;
 use gsk_app::kernel::{Command as Order, Kernel, Outside, start};
 use gsk_app::serial::{End, SerialLine};
@@ -13,8 +14,6 @@ use gsk_core::setup::Setup;
 use gsk_messages::Id;
 use gsk_panel::emulator::{Condition, Emulator};
 use gsk_panel::keys::Key;
-
-const PROGRAM: &str = env!("CARGO_BIN_EXE_gsk980td");
 
 pub fn folder(name: &str) -> PathBuf {
     let folder =
@@ -32,7 +31,7 @@ pub struct Control {
 
 impl Control {
     pub fn with(options: &[&str]) -> Self {
-        let mut child = Command::new(PROGRAM)
+        let mut child = executable()
             .args(["transfer", "control", "--port", "pty"])
             .args(options)
             .stdout(Stdio::piped())
@@ -48,7 +47,7 @@ impl Control {
 
     /// The PC's side.
     fn pc(&self, command: &str, words: &[&str]) -> Output {
-        let output = Command::new(PROGRAM)
+        let output = executable()
             .args(["transfer", command, "--port", &self.port])
             .args(words)
             .stdin(Stdio::null())
@@ -297,7 +296,7 @@ fn what_the_key_sends_comes_to_a_pc_and_the_lcd_follows_the_line() {
     shows("输出");
     shows("串口未连接");
 
-    let mut pc = Command::new(PROGRAM)
+    let mut pc = executable()
         .args(["transfer", "wait", "--files", "1", "--port", &port])
         .arg(&folder)
         .stdout(Stdio::piped())
@@ -323,7 +322,7 @@ fn what_is_wrong_at_the_pc_is_said() {
     let folder = folder("wrong");
     let file = write(&folder, "shaft.txt", "G00 X1;\n");
     let call = |words: &[&str]| {
-        let output = Command::new(PROGRAM).arg("transfer").args(words).output();
+        let output = executable().arg("transfer").args(words).output();
         let output = output.expect("the program");
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         (output.status.code(), said)
@@ -349,7 +348,7 @@ fn what_is_wrong_at_the_pc_is_said() {
 fn words_are_in_the_language_that_is_asked_for_and_the_port_that_of_the_window() {
     let folder = folder("language");
     let call = |words: &[&str]| {
-        let mut command = Command::new(PROGRAM);
+        let mut command = executable();
         command.args(words).env("XDG_DATA_HOME", &folder);
         let output = command.output().expect("the program");
         let said = [&output.stdout, &output.stderr].map(|it| String::from_utf8_lossy(it));
@@ -404,7 +403,7 @@ fn noise_and_a_partner_that_breaks_off_leave_nothing_behind() {
         "O0100.CNC",
         &format!("O0100;\n{long}{long}M30;\n%\n"),
     );
-    let mut pc = Command::new(PROGRAM)
+    let mut pc = executable()
         .args(["transfer", "send", "--port", &control.port, &long])
         .stdout(Stdio::null())
         .spawn()

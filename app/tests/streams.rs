@@ -1,6 +1,7 @@
 //! A stream that is full or closed ends nothing: what was edited is saved, the exit code
 //! is that of the work.
 
+use crate::process::executable;
 use std::fs::File;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -20,7 +21,7 @@ impl Folder {
     }
 
     fn operate(&self) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_gsk980td"));
+        let mut command = executable();
         command
             .arg("operate")
             .arg(self.0.join("script.txt"))
@@ -79,7 +80,7 @@ fn what_was_typed_is_saved_whatever_becomes_of_the_streams() {
 
 #[test]
 fn a_full_standard_output_is_told() {
-    let output = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+    let output = executable()
         .arg("keys")
         .stdout(full())
         .stderr(Stdio::piped())
@@ -101,7 +102,7 @@ fn a_run_explained_to_a_closed_pipe_goes_on() {
     )
     .unwrap();
     for (out, code) in [(closed(), 0), (full(), 2)] {
-        let status = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+        let status = executable()
             .arg("run")
             .arg(&program)
             .arg("--explain")

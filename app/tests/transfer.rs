@@ -2,9 +2,9 @@
 //! dropped on the window comes in.
 
 use std::path::{Path, PathBuf};
-use std::process::Command as Process;
 use std::time::Duration;
 
+use crate::process::executable;
 use gsk_app::ending::Ending;
 use gsk_app::kernel::{Command, Kernel, Notice, Outside, start};
 use gsk_app::transfer;
@@ -80,7 +80,7 @@ fn a_script_sends_into_its_data_directory_and_receives_from_beside_itself() {
     let text = "receive o0007.nc\nwait 1s\npress EDIT\npress PRG\ntype O7\npress OUT\nwait 1s\n";
     std::fs::write(&script, text).expect("written");
     std::fs::write(data.join("o0007.nc"), "O0007;\nM99;\n%\n").expect("written");
-    let output = Process::new(env!("CARGO_BIN_EXE_gsk980td"))
+    let output = executable()
         .args(["operate", "--data"])
         .args([&data, &script])
         .output()

@@ -18,9 +18,9 @@ use gsk_app::pc::{Talk, Watch};
 use gsk_app::ports::{Offer, Port};
 use gsk_transfer::{FileName, NewFile, Partition, Place};
 
+use crate::process::executable;
 use crate::serial::{Control, folder};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_gsk980td");
 const BAUD: u32 = 115_200;
 /// Controls at work side by side.
 const LANES: u64 = 8;
@@ -348,7 +348,7 @@ impl Round<'_> {
             Work::Rename => vec!["rename", "O0001.CNC", "O0003.CNC"],
             Work::Delete => vec!["delete", "O0001.CNC"],
         };
-        let mut command = Command::new(PROGRAM);
+        let mut command = executable();
         command.arg("transfer").args(words).args(["--port", port]);
         let output = command.stdin(Stdio::null()).output();
         output.expect("the program")

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use gsk_core::model::ModelId;
 
-use super::{Language, language};
+use super::{Language, language, locale};
 
 /// `dialect`.
 #[derive(Args, Debug)]
@@ -22,7 +22,7 @@ pub struct DialectArgs {
     /// Write the program for the other model into this file
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Language of what is listed [default: English]
-    #[arg(long, value_parser = language(), value_name = "LANG")]
+    /// Language of what is listed [default: zh on a Chinese system, else en]
+    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
     pub lang: Option<Language>,
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use gsk_messages::Language;
 
-use super::language;
+use super::{language, locale};
 
 /// `lesson`.
 #[derive(Debug, Subcommand)]
@@ -35,8 +35,8 @@ pub struct LessonListArgs {
     /// Data folder whose `lessons` hold those of a teacher
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
-    /// Language of titles and messages [default: en]
-    #[arg(long, value_parser = language(), value_name = "LANG")]
+    /// Language of titles and messages [default: zh on a Chinese system, else en]
+    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
     pub lang: Option<Language>,
 }
 
@@ -46,8 +46,8 @@ pub struct LessonCheckArgs {
     /// The file (RON)
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// Language of titles and messages [default: en]
-    #[arg(long, value_parser = language(), value_name = "LANG")]
+    /// Language of titles and messages [default: zh on a Chinese system, else en]
+    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
     pub lang: Option<Language>,
 }
 
@@ -60,7 +60,7 @@ pub struct LessonRunArgs {
     /// Data folder whose `lessons` hold those of a teacher
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
-    /// Language of titles and messages [default: en]
-    #[arg(long, value_parser = language(), value_name = "LANG")]
+    /// Language of titles and messages [default: zh on a Chinese system, else en]
+    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
     pub lang: Option<Language>,
 }

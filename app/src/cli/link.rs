@@ -2,7 +2,7 @@
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::{Language, language};
+use super::{Language, language, locale};
 use crate::setup_args::SetupArgs;
 
 /// `link`.
@@ -11,8 +11,8 @@ pub struct LinkArgs {
     /// What is done with the board.
     #[command(subcommand)]
     pub command: LinkCommand,
-    /// Language of messages
-    #[arg(long, global = true, value_parser = language(), value_name = "LANG")]
+    /// Language of messages [default: zh on a Chinese system, else en]
+    #[arg(long, global = true, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
     pub lang: Option<Language>,
 }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 
-use super::{Language, PictureArgs, language};
+use super::{Language, PictureArgs, language, locale};
 use crate::job::{JobArgs, PartArgs};
 use crate::patience::Patience;
 use crate::setup_args::SetupArgs;
@@ -38,8 +38,8 @@ pub struct LookArgs {
     /// well: where its tool stands there.
     #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = crate::setup_args::pair)]
     pub work_zero: Option<(f64, f64)>,
-    /// Language of alarms, warnings and report [default: English, with the Chinese texts of the screen]
-    #[arg(long, value_parser = language(), value_name = "LANG")]
+    /// Language of alarms, warnings and report [default: zh on a Chinese system, else English with the Chinese texts of the screen]
+    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
     pub lang: Option<Language>,
     /// When to give up.
     #[command(flatten)]

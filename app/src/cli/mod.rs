@@ -4,6 +4,7 @@
 mod dialect;
 mod help;
 mod ladder;
+mod language;
 mod later;
 mod lesson;
 mod link;
@@ -19,7 +20,6 @@ mod transfer;
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use gsk_core::model::ModelId;
 use gsk_panel::script::FORMS;
@@ -29,6 +29,7 @@ use tracing::level_filters::LevelFilter;
 pub use dialect::DialectArgs;
 pub use help::HelpArgs;
 pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};
+use language::{language, locale};
 pub use lesson::{LessonCheckArgs, LessonCommand, LessonListArgs, LessonRunArgs};
 pub use link::{
     LinkArgs, LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs, LinkTwinArgs, TwinBoard,
@@ -131,17 +132,6 @@ pub struct WindowArgs {
     /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
     #[arg(long, value_name = "PORT")]
     pub link: Option<String>,
-}
-
-/// The word of a language.
-fn language() -> impl TypedValueParser<Value = Language> {
-    let words = [("zh", "Chinese"), ("en", "English")];
-    PossibleValuesParser::new(words.map(|(word, help)| PossibleValue::new(word).help(help))).map(
-        |word| match word.as_str() {
-            "en" => Language::En,
-            _ => Language::Zh,
-        },
-    )
 }
 
 /// The commands; only the options of the one that is called are built.
@@ -276,8 +266,8 @@ pub struct OperateArgs {
     /// Write what happened as a script with the time of every key
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
-    /// Language of what is said of the script [default: English]
-    #[arg(long, value_parser = language(), value_name = "LANG")]
+    /// Language of what is said of the script [default: zh on a Chinese system, else en]
+    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
     pub lang: Option<Language>,
 }
 
@@ -312,8 +302,8 @@ pub struct ExplainedArgs {
     /// The table.
     #[command(flatten)]
     pub table: TableArgs,
-    /// Language of the explanations [default: English]
-    #[arg(long, value_parser = language(), value_name = "LANG")]
+    /// Language of the explanations [default: zh on a Chinese system, else en]
+    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
     pub lang: Option<Language>,
 }
 

@@ -7,7 +7,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use gsk_core::model::ModelId;
 use gsk_core::units::Axis;
 
-use super::{Language, language};
+use super::{Language, language, locale};
 
 /// What is done with pitch error tables.
 #[derive(Debug, Subcommand)]
@@ -75,8 +75,8 @@ pub struct PitchImportArgs {
     /// Print as JSON
     #[arg(long)]
     pub json: bool,
-    /// Language of what is said [default: English]
-    #[arg(long, value_parser = language(), value_name = "LANG")]
+    /// Language of what is said [default: zh on a Chinese system, else en]
+    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
     pub lang: Option<Language>,
 }
 
@@ -95,8 +95,8 @@ pub struct PitchShowArgs {
     /// How the table is written
     #[arg(long, value_enum, default_value_t = PitchFormat::Human)]
     pub format: PitchFormat,
-    /// Language of what is said [default: English]
-    #[arg(long, value_parser = language(), value_name = "LANG")]
+    /// Language of what is said [default: zh on a Chinese system, else en]
+    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
     pub lang: Option<Language>,
 }
 

@@ -7,7 +7,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use gsk_core::model::ModelId;
 use gsk_project::Section;
 
-use super::{Language, language};
+use super::{Language, language, locale};
 
 /// What is done with a project.
 #[derive(Debug, Subcommand)]
@@ -55,8 +55,8 @@ pub struct ProjectNewArgs {
     /// The lathe from a RON file, which becomes the machine file of the project
     #[arg(long, value_name = "FILE")]
     pub machine: Option<PathBuf>,
-    /// Language of the remarks in the files, and of what is said [default: English]
-    #[arg(long, value_parser = language(), value_name = "LANG")]
+    /// Language of the remarks in the files, and of what is said [default: zh on a Chinese system, else en]
+    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
     pub lang: Option<Language>,
 }
 
@@ -75,8 +75,8 @@ pub struct ProjectExportArgs {
     /// The lathe from a RON file, which becomes the machine file of the project
     #[arg(long, value_name = "FILE")]
     pub machine: Option<PathBuf>,
-    /// Language of the remarks in the files, and of what is said [default: English]
-    #[arg(long, value_parser = language(), value_name = "LANG")]
+    /// Language of the remarks in the files, and of what is said [default: zh on a Chinese system, else en]
+    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
     pub lang: Option<Language>,
 }
 
@@ -98,8 +98,8 @@ pub struct ProjectImportArgs {
     /// Only say what would be taken over
     #[arg(long)]
     pub dry_run: bool,
-    /// Language of what is said [default: English]
-    #[arg(long, value_parser = language(), value_name = "LANG")]
+    /// Language of what is said [default: zh on a Chinese system, else en]
+    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
     pub lang: Option<Language>,
 }
 
@@ -124,8 +124,8 @@ pub struct ProjectDiffArgs {
     /// How the list is written
     #[arg(long, value_enum, default_value_t = DiffFormat::Human)]
     pub format: DiffFormat,
-    /// Language of the list [default: English]
-    #[arg(long, value_parser = language(), value_name = "LANG")]
+    /// Language of the list [default: zh on a Chinese system, else en]
+    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
     pub lang: Option<Language>,
 }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Language, PictureArgs, language};
+use super::{Language, PictureArgs, language, locale};
 use crate::job::PartArgs;
 use crate::setup_args::SetupArgs;
 
@@ -63,7 +63,7 @@ pub struct RunArgs {
     /// Print the result as one JSON object
     #[arg(long)]
     pub json: bool,
-    /// Language of alarms, warnings and report [default: English, with the Chinese texts of the screen]
-    #[arg(long, value_parser = language(), value_name = "LANG")]
+    /// Language of alarms, warnings and report [default: zh on a Chinese system, else English with the Chinese texts of the screen]
+    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
     pub lang: Option<Language>,
 }

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::{Scratch, said};
+use super::{Scratch, said, samples};
+use crate::process::executable;
 
 #[test]
 fn all_alarms_of_a_program_are_listed() {
@@ -392,4 +393,30 @@ fn several_programs_end_with_a_summary() {
     let json = summary(&["--format", "json"]);
     assert!(json.lines().all(|line| line.starts_with('{')), "{json}");
     assert_eq!(json, summary(&["--json"]));
+}
+
+#[test]
+fn a_chinese_system_is_answered_in_chinese() {
+    let said = |locale: &[(&str, &str)], words: &[&str]| {
+        let output = executable()
+            .args(words)
+            .env_remove("LC_ALL")
+            .env_remove("LC_MESSAGES")
+            .env_remove("LANG")
+            .envs(locale.iter().copied())
+            .current_dir(samples())
+            .output()
+            .unwrap();
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    let shaft = ["check", "01-stepped-shaft.CNC"];
+    let asked = |language| [&shaft[..], &["--lang", language]].concat();
+    let english = [("LC_ALL", "C"), ("LANG", "zh_CN.UTF-8")];
+    let chinese = [("LANG", "zh_CN.UTF-8")];
+    let [zh, en] = ["zh", "en"].map(|it| said(&english, &asked(it)));
+    assert_ne!(zh, en);
+    assert_ne!(said(&english, &shaft), zh);
+    assert_eq!(said(&chinese, &shaft), zh);
+    assert_eq!(said(&chinese, &asked("en")), en);
+    assert_eq!(said(&[("LC_MESSAGES", "zh_TW"), ("LANG", "C")], &shaft), zh);
 }

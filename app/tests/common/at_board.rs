@@ -9,13 +9,14 @@
 use std::path::PathBuf;
 use std::process::Command;
 
+use crate::process::executable;
 use crate::twin::Twin;
 
 /// So often the computer may be too busy.
 pub const ATTEMPTS: u32 = 20;
 
 pub fn gsk(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gsk980td"));
+    let mut command = executable();
     command.args(arguments);
     command
 }

@@ -1,8 +1,8 @@
 //! A folder of its own for a test, and the program called in it.
 
+use crate::process::executable;
 use std::fs;
 use std::path::PathBuf;
-use std::process::Command;
 
 /// A new folder; it is gone with the test.
 pub struct Folder(pub PathBuf);
@@ -26,7 +26,7 @@ impl Folder {
 
     /// Exit code, standard output, standard error of a command in this folder.
     pub fn call(&self, command: &str) -> (i32, String, String) {
-        let output = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+        let output = executable()
             .args(command.split_whitespace())
             .current_dir(&self.0)
             .output()

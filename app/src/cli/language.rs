@@ -1,0 +1,74 @@
+//! `--lang`, and the language of the system where it is not given.
+
+use std::env;
+use std::ffi::OsStr;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, Resettable, TypedValueParser};
+use gsk_runner::Language;
+
+/// The word of a language.
+pub(super) fn language() -> impl TypedValueParser<Value = Language> {
+    let words = [("zh", "Chinese"), ("en", "English")];
+    PossibleValuesParser::new(words.map(|(word, help)| PossibleValue::new(word).help(help))).map(
+        |word| match word.as_str() {
+            "en" => Language::En,
+            _ => Language::Zh,
+        },
+    )
+}
+
+/// What `--lang` is on this system: `zh` on a Chinese one, else nothing, as if nobody had
+/// asked (COMMAND-8).
+pub(super) fn locale() -> Resettable<clap::builder::OsStr> {
+    // As everywhere: the first of them that is set decides, on Windows, too, where a shell
+    // from elsewhere sets them; else what the system says.
+    let variables = ["LC_ALL", "LC_MESSAGES", "LANG"].map(env::var);
+    let set = variables.into_iter().flatten().find(|it| !it.is_empty());
+    let chinese = set.or_else(system).is_some_and(|it| is_chinese(&it));
+    Resettable::from(chinese.then(|| OsStr::new("zh").into()))
+}
+
+#[cfg(any(unix, windows))]
+fn system() -> Option<String> {
+    sys_locale::get_locale()
+}
+
+/// A page in a browser has no command line.
+#[cfg(not(any(unix, windows)))]
+const fn system() -> Option<String> {
+    None
+}
+
+/// Whether a locale (`zh_CN.UTF-8`, `zh-Hans-CN`) is a Chinese one.
+fn is_chinese(locale: &str) -> bool {
+    locale.split(['_', '-', '.', '@']).next() == Some("zh")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_chinese;
+
+    #[test]
+    fn a_locale_is_known_by_its_language() {
+        for locale in [
+            "zh",
+            "zh_CN.UTF-8",
+            "zh_TW@radical",
+            "zh-Hans-CN",
+            "zh.UTF-8",
+        ] {
+            assert!(is_chinese(locale), "{locale}");
+        }
+        for locale in [
+            "",
+            "C",
+            "POSIX",
+            "C.UTF-8",
+            "en_HK.UTF-8",
+            "de_CH",
+            "zhx_CN",
+        ] {
+            assert!(!is_chinese(locale), "{locale}");
+        }
+    }
+}
