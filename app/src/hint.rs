@@ -6,6 +6,7 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, Error, Parser};
 
 use crate::cli::Cli;
+use crate::setup_args;
 
 /// The command line of this program; a wrong one is told, and the program ends.
 pub fn command_line() -> Cli {
@@ -32,6 +33,11 @@ fn hint(word: &str, alike: bool) -> Option<String> {
         return Some(format!(
             "the options stand behind the command: `gsk980td {word} …`; `gsk980td {word} --help` \
              lists them"
+        ));
+    }
+    if setup_args::switch(word).is_ok() {
+        return Some(format!(
+            "the value of `--first-start` comes after `=`: `--first-start={word}`"
         ));
     }
     let extension = Path::new(word).extension();
@@ -76,6 +82,13 @@ mod tests {
         assert!(machine.contains("`--machine lathe.ron`"), "{machine}");
         let ladder = told("gsk980td door.il");
         assert!(ladder.contains("`--ladder door.il`"), "{ladder}");
+    }
+
+    #[test]
+    fn a_switch_apart_from_its_option_is_told_the_sign_between_them() {
+        let told = told("gsk980td --first-start off");
+        assert!(told.contains("`--first-start=off`"), "{told}");
+        assert!(!told.contains("--program"), "{told}");
     }
 
     #[test]
