@@ -124,6 +124,15 @@ impl Unmet {
 }
 
 impl Expect {
+    /// Whether it is about where the slides are.
+    pub fn is_position(&self) -> bool {
+        match self {
+            Self::Position(..) | Self::Slides(..) | Self::State(State::At(..)) => true,
+            Self::Not(expect) => expect.is_position(),
+            _ => false,
+        }
+    }
+
     /// Compares.
     ///
     /// # Errors

@@ -89,7 +89,7 @@ impl Progress {
     pub fn look(&mut self, emulator: &Emulator) {
         let lesson = Arc::clone(&self.lesson);
         while let Some(step) = lesson.steps.get(self.step) {
-            if !all_hold(&step.until, emulator) {
+            if !has_come_true(step, emulator) {
                 break;
             }
             self.put(self.step + 1);
@@ -124,6 +124,13 @@ impl Progress {
         let mut before = self.lesson.steps[..self.step].iter();
         before.rposition(|step| all_hold(&step.needs, emulator) && !all_hold(&step.until, emulator))
     }
+}
+
+/// Whether all that a step wants is so. A slide that passes a position has not reached it.
+fn has_come_true(step: &Step, emulator: &Emulator) -> bool {
+    let passes = emulator.simulation.cnc.is_moving()
+        && step.until.iter().any(|wanted| wanted.expect.is_position());
+    !passes && all_hold(&step.until, emulator)
 }
 
 /// What is said of the state of the machine in a step: its own mistakes first.

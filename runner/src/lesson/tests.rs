@@ -146,6 +146,24 @@ fn press(practice: &mut Practice, machine: &mut Emulator, key: Key) {
 }
 
 #[test]
+fn a_coordinate_comes_true_where_the_slide_stops() {
+    let away = "until: [\"not at machine Z -0.005..0.005\"], solution: [\"press JOG\"]";
+    let text = lesson(&step(away)).replace("begins: (", "begins: (slides: (0, 0), ");
+    let begun = read(&text).map(|lesson| Practice::begin(Arc::new(lesson)));
+    let (mut practice, mut machine) = begun.expect("a lesson").expect("a machine");
+    press(&mut practice, &mut machine, Key::Jog);
+    assert_eq!(practice.view().step, 0);
+    let start = machine.simulation.cnc.position_machine().z;
+    machine.key_down(Key::ZLeft);
+    run(&mut practice, &mut machine, 500);
+    assert!(machine.simulation.cnc.position_machine().z < start - 0.1);
+    assert_eq!(practice.view().step, 0, "it passes");
+    machine.key_up(Key::ZLeft);
+    run(&mut practice, &mut machine, 500);
+    assert_eq!(practice.view().step, 1, "it stands");
+}
+
+#[test]
 fn the_step_follows_the_machine_forth_and_back() {
     let (mut practice, mut machine) = Practice::begin(three_steps()).expect("a machine");
     assert_eq!(practice.view().step, 0);
