@@ -5,9 +5,10 @@ mod lessons;
 mod looks;
 mod mill;
 
-use crate::process::executable;
 use std::path::{Path, PathBuf};
 use std::process::Output;
+
+use crate::process::executable;
 
 fn samples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/programs")

@@ -1,13 +1,14 @@
 //! The language server as an editor uses it: the program is started, and spoken to on its
 //! streams.
 
-use crate::process::executable;
 use std::io::{BufReader, Write};
 use std::path::PathBuf;
 use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 
 use lsp_server::{Message, Notification, Request, RequestId};
 use serde_json::{Value, json};
+
+use crate::process::executable;
 
 /// A stepped shaft with a profile, a loop of the profile's numbers and a subprogram.
 const MAIN: &str = "O0001 (轴)\nN10 T0101 M03 S800\nN20 G00 X62 Z2\nN30 G71 U2 R1\n\

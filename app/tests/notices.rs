@@ -1,9 +1,10 @@
 //! The notices of a binary release name every package that the binary links, as it is.
 
-use crate::process::executable;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
+
+use crate::process::executable;
 
 const AGAIN: &str = "run tools/notices.py";
 

@@ -1,9 +1,10 @@
 //! Results never take the place of what a command reads.
 
-use crate::process::executable;
 use std::fs;
 use std::path::PathBuf;
 use std::process::Stdio;
+
+use crate::process::executable;
 
 struct Folder(PathBuf);
 

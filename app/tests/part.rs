@@ -1,7 +1,8 @@
 //! The part on the command line: cut, measured, drawn, hit.
 
-use crate::process::executable;
 use std::path::{Path, PathBuf};
+
+use crate::process::executable;
 
 fn samples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/programs")

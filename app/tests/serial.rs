@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::process::executable;
 use gsk_app::ending::Ending;
 use gsk_app::kernel::{Command as Order, Kernel, Outside, start};
 use gsk_app::serial::{End, SerialLine};
@@ -14,6 +13,8 @@ use gsk_core::setup::Setup;
 use gsk_messages::Id;
 use gsk_panel::emulator::{Condition, Emulator};
 use gsk_panel::keys::Key;
+
+use crate::process::executable;
 
 pub fn folder(name: &str) -> PathBuf {
     let folder =

@@ -1,10 +1,11 @@
 //! A stream that is full or closed ends nothing: what was edited is saved, the exit code
 //! is that of the work.
 
-use crate::process::executable;
 use std::fs::File;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
+
+use crate::process::executable;
 
 /// A program is typed, its page shown, and something is expected that is not so.
 const SCRIPT: &str = "press EDIT\npress PRG\ntype O1234\npress EOB\nshow\nexpect alarm 999\n";

@@ -4,13 +4,14 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crate::process::executable;
 use gsk_app::ending::Ending;
 use gsk_app::kernel::{Command, Kernel, Notice, Outside, start};
 use gsk_app::transfer;
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::{Condition, Emulator};
 use gsk_panel::keys::Key;
+
+use crate::process::executable;
 
 fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("gsk980td-{name}-{}", std::process::id()));

@@ -1,8 +1,9 @@
 //! A folder of its own for a test, and the program called in it.
 
-use crate::process::executable;
 use std::fs;
 use std::path::PathBuf;
+
+use crate::process::executable;
 
 /// A new folder; it is gone with the test.
 pub struct Folder(pub PathBuf);
