@@ -40,7 +40,7 @@ const fn system() -> Option<String> {
 }
 
 /// Whether a locale (`zh_CN.UTF-8`, `zh-Hans-CN`) is a Chinese one.
-fn is_chinese(locale: &str) -> bool {
+pub fn is_chinese(locale: &str) -> bool {
     locale.split(['_', '-', '.', '@']).next() == Some("zh")
 }
 

@@ -50,3 +50,43 @@ fn described(command: Command, options: fn(Command) -> Command) -> Command {
     let long_about = Resettable::from(command.get_long_about().cloned());
     options(command).about(about).long_about(long_about)
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::{Command, CommandFactory};
+
+    use crate::cli::Cli;
+
+    /// Name, options, and what is said of every command.
+    fn commands(program: &Command) -> Vec<(String, usize, [Option<String>; 2])> {
+        let about = |command: &Command| {
+            [command.get_about(), command.get_long_about()].map(|it| it.map(ToString::to_string))
+        };
+        let below = program.get_subcommands();
+        below
+            .map(|it| {
+                (
+                    it.get_name().to_owned(),
+                    it.get_arguments().count(),
+                    about(it),
+                )
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_command_has_its_options_when_it_is_called_and_is_described_as_in_the_list() {
+        let listed = commands(&Cli::command());
+        let mut program = Cli::command().disable_help_subcommand(true);
+        program.build();
+        let called = commands(&program);
+        assert_eq!(listed.len(), called.len());
+        for (listed, called) in listed.into_iter().zip(called) {
+            assert_eq!((&listed.0, &listed.2), (&called.0, &called.2));
+            assert!(listed.2[0].is_some(), "{}", listed.0);
+            if ["run", "check", "plot", "operate"].contains(&&*listed.0) {
+                assert!(listed.1 == 0 && called.1 > 5, "{}", listed.0);
+            }
+        }
+    }
+}

@@ -29,6 +29,7 @@ use tracing::level_filters::LevelFilter;
 pub use dialect::DialectArgs;
 pub use help::HelpArgs;
 pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};
+pub use language::is_chinese;
 use language::{language, locale};
 pub use lesson::{LessonCheckArgs, LessonCommand, LessonListArgs, LessonRunArgs};
 pub use link::{

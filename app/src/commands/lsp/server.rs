@@ -32,6 +32,7 @@ use super::documents::Document;
 use super::folder::{self, Folders};
 use super::looker::{self, Job, Looked};
 use super::{places, settings};
+use crate::cli::is_chinese;
 
 /// How the server ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,10 +140,7 @@ fn editor(params: &InitializeParams, setup: &Setup, language: Option<Language>) 
     ];
     let [hover, proposal] =
         formats.map(|it| it.is_some_and(|it| it.contains(&MarkupKind::Markdown)));
-    let chinese = params
-        .locale
-        .as_ref()
-        .is_some_and(|it| it.starts_with("zh"));
+    let chinese = params.locale.as_deref().is_some_and(is_chinese);
     let by_locale = if chinese { Language::Zh } else { Language::En };
     Editor {
         encoding: Encoding::of(offered),
