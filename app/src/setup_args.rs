@@ -11,7 +11,8 @@ use gsk_messages::{Message, say};
 
 use crate::files::models;
 
-/// Options of control and lathe.
+/// Options of control and lathe. Their heading stands over all options behind them, too: they
+/// are the last of a command.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Control and lathe")]
 pub struct SetupArgs {

@@ -1,9 +1,8 @@
 //! `--lang`, and the language of the system where it is not given.
 
 use std::env;
-use std::ffi::OsStr;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, Resettable, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gsk_runner::Language;
 
 /// The word of a language.
@@ -17,15 +16,15 @@ pub(super) fn language() -> impl TypedValueParser<Value = Language> {
     )
 }
 
-/// What `--lang` is on this system: `zh` on a Chinese one, else nothing, as if nobody had
-/// asked (COMMAND-8).
-pub(super) fn locale() -> Resettable<clap::builder::OsStr> {
+/// The language of a command without `--lang`: Chinese on a Chinese system, else none, as if
+/// nobody had asked (COMMAND-8).
+pub fn of_the_system() -> Option<Language> {
     // As everywhere: the first of them that is set decides, on Windows, too, where a shell
     // from elsewhere sets them; else what the system says.
     let variables = ["LC_ALL", "LC_MESSAGES", "LANG"].map(env::var);
     let set = variables.into_iter().flatten().find(|it| !it.is_empty());
     let chinese = set.or_else(system).is_some_and(|it| is_chinese(&it));
-    Resettable::from(chinese.then(|| OsStr::new("zh").into()))
+    chinese.then_some(Language::Zh)
 }
 
 #[cfg(any(unix, windows))]

@@ -3,9 +3,6 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use gsk_messages::Language;
-
-use super::{language, locale};
 
 /// `mill`.
 #[derive(Debug, Subcommand)]
@@ -40,9 +37,6 @@ pub struct GearArgs {
     /// Teeth on the screw or the table, on the motor
     #[arg(long, value_name = "ZM,ZD", default_value = "1,1", value_parser = teeth)]
     pub teeth: (u32, u32),
-    /// Language of what is said [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// `mill pitch`.
@@ -76,9 +70,6 @@ pub struct PitchArgs {
     /// 1260: a turn of a rotary axis, degrees; whether the table comes out even
     #[arg(long, value_name = "DEGREES")]
     pub turn: Option<f64>,
-    /// Language of what is said [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// `mill backlash`.
@@ -90,9 +81,6 @@ pub struct BacklashArgs {
     /// 011.6 = 1: an eighth of it
     #[arg(long)]
     pub eighth: bool,
-    /// Language of what is said [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// `mill keys`.
@@ -101,9 +89,6 @@ pub struct MillKeysArgs {
     /// Diagnosis numbers with their bits: 016=01001000
     #[arg(value_name = "N=BITS", value_parser = shown_keys)]
     pub shown: Vec<(u16, u8)>,
-    /// Language of what is said [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 fn shown_keys(word: &str) -> Result<(u16, u8), String> {
@@ -122,9 +107,6 @@ pub struct HomingArgs {
     /// One of them, instead of the file or over it (may be repeated)
     #[arg(long = "param", value_name = "N=V")]
     pub values: Vec<String>,
-    /// Language of what is said [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// Letters of the axes that a mill may have.

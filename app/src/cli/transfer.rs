@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 use gsk_transfer::{FileName, LineEnd, Partition};
 
-use super::{Language, language, locale};
 use crate::setup_args::SetupArgs;
 
 /// Where the control's serial port is.
@@ -50,9 +49,6 @@ pub struct TransferArgs {
     /// What is done with the files.
     #[command(subcommand)]
     pub command: TransferCommand,
-    /// Language of messages [default: zh on a Chinese system, else en]
-    #[arg(long, global = true, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// What is done with files at the serial port.

@@ -17,8 +17,8 @@ const LISTED: usize = 40;
 ///
 /// # Errors
 /// Nothing is known of it.
-pub fn help(args: &HelpArgs) -> Result<u8, CommandError> {
-    let language = args.lang.unwrap_or(Language::En);
+pub fn help(args: &HelpArgs, spoken: Option<Language>) -> Result<u8, CommandError> {
+    let language = spoken.unwrap_or(Language::En);
     if args.list {
         output::print(&headings(&topics().iter().collect::<Vec<_>>(), language));
         return Ok(FINE);

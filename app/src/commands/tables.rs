@@ -11,7 +11,7 @@ use gsk_runner::report::class_name;
 use serde_json::{Value, json};
 
 use super::{CommandError, FINE, output};
-use crate::cli::{ExplainedArgs, ParametersArgs, TableArgs};
+use crate::cli::{ParametersArgs, TableArgs};
 use crate::window::pc_name;
 
 /// A table: its heading, its rows, and the same as JSON.
@@ -227,8 +227,8 @@ fn of_the_lathe() -> Table {
 }
 
 /// The alarms, with cause and cure in a language.
-pub fn alarms(args: &ExplainedArgs) -> Result<u8, CommandError> {
-    let heading = match args.lang {
+pub fn alarms(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandError> {
+    let heading = match language {
         Some(Language::Zh) => ["类别", "报警号", "中文", "ENGLISH", "原因", "处理"],
         Some(Language::En) | None => ["CLASS", "NUMBER", "中文", "MEANING", "CAUSE", "CURE"],
     };
@@ -245,7 +245,7 @@ pub fn alarms(args: &ExplainedArgs) -> Result<u8, CommandError> {
             "en": row.meaning_en, "cause": row.cause_en, "cure": row.cleared_by_en,
         });
         let advice = row.advice.as_ref();
-        let [cause, cure] = match args.lang {
+        let [cause, cure] = match language {
             Some(Language::Zh) => [advice.map(|it| it.cause_zh), advice.map(|it| it.way_out_zh)]
                 .map(Option::unwrap_or_default),
             Some(Language::En) | None => [row.cause_en, row.cleared_by_en],
@@ -253,7 +253,7 @@ pub fn alarms(args: &ExplainedArgs) -> Result<u8, CommandError> {
         let cells = [class, &number, row.text_zh, row.meaning_en, cause, cure];
         table.push(cells.map(str::to_owned).to_vec(), json);
     }
-    table.print(&args.table)
+    table.print(args)
 }
 
 /// The signals of the PLC.
@@ -285,8 +285,8 @@ pub fn signals(args: &TableArgs) -> Result<u8, CommandError> {
 }
 
 /// What can go wrong with the simulated lathe.
-pub fn faults(args: &ExplainedArgs) -> Result<u8, CommandError> {
-    let heading = match args.lang {
+pub fn faults(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandError> {
+    let heading = match language {
         Some(Language::Zh) => ["名称", "中文", "ENGLISH", "作用"],
         Some(Language::En) | None => ["NAME", "中文", "FAULT", "WHAT IT DOES"],
     };
@@ -298,11 +298,11 @@ pub fn faults(args: &ExplainedArgs) -> Result<u8, CommandError> {
         let json = json!({
             "name": row.name, "zh": zh, "en": en, "effect": effect, "effect_zh": effect_zh,
         });
-        let shown = match args.lang {
+        let shown = match language {
             Some(Language::Zh) => effect_zh,
             Some(Language::En) | None => effect,
         };
         table.push(vec![row.name.to_owned(), zh, en, shown], json);
     }
-    table.print(&args.table)
+    table.print(args)
 }

@@ -24,9 +24,12 @@ use crate::window::{Settings, refusal};
 use crate::{loading, log, platform, retained, transfer};
 
 /// Opens the window and returns when it is closed.
-pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandError> {
+pub fn open(
+    args: WindowArgs,
+    language: Option<Language>,
+    level: Option<LevelFilter>,
+) -> Result<u8, CommandError> {
     let begun = Instant::now();
-    let language = args.lang;
     if args.link.is_some() && args.first_start == Some(true) {
         return Err(CommandError::FirstStartAtBoard);
     }
@@ -70,7 +73,11 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
     if let Some(model) = asked {
         keep_choice(&path, model, language);
     }
-    let opener = Opener { args, path };
+    let opener = Opener {
+        args,
+        language,
+        path,
+    };
     let start = Start {
         program: opener.args.program.clone(),
         figures: opener.args.figures.then_some(begun),
@@ -96,6 +103,8 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
 /// What every model is turned on with.
 struct Opener {
     args: WindowArgs,
+    /// The language that is asked for.
+    language: Option<Language>,
     /// The data directory.
     path: PathBuf,
 }
@@ -118,7 +127,7 @@ impl Opener {
         };
         let remembered = || stored.clone().unwrap_or_default();
         let settings = settings.cloned().unwrap_or_else(|| Settings {
-            language: args.lang.unwrap_or(remembered().language),
+            language: self.language.unwrap_or(remembered().language),
             first_start: fresh || remembered().first_start,
             ..remembered()
         });
@@ -189,7 +198,7 @@ impl Opener {
         let start = self
             .turn_on(data, model, Some(settings), false)
             .map_err(|error| error.message())?;
-        keep_choice(&self.path, model, self.args.lang);
+        keep_choice(&self.path, model, self.language);
         Ok(start)
     }
 }
@@ -273,6 +282,7 @@ mod tests {
     fn turned_on(folder: &Path, settings: Option<&Settings>, fresh: bool) -> Start {
         let opener = Opener {
             args: WindowArgs::default(),
+            language: None,
             path: folder.to_owned(),
         };
         let data = DataDir::open(folder).expect("a data directory");
