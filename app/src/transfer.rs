@@ -10,6 +10,7 @@ use gsk_panel::panel::SerialFile;
 use crate::files::atomic;
 use crate::files::program_file::{self, FileError};
 use crate::platform;
+use crate::saying::of_system;
 
 /// The folder in the data directory.
 pub const FOLDER: &str = "transfer";
@@ -25,7 +26,7 @@ pub struct TransferError {
 impl TransferError {
     /// What is said of it.
     pub fn message(&self) -> Message {
-        say::file_not_written(self.folder.display(), &self.error)
+        say::file_not_written(self.folder.display(), of_system(&self.error))
     }
 }
 

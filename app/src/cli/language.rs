@@ -1,6 +1,7 @@
 //! `--lang`, and the language of the system where it is not given.
 
 use std::env;
+use std::ffi::OsString;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gsk_runner::Language;
@@ -8,12 +9,9 @@ use gsk_runner::Language;
 /// The word of a language.
 pub(super) fn language() -> impl TypedValueParser<Value = Language> {
     let words = [("zh", "Chinese"), ("en", "English")];
-    PossibleValuesParser::new(words.map(|(word, help)| PossibleValue::new(word).help(help))).map(
-        |word| match word.as_str() {
-            "en" => Language::En,
-            _ => Language::Zh,
-        },
-    )
+    // The parser takes no other word.
+    PossibleValuesParser::new(words.map(|(word, help)| PossibleValue::new(word).help(help)))
+        .map(|word| of_word(&word).unwrap_or_default())
 }
 
 /// The language of a command without `--lang`: Chinese on a Chinese system, else none, as if
@@ -25,6 +23,29 @@ pub fn of_the_system() -> Option<Language> {
     let set = variables.into_iter().flatten().find(|it| !it.is_empty());
     let chinese = set.or_else(system).is_some_and(|it| is_chinese(&it));
     chinese.then_some(Language::Zh)
+}
+
+/// The language of what is said of a command line that may be wrong: that of its `--lang`, else
+/// that of the system.
+pub fn language_of(words: &[OsString]) -> Option<Language> {
+    let mut words = words.iter().filter_map(|word| word.to_str());
+    let mut asked = None;
+    while let Some(word) = words.next() {
+        let value = match word {
+            "--lang" => words.next(),
+            word => word.strip_prefix("--lang="),
+        };
+        asked = value.and_then(of_word).or(asked);
+    }
+    asked.or_else(of_the_system)
+}
+
+fn of_word(word: &str) -> Option<Language> {
+    match word {
+        "zh" => Some(Language::Zh),
+        "en" => Some(Language::En),
+        _ => None,
+    }
 }
 
 #[cfg(any(unix, windows))]

@@ -1,6 +1,7 @@
 //! The command line: what `gsk980td --help` says, and nothing else. The window and the
 //! short commands stand here, each longer one in a file of its own.
 
+pub mod chinese;
 mod dialect;
 mod help;
 mod ladder;
@@ -30,7 +31,7 @@ pub use dialect::DialectArgs;
 pub use help::HelpArgs;
 pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};
 use language::language;
-pub use language::{is_chinese, of_the_system};
+pub use language::{is_chinese, language_of, of_the_system};
 pub use lesson::{LessonCheckArgs, LessonCommand, LessonListArgs, LessonRunArgs};
 pub use link::{
     LinkArgs, LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs, LinkTwinArgs, TwinBoard,

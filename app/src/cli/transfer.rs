@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 use gsk_transfer::{FileName, LineEnd, Partition};
 
-use crate::setup_args::SetupArgs;
+use crate::setup_args::{SetupArgs, WordError};
 
 /// Where the control's serial port is.
 #[derive(Args, Clone, Debug, Default)]
@@ -103,10 +103,10 @@ pub enum ExistingFile {
 }
 
 /// A partition of the control.
-fn partition(word: &str) -> Result<Partition, String> {
+fn partition(word: &str) -> Result<Partition, WordError> {
     let mut all = Partition::ALL.into_iter();
     let found = all.find(|partition| partition.name().eq_ignore_ascii_case(word));
-    found.ok_or_else(|| Partition::ALL.map(Partition::name).join(", "))
+    found.ok_or(WordError::NoPartition)
 }
 
 /// A name of a file at the control.

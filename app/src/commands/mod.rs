@@ -26,7 +26,6 @@ use std::process::ExitCode;
 
 pub use error::CommandError;
 use gsk_messages::say;
-use gsk_runner::report;
 
 use crate::cli::{Cli, Command, of_the_system};
 use crate::guard::holder;
@@ -69,13 +68,14 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         (Some(_), Some(level)) => log::on_terminal(level),
         _ => None,
     };
+    let told = cli.lang.or_else(of_the_system);
     let language = match &cli.command {
         // The window remembers its own, an editor tells its own.
         None | Some(Command::Lsp(_)) => cli.lang,
-        Some(_) => cli.lang.or_else(of_the_system),
+        Some(_) => told,
     };
-    if let Some(language) = language {
-        output::speak(language);
+    if let Some(told) = told {
+        output::speak(told);
     }
     let result = match cli.command {
         None => window::open(cli.window, language, cli.log),
@@ -86,10 +86,10 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Operate(args)) => operate::operate(&args, language),
         Some(Command::Lesson(command)) => lesson::lesson(&command, language),
         Some(Command::Screen(args)) => screen::screen(&args),
-        Some(Command::Keys(args)) => tables::keys(&args),
-        Some(Command::Parameters(args)) => tables::parameters(&args),
+        Some(Command::Keys(args)) => tables::keys(&args, language),
+        Some(Command::Parameters(args)) => tables::parameters(&args, language),
         Some(Command::Alarms(args)) => tables::alarms(&args, language),
-        Some(Command::Signals(args)) => tables::signals(&args),
+        Some(Command::Signals(args)) => tables::signals(&args, language),
         Some(Command::Faults(args)) => tables::faults(&args, language),
         Some(Command::Ladder(command)) => ladder::ladder(&command),
         Some(Command::Mill(command)) => mill_setup::work_out(&command, language),
@@ -106,12 +106,12 @@ pub fn carry_out(cli: Cli) -> ExitCode {
     };
     let code = result.unwrap_or_else(|said| {
         tracing::error!("{said}");
-        complain!("gsk980td: {}", report::said(&said.message(), language));
+        output::complain_of(&said.message());
         USAGE
     });
     match output::lost() {
         Some(error) => {
-            complain!("gsk980td: {}", say::command_standard_output_lost(error));
+            output::complain_of(&say::command_standard_output_lost(error));
             ExitCode::from(code.max(USAGE))
         }
         None => ExitCode::from(code),

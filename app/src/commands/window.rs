@@ -11,12 +11,13 @@ use tracing::level_filters::LevelFilter;
 use web_time::Instant;
 
 use super::{CommandError, FINE, USAGE};
-use crate::cli::{SerialArgs, TextEnd, WindowArgs};
+use crate::cli::{SerialArgs, TextEnd, WindowArgs, of_the_system};
 use crate::dnc::{self, Source};
 use crate::files::data_dir::{self, DataDir, DataError};
 use crate::files::models;
 use crate::kernel::{Connection, Kernel};
 use crate::loading::LoadError;
+use crate::saying::of_system;
 use crate::serial::{End, SerialLine};
 use crate::setup_args::SetupArgs;
 use crate::window::app::{self, Start};
@@ -30,6 +31,8 @@ pub fn open(
     level: Option<LevelFilter>,
 ) -> Result<u8, CommandError> {
     let begun = Instant::now();
+    // What the window remembers is not known yet where it cannot be opened (COMMAND-16).
+    let told = language.or_else(of_the_system);
     if args.link.is_some() && args.first_start == Some(true) {
         return Err(CommandError::FirstStartAtBoard);
     }
@@ -46,7 +49,7 @@ pub fn open(
     asked.refuse_mill().map_err(LoadError::from)?;
     if !platform::has_display() {
         let said = without_display(args.program.as_deref());
-        complain!("gsk980td: {}", report::said(&said, language));
+        complain!("gsk980td: {}", report::said(&said, told));
         return Ok(USAGE);
     }
     platform::leave_console();
@@ -54,7 +57,7 @@ pub fn open(
         Some(path) => path.clone(),
         None => match data_dir::default_path() {
             Ok(path) => path,
-            Err(error) => return Ok(refused(&error, language)),
+            Err(error) => return Ok(refused(&error, told)),
         },
     };
     let asked = args.model;
@@ -63,15 +66,15 @@ pub fn open(
     let folder = models::folder(&path, model);
     let data = match DataDir::open(&folder) {
         Ok(data) => data,
-        Err(error) => return Ok(refused(&error, language)),
+        Err(error) => return Ok(refused(&error, told)),
     };
     // A log that cannot be written is no reason not to work.
     let _log = log::in_data(&folder, level.unwrap_or(LevelFilter::INFO)).unwrap_or_else(|error| {
-        complain!("gsk980td: {error}");
+        complain!("gsk980td: {}", report::said(&error.message(), told));
         None
     });
     if let Some(model) = asked {
-        keep_choice(&path, model, language);
+        keep_choice(&path, model, told);
     }
     let opener = Opener {
         args,
@@ -94,7 +97,7 @@ pub fn open(
     match app::run(start) {
         Ok(()) => Ok(FINE),
         Err(said) => {
-            complain!("gsk980td: {said}");
+            complain!("gsk980td: {}", report::said(&said, told));
             Ok(USAGE)
         }
     }
@@ -231,7 +234,7 @@ pub fn serial_line(args: &SerialArgs) -> Result<Option<SerialLine>, CommandError
 fn keep_choice(path: &Path, model: ModelId, language: Option<Language>) {
     if let Err(error) = models::choose(path, model) {
         let file = path.join(models::CHOICE);
-        let said = say::file_not_written(file.display(), error);
+        let said = say::file_not_written(file.display(), of_system(&error));
         complain!("gsk980td: {}", report::said(&said, language));
     }
 }

@@ -75,7 +75,9 @@ impl DataError {
     /// What is said of it.
     pub fn message(&self) -> Message {
         match self {
-            Self::Unusable { path, source } => say::data_dir_unusable(path.display(), source),
+            Self::Unusable { path, source } => {
+                say::data_dir_unusable(path.display(), saying::of_system(source))
+            }
             Self::InUse { path } => platform::in_use(path),
             Self::Missing { path } => say::data_dir_none(path.display()),
             Self::NoDefault => say::data_dir_no_default(),
@@ -230,7 +232,7 @@ impl DataDir {
                     .filter_map(|path| program_number(path.file_name()?.to_str()?)),
             ),
             Err(error) => {
-                let said = say::data_dir_programs_unreadable(error);
+                let said = say::data_dir_programs_unreadable(saying::of_system(&error));
                 complaints.push(Complaint::new(&folder, said));
             }
         }

@@ -17,6 +17,7 @@ use gsk_messages::{Message, say};
 use super::atomic::{self, Readers};
 use super::manifest::{Manifest, Mark, State};
 use crate::platform;
+use crate::saying::of_system;
 
 const MANIFEST: &str = "manifest.ron";
 const COPIES: &str = "copies";
@@ -154,7 +155,9 @@ impl Kept {
             Some(reason) if self.read_only => say::file_damaged(shown, reason, instead),
             Some(reason) => match atomic::set_aside(path) {
                 Ok(kept) => say::file_damaged_kept(shown, reason, kept.display(), instead),
-                Err(error) => say::file_damaged_not_renamed(shown, reason, error, instead),
+                Err(error) => {
+                    say::file_damaged_not_renamed(shown, reason, of_system(&error), instead)
+                }
             },
         };
         Complaint::new(path, said)
@@ -284,7 +287,7 @@ fn read_plain(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, Message> {
 }
 
 fn write(path: &Path, bytes: &[u8], readers: Readers) -> Result<(), Message> {
-    let said = |error| say::file_not_written(path.display(), error);
+    let said = |error: io::Error| say::file_not_written(path.display(), of_system(&error));
     if let Some(folder) = path.parent() {
         platform::make_folder(folder).map_err(said)?;
     }
@@ -294,7 +297,7 @@ fn write(path: &Path, bytes: &[u8], readers: Readers) -> Result<(), Message> {
 fn remove(path: &Path) -> Result<(), Message> {
     match platform::remove(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
-            Err(say::file_not_deleted(path.display(), error))
+            Err(say::file_not_deleted(path.display(), of_system(&error)))
         }
         _ => Ok(()),
     }

@@ -7,6 +7,7 @@ use gsk_messages::{Message, say};
 
 use super::decode::{self, DecodeError, Encoding};
 use crate::platform;
+use crate::saying::of_system;
 
 /// The largest program file that is read.
 pub const LARGEST_BYTES: u64 = 256 * 1024 * 1024;
@@ -84,7 +85,7 @@ fn plain_reason(error: &io::Error) -> Message {
     match error.kind() {
         io::ErrorKind::NotFound => say::file_not_there(),
         io::ErrorKind::PermissionDenied => say::file_no_permission(),
-        _ => say::as_written(error),
+        _ => of_system(error),
     }
 }
 
