@@ -176,7 +176,6 @@ mod tests {
             "{text}"
         );
         assert_eq!(text.lines().count(), 1, "{text}");
-        std::fs::remove_dir_all(data).expect("clean");
     }
 
     #[test]

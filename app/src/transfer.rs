@@ -103,7 +103,8 @@ mod tests {
 
     #[test]
     fn what_is_sent_stands_in_the_folder() {
-        let folder = test_folder("transfer").join(FOLDER);
+        let data = test_folder("transfer");
+        let folder = data.join(FOLDER);
         let files = [file("O0001.CNC"), file("ParaW.par")];
         write(&folder, &files).expect("written");
         for file in &files {
@@ -116,7 +117,8 @@ mod tests {
 
     #[test]
     fn a_folder_that_cannot_be_made_is_said() {
-        let file_in_the_way = test_folder("transfer-refused").join(FOLDER);
+        let data = test_folder("transfer-refused");
+        let file_in_the_way = data.join(FOLDER);
         std::fs::write(&file_in_the_way, b"").expect("written");
         let said = write(&file_in_the_way, &[file("O0001.CNC")])
             .expect_err("no folder")

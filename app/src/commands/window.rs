@@ -314,7 +314,6 @@ mod tests {
         assert_eq!(start.stored.as_ref(), Some(&answered));
         assert!(!start.settings.first_start);
         drop(start);
-        std::fs::remove_dir_all(folder).expect("clean");
     }
 
     #[test]
@@ -357,6 +356,5 @@ mod tests {
             "{said:?}"
         );
         drop(start);
-        std::fs::remove_dir_all(folder).expect("clean");
     }
 }

@@ -382,7 +382,6 @@ mod tests {
             assert_eq!(data.commit(vec![as_program(7, None)]), []);
         }
         assert_eq!(data.programs(), (Vec::new(), Vec::new()));
-        fs::remove_dir_all(folder).expect("clean");
     }
 
     #[test]
@@ -403,7 +402,6 @@ mod tests {
         assert_eq!(copy, ladder);
         let said = said.said.to_string();
         assert!(said.contains("ladder.il.damaged"), "{said}");
-        fs::remove_dir_all(folder).expect("clean");
     }
 
     #[test]
@@ -422,7 +420,6 @@ mod tests {
         assert!(programs.is_empty());
         let said = complaints[0].said.to_string();
         assert!(said.contains("O0003.CNC.damaged"), "{said}");
-        fs::remove_dir_all(folder).expect("clean");
     }
 
     #[test]
@@ -438,7 +435,6 @@ mod tests {
         let again = DataDir::open(&folder).expect("open");
         assert!(again.interrupted().is_empty());
         drop(again);
-        fs::remove_dir_all(folder).expect("clean");
     }
 
     #[test]
@@ -456,6 +452,5 @@ mod tests {
             .expect_err("no folder")
             .to_string();
         assert!(error.contains("cannot be used"), "{error}");
-        fs::remove_dir_all(folder).expect("clean");
     }
 }

@@ -308,7 +308,7 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::files::test_folder;
+    use crate::files::{TestFolder, test_folder};
 
     const LARGEST: u64 = 1000;
 
@@ -320,7 +320,7 @@ mod tests {
         }
     }
 
-    fn folder_with(name: &str, files: &[(&str, &str)]) -> PathBuf {
+    fn folder_with(name: &str, files: &[(&str, &str)]) -> TestFolder {
         let folder = test_folder(name);
         let changes = files
             .iter()
@@ -360,7 +360,6 @@ mod tests {
             );
         }
         assert!(folder.join("a.ron.damaged2").exists());
-        fs::remove_dir_all(folder).unwrap();
     }
 
     #[test]
@@ -373,7 +372,6 @@ mod tests {
             assert!(found.damage.is_some());
         }
         assert_eq!(fs::read(folder.join("a.ron")).unwrap(), b"two");
-        fs::remove_dir_all(folder).unwrap();
     }
 
     #[test]
@@ -391,7 +389,6 @@ mod tests {
             assert_eq!(fs::read(folder.join(name)).unwrap(), b"2");
             assert_eq!(Kept::open(&folder, false).read(name, LARGEST).damage, None);
         }
-        fs::remove_dir_all(folder).unwrap();
     }
 
     #[test]
@@ -403,7 +400,6 @@ mod tests {
         assert!(said.contains("is damaged"), "{said}");
         fs::write(folder.join("a"), "2").unwrap();
         assert!(kept.read("a", LARGEST).damage.is_some());
-        fs::remove_dir_all(folder).unwrap();
     }
 
     /// A kill between the first manifest and the files leaves the old ones; what is
@@ -433,11 +429,10 @@ mod tests {
         );
         let changes = vec![change("a", "new"), deletion("b"), deletion("c")];
         assert_eq!(kept.commit(changes), []);
-        for place in [folder.clone(), folder.join(COPIES)] {
+        for place in [folder.to_path_buf(), folder.join(COPIES)] {
             assert_eq!(fs::read(place.join("a")).unwrap(), b"new");
             assert!(!place.join("b").exists() && !place.join("c").exists());
         }
         assert_eq!(Kept::open(&folder, false).names(), ["a"]);
-        fs::remove_dir_all(folder).unwrap();
     }
 }

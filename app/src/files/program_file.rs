@@ -162,6 +162,5 @@ mod tests {
         std::fs::write(&path, "Ｏ０００１\nG00 X1\n").expect("write");
         let read = read(&path).expect("program");
         assert_eq!(read.notices.len(), 1);
-        std::fs::remove_dir_all(folder).expect("clean");
     }
 }
