@@ -5,7 +5,7 @@ use gsk_messages::say;
 use gsk_panel::keys::Key;
 
 use super::message::Message;
-use super::{Window, alarm_line, key_label, top_bar};
+use super::{Window, alarm_line, focus, key_label, top_bar};
 
 impl Window {
     /// Draws the line.
@@ -43,6 +43,10 @@ impl Window {
             return top_bar::alarm(ui, alarm, language, self.lcd.place());
         }
         let warned = self.message.as_ref().is_some_and(Message::is_warning);
+        if focus::keeps_keys(ui.ctx()) && !warned {
+            let text = say::window_hint_list().text(language);
+            return top_bar::status(ui, Some(&text), false, "");
+        }
         let waits = self.picture.as_ref().and_then(|it| it.waits.as_ref());
         if let Some(waits) = waits.filter(|_| !warned) {
             let place = waits.block.as_ref();
