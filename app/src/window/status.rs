@@ -57,6 +57,11 @@ impl Window {
         }
         let unknown = self.picture.as_ref().is_some_and(|it| it.place_unknown);
         let program = self.picture.as_ref().and_then(|it| it.program);
+        // A lesson says by itself what is to be done.
+        let in_lesson = self.picture.as_ref().is_some_and(|it| it.lesson.is_some());
+        if in_lesson && self.message.is_none() {
+            return top_bar::status(ui, None, false, "");
+        }
         let hint = match (unknown, program) {
             (true, _) => say::window_hint_machine_zero(),
             (false, Some(_)) => say::window_hint_start(),

@@ -397,14 +397,10 @@ impl OwnWindow {
             badge::show(ui, &id, self.board, self.language);
             left.asked = add(ui);
             let typing = ui.ctx().egui_wants_keyboard_input();
-            let mut own: Vec<Event> = Vec::new();
+            let mut all = ui.input(|input| input.events.clone());
+            typed.jogs_in_list |= keyboard::beside_keeper(ui.ctx(), &mut all);
             ui.input(|input| {
                 typed.focused |= input.focused;
-                let events = input
-                    .events
-                    .iter()
-                    .filter(|event| for_panel(event, row.view, typing));
-                own.extend(events.cloned());
                 let toggled = toggled(&input.events);
                 let again = toggled == Some(row.view);
                 if again || input.viewport().close_requested() {
@@ -416,8 +412,8 @@ impl OwnWindow {
                 typed.chosen = typed.chosen.or(layout::chosen(&input.events));
                 left.place = floating::place(input.viewport());
             });
-            typed.jogs_in_list |= keyboard::beside_keeper(ui.ctx(), &mut own);
-            typed.events.extend(own);
+            all.retain(|event| for_panel(event, row.view, typing));
+            typed.events.extend(all);
         });
         left
     }
