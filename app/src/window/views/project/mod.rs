@@ -268,8 +268,8 @@ impl ProjectView {
         places.collect()
     }
 
-    /// The tree.
-    fn tree(&mut self, ui: &mut Ui, language: Language) {
+    /// The tree. Says whether Enter was pressed at a place.
+    fn tree(&mut self, ui: &mut Ui, language: Language) -> bool {
         let places = self.places(language);
         let chosen = places.iter().position(|(node, ..)| *node == self.node);
         let name = say::project_view_place().text(language);
@@ -287,6 +287,7 @@ impl ProjectView {
                 }
             });
         }
+        list.entered().is_some()
     }
 
     /// The tree where there is no room for it: a list that is opened, down to the bottom of
@@ -299,7 +300,11 @@ impl ProjectView {
             .width(ui.available_width())
             .height(bottom - ui.cursor().top() - LIST_ROOM)
             .selected_text(words.as_str())
-            .show_ui(ui, |ui| self.tree(ui, language));
+            .show_ui(ui, |ui| {
+                if self.tree(ui, language) {
+                    ui.close();
+                }
+            });
         let name = say::project_view_place().text(language);
         shown.response.widget_info(|| WidgetInfo {
             current_text_value: Some(words.clone()),
