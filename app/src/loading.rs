@@ -13,7 +13,7 @@ use gsk_core::model::ControlModel;
 use gsk_core::plc::address::{AddressError, Area, BitAddress};
 use gsk_core::plc::{CompileErrors, Ladder};
 use gsk_core::program::{self, Program, ProgramMemory};
-use gsk_core::setup::{Setup, dnc_teach_ladder, standard_ladder};
+use gsk_core::setup::{Setup, dnc_teach_ladder};
 use gsk_core::units::Point;
 use gsk_messages::{Language, Message, say};
 use gsk_milling::{MillSetup, WordError};
@@ -213,7 +213,7 @@ pub fn apply(setup: &mut Setup, args: &SetupArgs) -> Result<(), LoadError> {
 /// The same; `zero`: where the work zero lies, if somebody has said so.
 fn apply_from(setup: &mut Setup, args: &SetupArgs, zero: Option<Point>) -> Result<(), LoadError> {
     if let Some(path) = &args.ladder {
-        setup.ladder = ladder(path)?;
+        setup.ladder = ladder(path)?.into();
     }
     if let Some(path) = &args.machine {
         setup.lathe = machine(path)?;
@@ -432,8 +432,8 @@ pub fn store_files(programs: &mut ProgramMemory, files: &[PathBuf]) -> Result<No
 
 /// For DNC the standard ladder gives way to the one that has keys for it.
 pub fn with_keys_for_dnc(setup: &mut Setup) {
-    if Arc::ptr_eq(&setup.ladder, &standard_ladder()) {
-        setup.ladder = dnc_teach_ladder();
+    if setup.ladder.is_standard() {
+        setup.ladder = dnc_teach_ladder().into();
     }
 }
 

@@ -89,7 +89,7 @@ fn scan(ladder: &Arc<Ladder>) {
 /// Ticks with a slot of the PLC, and ticks without.
 fn ticks(name: &str, ladder: &Arc<Ladder>) {
     let mut simulation = Simulation::new(Setup {
-        ladder: Arc::clone(ladder),
+        ladder: Arc::clone(ladder).into(),
         ..Setup::default()
     });
     let opened = simulation

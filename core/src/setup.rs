@@ -1,9 +1,11 @@
 //! What a control starts from.
 
-use std::sync::{Arc, LazyLock};
+mod ladder;
 
+use gsk_plc::Retained;
 use gsk_plc::address::BitAddress;
-use gsk_plc::{Ladder, Plc, Retained};
+
+pub use ladder::{MachineLadder, STANDARD_LADDER, dnc_teach_ladder, standard_ladder};
 
 use crate::alarm::Alarm;
 use crate::battery::Memory;
@@ -14,19 +16,13 @@ use crate::units::{Axis, PerAxis, Point};
 /// K12: the tool in position, kept by the ladder.
 pub(crate) const TOOL_IN_POSITION: u16 = 12;
 
-/// The standard ladder, as instruction list.
-pub const STANDARD_LADDER: &str = include_str!("../../assets/ladder/standard.il");
-
-/// The standard ladder with keys for DNC and teach-in, as instruction list.
-pub(crate) const DNC_TEACH_LADDER: &str = include_str!("../../assets/ladder/dnc-teach.il");
-
 /// Everything a control and its simulated lathe start from.
 #[derive(Clone, Debug)]
 pub struct Setup {
     /// What the battery keeps.
     pub memory: Memory,
     /// The machine's ladder.
-    pub ladder: Arc<Ladder>,
+    pub ladder: MachineLadder,
     /// What the PLC kept over power-off; `None`: its initial values.
     pub plc_retained: Option<Retained>,
     /// The simulated lathe.
@@ -55,26 +51,6 @@ pub struct Setup {
     pub forced_inputs: Vec<(BitAddress, bool)>,
 }
 
-/// The standard ladder, compiled once.
-pub fn standard_ladder() -> Arc<Ladder> {
-    static LADDER: LazyLock<Arc<Ladder>> =
-        LazyLock::new(|| match Ladder::compile(STANDARD_LADDER) {
-            Ok(ladder) => Arc::new(ladder),
-            Err(errors) => unreachable!("the standard ladder is part of the program: {errors}"),
-        });
-    Arc::clone(&LADDER)
-}
-
-/// The standard ladder with keys for DNC and teach-in, compiled once.
-pub fn dnc_teach_ladder() -> Arc<Ladder> {
-    static LADDER: LazyLock<Arc<Ladder>> =
-        LazyLock::new(|| match Ladder::compile(DNC_TEACH_LADDER) {
-            Ok(ladder) => Arc::new(ladder),
-            Err(errors) => unreachable!("this ladder is part of the program: {errors}"),
-        });
-    Arc::clone(&LADDER)
-}
-
 impl Setup {
     /// The tool in position at power-on: 075, or what the ladder kept in K12.
     pub(crate) fn tool_in_position(&self) -> u8 {
@@ -88,9 +64,7 @@ impl Setup {
                 .get(usize::from(TOOL_IN_POSITION))
                 .copied()
                 .unwrap_or(0),
-            None => Plc::new(Arc::clone(&self.ladder))
-                .memory()
-                .k(TOOL_IN_POSITION),
+            None => self.ladder.start_value_of_k(TOOL_IN_POSITION),
         }
     }
 
@@ -155,7 +129,7 @@ impl Default for Setup {
                 parameters,
                 ..Memory::default()
             },
-            ladder: standard_ladder(),
+            ladder: MachineLadder::default(),
             plc_retained: None,
             lathe: LatheConfig::free(),
             wired: None,

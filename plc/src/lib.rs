@@ -42,7 +42,7 @@ mod timer;
 pub use address::{AddressError, Area, BitAddress, ByteAddress};
 pub use check::MAX_STEPS;
 pub use diagnostic::{CompileError, CompileErrors, Rule, summary};
-pub use directive::{Comment, Header, MCode, Message, StartValue, Subject};
+pub use directive::{Comment, Declared, Header, MCode, Message, StartValue, Subject};
 pub use force::Force;
 pub use instruction::{Kind, Mnemonic, Operand, Role, Row, Statement, TABLE};
 pub use ladder::{Ladder, Rung};

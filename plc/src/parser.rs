@@ -55,6 +55,23 @@ pub(crate) fn parse(source: &str) -> Parsed {
     parsed
 }
 
+/// The start values and M codes that a text declares, without its steps; what is wrong is
+/// left to [`parse`].
+pub(crate) fn declared(source: &str) -> Directives {
+    let mut directives = Directives::default();
+    for line in lines(source) {
+        let code = without_comment(line).trim();
+        let declares = [".INIT", ".MCODE"].iter().any(|name| {
+            code.get(..name.len())
+                .is_some_and(|begin| begin.eq_ignore_ascii_case(name))
+        });
+        if declares {
+            let _wrong = directive::parse(code, 0, &mut directives);
+        }
+    }
+    directives
+}
+
 /// The lines of a text; blanks at their ends count for nothing.
 fn lines(source: &str) -> impl Iterator<Item = &str> {
     let mut rest = Some(source);

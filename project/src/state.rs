@@ -91,7 +91,7 @@ impl State {
     /// What a control starts from.
     pub fn of(setup: &Setup) -> Self {
         let retained = setup.plc_retained.as_ref();
-        Self::new(&setup.memory, retained, Arc::clone(&setup.ladder), None)
+        Self::new(&setup.memory, retained, setup.ladder.compiled(), None)
     }
 
     /// With what its panel keeps.

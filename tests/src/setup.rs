@@ -127,7 +127,7 @@ impl SetupWords {
             setup.start = Some(Point::from_diameter(Diameter(x), z));
         }
         if let Some(name) = &self.ladder {
-            setup.ladder = ladder(name)?;
+            setup.ladder = ladder(name)?.into();
         }
         if let Some(name) = &self.machine {
             setup.lathe = machine(name)?;

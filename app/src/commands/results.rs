@@ -17,12 +17,14 @@ use crate::cli::{Format, Language};
 /// Looks a file through; whether it is the only one.
 pub(super) type Look<'a> = dyn Fn(&Path, bool) -> Result<Report, CommandError> + Sync + 'a;
 
-/// Checks files on all cores; the results keep the order of the files.
+/// Checks files on all cores, one alone on this one; the results keep the order of the files.
 pub(super) fn all(files: &[PathBuf], look: &Look<'_>) -> Vec<Result<Report, CommandError>> {
+    if let [file] = files {
+        return vec![look(file, true)];
+    }
     let next = AtomicUsize::new(0);
     let results: Vec<Mutex<Option<Result<Report, CommandError>>>> =
         files.iter().map(|_| Mutex::new(None)).collect();
-    let alone = files.len() == 1;
     let cores = thread::available_parallelism().map_or(1, NonZeroUsize::get);
     thread::scope(|scope| {
         for _ in 0..cores.min(files.len()) {
@@ -30,7 +32,7 @@ pub(super) fn all(files: &[PathBuf], look: &Look<'_>) -> Vec<Result<Report, Comm
                 loop {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(file) = files.get(index) else { break };
-                    let result = look(file, alone);
+                    let result = look(file, false);
                     if let Ok(mut place) = results[index].lock() {
                         *place = Some(result);
                     }

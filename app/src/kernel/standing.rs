@@ -19,7 +19,7 @@ pub fn setup(emulator: &Emulator) -> Setup {
             programs: cnc.programs().clone(),
             ..cnc.battery()
         },
-        ladder: Arc::clone(cnc.plc().ladder()),
+        ladder: Arc::clone(cnc.plc().ladder()).into(),
         plc_retained: Some(cnc.plc().memory().retained()),
         lathe: simulation.lathe.config().clone(),
         start: Some(machine),

@@ -116,7 +116,7 @@ pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
     complaints.extend(data.complaint().cloned());
     setup.plc_retained = value(data.load("plc"), &mut complaints);
     if let Some(ladder) = value(data.ladder(), &mut complaints) {
-        setup.ladder = Arc::new(ladder);
+        setup.ladder = Arc::new(ladder).into();
     }
     let (programs, damaged) = data.programs();
     complaints.extend(damaged);

@@ -34,7 +34,7 @@ fn a_loaded_ladder_is_kept_even_if_power_goes_at_once() {
     keeper.finish(&emulator);
     let mut next = Setup::default();
     assert!(load(&data, &mut next).complaints.is_empty());
-    assert_eq!(*next.ladder, ladder);
+    assert_eq!(*next.ladder.compiled(), ladder);
     std::fs::remove_dir_all(folder).expect("clean");
 }
 

@@ -25,7 +25,7 @@ impl Cnc {
         let mut memory = setup.memory;
         memory.power_on();
         let parameters = &memory.parameters;
-        let mut plc = Plc::new(setup.ladder);
+        let mut plc = Plc::new(setup.ladder.compiled());
         if let Some(retained) = &setup.plc_retained {
             plc.memory_mut().restore_retained(retained);
         }
@@ -42,7 +42,7 @@ impl Cnc {
         interpreter.set_macro_b(memory.settings.macro_b);
         interpreter.set_model(&memory.model);
         interpreter.set_tool(tool);
-        interpreter.set_machine_codes(MachineCodes::of(plc.ladder()));
+        interpreter.set_machine_codes(MachineCodes::of(plc.ladder().m_codes()));
         let start = setup.start.unwrap_or_default();
         let absolute = setup
             .absolute
@@ -87,7 +87,7 @@ impl Cnc {
         let position = self.position();
         let setup = Setup {
             memory: self.memory.clone(),
-            ladder: self.plc.ladder_at_power_on(),
+            ladder: self.plc.ladder_at_power_on().into(),
             plc_retained: Some(self.plc.engine.memory().retained()),
             start: Some(position),
             absolute: Some(self.coordinates.frame.program(position)),

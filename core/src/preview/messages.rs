@@ -1,17 +1,13 @@
 //! Messages with which the machine's ladder will hold a program, as far as program and
 //! parameters alone decide (manual I-3.3.2, II-2.8).
 
-use std::sync::Arc;
-
-use gsk_plc::Ladder;
-
 use super::spindle::Turning;
 use crate::alarm::{Alarm, number};
-use crate::setup::Setup;
+use crate::setup::{MachineLadder, Setup};
 
 /// What the ladder of a setup has messages for.
 pub(super) struct Messages {
-    ladder: Arc<Ladder>,
+    ladder: MachineLadder,
     chuck: bool,
     tailstock: bool,
 }
@@ -19,7 +15,7 @@ pub(super) struct Messages {
 impl Messages {
     pub(super) fn new(setup: &Setup) -> Self {
         Self {
-            ladder: Arc::clone(&setup.ladder),
+            ladder: setup.ladder.clone(),
             chuck: setup.memory.parameters.has_chuck(),
             tailstock: setup.memory.parameters.has_tailstock(),
         }
@@ -45,7 +41,8 @@ impl Messages {
 
     /// Whether a message stands in the ladder with the words of the table.
     fn knows(&self, number: u16) -> bool {
-        let mut messages = self.ladder.messages().iter();
+        let ladder = self.ladder.compiled();
+        let mut messages = ladder.messages().iter();
         messages.any(|message| {
             message.number == number && Alarm::message(number, &message.text).row().is_some()
         })

@@ -24,7 +24,7 @@ struct Line {
 impl Line {
     fn new(setup: Setup, partner: Box<dyn Iterator<Item = u8>>) -> Self {
         let setup = Setup {
-            ladder: dnc_teach_ladder(),
+            ladder: dnc_teach_ladder().into(),
             ..setup
         };
         let mut simulation = Simulation::new(setup);

@@ -26,7 +26,7 @@ fn bit(text: &str) -> BitAddress {
 /// The path of the program, tick by tick from the start signal on.
 fn path(ladder: Arc<Ladder>) -> Vec<Point> {
     let mut simulation = Simulation::new(Setup {
-        ladder,
+        ladder: ladder.into(),
         ..Setup::default()
     });
     let open = Request::OpenExternal(Program::new(PROGRAM));

@@ -130,7 +130,7 @@ fn with_sensor(delay: i32) -> Setup {
     let ladder = Ladder::compile(&text);
     assert!(ladder.is_ok());
     if let Ok(ladder) = ladder {
-        setup.ladder = Arc::new(ladder);
+        setup.ladder = Arc::new(ladder).into();
     }
     setup
 }

@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 pub struct MachineCodes([u64; 2]);
 
 impl MachineCodes {
-    /// Those that a ladder names.
-    pub fn of(ladder: &gsk_plc::Ladder) -> Self {
+    /// Those that a ladder declares.
+    pub fn of(declared: &[gsk_plc::MCode]) -> Self {
         let mut codes = Self::default();
-        for m in ladder.m_codes() {
+        for m in declared {
             if let Some(half) = codes.0.get_mut(usize::from(m.code / 64)) {
                 *half |= 1 << (m.code % 64);
             }

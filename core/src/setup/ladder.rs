@@ -1,0 +1,112 @@
+//! The ladder of a machine.
+
+use std::sync::{Arc, LazyLock};
+
+use gsk_plc::{Area, Declared, Ladder};
+
+use crate::interpreter::MachineCodes;
+
+/// The standard ladder, as instruction list.
+pub const STANDARD_LADDER: &str = include_str!("../../../assets/ladder/standard.il");
+
+/// The standard ladder with keys for DNC and teach-in, as instruction list.
+const DNC_TEACH_LADDER: &str = include_str!("../../../assets/ladder/dnc-teach.il");
+
+/// The ladder that a machine starts with. The standard one is compiled when somebody asks
+/// for its steps: to check a program, what it declares is enough.
+#[derive(Clone, Debug, Default)]
+pub enum MachineLadder {
+    /// The one that comes with the program.
+    #[default]
+    Standard,
+    /// One of its own.
+    Own(Arc<Ladder>),
+}
+
+impl MachineLadder {
+    /// Compiled.
+    pub fn compiled(&self) -> Arc<Ladder> {
+        match self {
+            Self::Standard => standard_ladder(),
+            Self::Own(ladder) => Arc::clone(ladder),
+        }
+    }
+
+    /// Whether it is the standard one.
+    pub const fn is_standard(&self) -> bool {
+        matches!(self, Self::Standard)
+    }
+
+    /// The M codes that it carries out beside the control's own.
+    pub(crate) fn machine_codes(&self) -> MachineCodes {
+        MachineCodes::of(match self {
+            Self::Standard => &declared().m_codes,
+            Self::Own(ladder) => ladder.m_codes(),
+        })
+    }
+
+    /// A byte of K where the retained store is blank.
+    pub(crate) fn start_value_of_k(&self, byte: u16) -> u8 {
+        let values = match self {
+            Self::Standard => &declared().start_values,
+            Self::Own(ladder) => ladder.start_values(),
+        };
+        let of_byte = |at: gsk_plc::ByteAddress| at.area == Area::K && at.byte == byte;
+        let last = values.iter().rfind(|value| of_byte(value.address));
+        last.map_or(0, |last| u8::try_from(last.value).unwrap_or(u8::MAX))
+    }
+}
+
+impl From<Arc<Ladder>> for MachineLadder {
+    fn from(ladder: Arc<Ladder>) -> Self {
+        if Arc::ptr_eq(&ladder, &standard_ladder()) {
+            Self::Standard
+        } else {
+            Self::Own(ladder)
+        }
+    }
+}
+
+/// What the standard ladder declares, read once.
+fn declared() -> &'static Declared {
+    static DECLARED: LazyLock<Declared> = LazyLock::new(|| Declared::of(STANDARD_LADDER));
+    &DECLARED
+}
+
+/// The standard ladder, compiled once.
+pub fn standard_ladder() -> Arc<Ladder> {
+    static LADDER: LazyLock<Arc<Ladder>> = LazyLock::new(|| compiled(STANDARD_LADDER));
+    Arc::clone(&LADDER)
+}
+
+/// The standard ladder with keys for DNC and teach-in, compiled once.
+pub fn dnc_teach_ladder() -> Arc<Ladder> {
+    static LADDER: LazyLock<Arc<Ladder>> = LazyLock::new(|| compiled(DNC_TEACH_LADDER));
+    Arc::clone(&LADDER)
+}
+
+fn compiled(source: &str) -> Arc<Ladder> {
+    match Ladder::compile(source) {
+        Ok(ladder) => Arc::new(ladder),
+        Err(errors) => unreachable!("this ladder is part of the program: {errors}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gsk_plc::Plc;
+
+    use super::*;
+
+    #[test]
+    fn what_is_declared_is_what_is_compiled() {
+        let own = MachineLadder::Own(standard_ladder());
+        let plc = Plc::new(standard_ladder());
+        for byte in 0..60 {
+            let value = MachineLadder::Standard.start_value_of_k(byte);
+            assert_eq!(value, plc.memory().k(byte), "K{byte}");
+            assert_eq!(value, own.start_value_of_k(byte), "K{byte}");
+        }
+        assert_eq!(MachineLadder::Standard.machine_codes(), own.machine_codes());
+    }
+}
