@@ -160,3 +160,112 @@ fn what_opens_within_a_view_is_reached_too() {
         read_in_order(&forth, &what);
     }
 }
+
+/// The name of what the focus is on, as a screen reader has it.
+fn focused(bench: &Bench) -> String {
+    stop(bench).map_or_else(String::new, |stop| stop.name)
+}
+
+/// Tab until the focus is on what is called so.
+#[track_caller]
+fn tab_to(bench: &mut Bench, part: &str) {
+    for _ in 0..60 {
+        if tab(bench, Modifiers::NONE).is_some_and(|stop| stop.name.contains(part)) {
+            return;
+        }
+    }
+    panic!("Tab does not come to {part}");
+}
+
+fn key(bench: &mut Bench, key: Key) {
+    bench.harness.key_press(key);
+    bench.run(30);
+    bench.run(30);
+}
+
+/// Presses a key with Ctrl and lets it go after so many ms.
+fn with_control(bench: &mut Bench, key: Key, milliseconds: u64) {
+    bench.harness.key_down_modifiers(Modifiers::CTRL, key);
+    bench.run(milliseconds);
+    bench.harness.key_up_modifiers(Modifiers::CTRL, key);
+    bench.run(100);
+}
+
+#[test]
+fn a_list_is_one_stop_and_the_keys_of_the_cursor_move_in_it() {
+    let mut bench = opened(Some(View::Data), vec2(1366.0, 768.0));
+    let stops = round(&mut bench, "data");
+    assert!(stops.len() < 60, "{} stops", stops.len());
+    let rows = stops.iter().filter(|it| it.name.starts_with("00"));
+    assert_eq!(rows.count(), 1);
+    tab_to(&mut bench, "001 ");
+    let lcd = bench.lcd();
+    for (pressed, at) in [
+        (Key::ArrowDown, "002 "),
+        (Key::ArrowDown, "003 "),
+        (Key::ArrowUp, "002 "),
+        (Key::Home, "001 "),
+        (Key::End, "185 "),
+    ] {
+        key(&mut bench, pressed);
+        assert!(focused(&bench).starts_with(at), "{}", focused(&bench));
+    }
+    // The one that the focus is on is chosen, and what is known of it stands beside it.
+    let _ = bench.harness.get_by_label("Value of 185");
+    key(&mut bench, Key::PageUp);
+    let page = focused(&bench);
+    assert!(
+        !page.starts_with("185 ") && !page.starts_with("001 "),
+        "{page}"
+    );
+    assert_eq!(bench.lcd(), lcd);
+    // The next stop is another thing.
+    let next = tab(&mut bench, Modifiers::NONE);
+    assert!(next.is_some_and(|stop| !stop.name.starts_with(&page)));
+}
+
+#[test]
+fn while_the_focus_is_in_a_list_no_axis_is_jogged_and_it_is_said() {
+    let mut bench = opened(Some(View::Data), vec2(1366.0, 768.0));
+    with_control(&mut bench, Key::Num6, 100);
+    tab_to(&mut bench, "001 ");
+    let before = bench.kernel.emulator().simulation.cnc.position_machine();
+    with_control(&mut bench, Key::ArrowLeft, 300);
+    let after = bench.kernel.emulator().simulation.cnc.position_machine();
+    assert_eq!(before, after);
+    let said = "no axis key acts while the cursor keys move in a list";
+    assert!(bench.harness.query_by_label_contains(said).is_some());
+    // It has left the list: the next one is the axis'.
+    with_control(&mut bench, Key::ArrowLeft, 300);
+    let after = bench.kernel.emulator().simulation.cnc.position_machine();
+    assert_ne!(before, after);
+}
+
+#[test]
+fn a_bar_between_panes_is_moved_by_the_keys_of_the_cursor() {
+    let mut bench = opened(Some(View::Data), vec2(1366.0, 768.0));
+    tab_to(&mut bench, "Bar 0");
+    let bar = |bench: &Bench| {
+        let bar = bench.harness.get_by_label("Bar 0 between left and right");
+        bar.rect().center().x
+    };
+    let first = bar(&bench);
+    key(&mut bench, Key::ArrowLeft);
+    key(&mut bench, Key::ArrowLeft);
+    let moved = bar(&bench);
+    assert!(moved < first - 40.0, "{first} {moved}");
+    key(&mut bench, Key::ArrowRight);
+    assert!(bar(&bench) > moved + 20.0);
+    key(&mut bench, Key::Enter);
+    assert!((bar(&bench) - first).abs() < 1.0);
+}
+
+#[test]
+fn while_a_button_has_the_focus_the_keys_of_the_cursor_are_the_panels() {
+    let mut bench = opened(None, vec2(1366.0, 768.0));
+    let first = tab(&mut bench, Modifiers::NONE).map(|stop| stop.id);
+    for pressed in [Key::ArrowRight, Key::ArrowDown] {
+        key(&mut bench, pressed);
+        assert_eq!(stop(&bench).map(|stop| stop.id), first);
+    }
+}

@@ -60,7 +60,13 @@ fn a_key_chooses_a_layout_whose_panes_stand_beside_the_panel() {
 fn a_dragged_splitter_stays_and_a_double_click_puts_it_back() {
     let mut bench = Bench::new();
     shift(&mut bench, egui::Key::F9);
-    let bar = |bench: &Bench| bench.harness.get_by_label("Splitter 0").rect().center();
+    let bar = |bench: &Bench| {
+        bench
+            .harness
+            .get_by_label("Bar 0 between left and right")
+            .rect()
+            .center()
+    };
     let before = bar(&bench);
     drag(&mut bench, before, before + vec2(-150.0, 0.0));
     let after = bar(&bench);
@@ -72,6 +78,24 @@ fn a_dragged_splitter_stays_and_a_double_click_puts_it_back() {
     let kept = layouts(&bench).clone();
     let again = Bench::sized(Setup::default(), kept, vec2(1280.0, 806.0));
     assert_eq!(bar(&again), after);
+}
+
+#[test]
+fn lessons_stand_beside_the_panel_however_they_are_opened() {
+    for opened in [
+        |bench: &mut Bench| shift(bench, egui::Key::Home),
+        |bench: &mut Bench| {
+            let button = Role::Button;
+            (bench.harness.get_by_role_and_label(button, "Lessons")).click();
+            bench.run(50);
+        },
+    ] {
+        let mut bench = Bench::new();
+        opened(&mut bench);
+        assert!(layouts(&bench).docked().contains(&View::Lesson));
+        opened(&mut bench);
+        assert!(!layouts(&bench).is_open(View::Lesson));
+    }
 }
 
 #[test]
@@ -184,7 +208,12 @@ fn at_a_school_laptops_size_nothing_lies_beside_its_view() {
         let mut bench = Bench::sized(Setup::default(), Layouts::of(Layout::Panel), size);
         shift(&mut bench, key);
         assert_eq!(layouts(&bench).current(), layout);
-        let splitter = bench.harness.get_by_label("Splitter 0").rect().center().x;
+        let splitter = bench
+            .harness
+            .get_by_label("Bar 0 between left and right")
+            .rect()
+            .center()
+            .x;
         let nodes = bench.harness.root().children_recursive();
         let operated = nodes.filter(|node| {
             matches!(

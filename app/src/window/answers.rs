@@ -46,10 +46,7 @@ impl Window {
             }
             top_bar::Asked::Layout(layout) => self.settings.layouts.choose(layout),
             top_bar::Asked::View(view) => self.settings.layouts.toggle(view),
-            top_bar::Asked::Lessons => match self.settings.layouts.is_open(View::Lesson) {
-                true => self.settings.layouts.toggle(View::Lesson),
-                false => self.settings.layouts.dock(View::Lesson),
-            },
+            top_bar::Asked::Lessons => self.settings.layouts.toggle(View::Lesson),
             top_bar::Asked::LeaveLesson => {
                 self.console.send(Command::Lesson(LessonOrder::Leave));
             }

@@ -187,9 +187,13 @@ impl Help {
 
 /// Topics by their headings; the one that was clicked.
 fn list(ui: &mut Ui, topics: &[&'static Topic], language: Language) -> Option<&'static Topic> {
-    let mut chosen = None;
-    for topic in topics.iter().take(LISTED) {
-        if ui.link(article(topic, language).heading).clicked() {
+    let name = say::window_help_list_name().text(language);
+    let count = topics.len().min(LISTED);
+    let list = focus::List::begin(ui, "topics", &name, count, None);
+    let mut chosen = list.entered().and_then(|at| topics.get(at).copied());
+    for (at, topic) in topics.iter().take(LISTED).enumerate() {
+        let link = focus::link(ui, article(topic, language).heading.into());
+        if list.row(ui, at, &link) {
             chosen = Some(*topic);
         }
     }

@@ -3,6 +3,7 @@
 use egui::{Context, Event, Key as PcKey, Modifiers};
 use gsk_panel::keys::Key;
 
+use super::focus;
 use super::held::Holder;
 
 /// What a PC key asks for.
@@ -73,21 +74,52 @@ pub fn beside_focus(context: &Context, mut events: Vec<Event>) -> Vec<Event> {
     events
 }
 
-/// What of the events is the panel's where a menu was open: the Escape that closes it is
-/// RESET, too, only where something may be stopped by it (WINDOW-26).
-pub fn beside_menu(mut events: Vec<Event>, may_stop: bool) -> Vec<Event> {
-    let closes = |event: &Event| {
-        matches!(
-            event,
-            Event::Key {
-                key: PcKey::Escape,
-                pressed: true,
-                ..
-            }
-        )
+/// What of the events is the panel's while the keys of the cursor belong to a list or a bar
+/// (WINDOW-27): no axis is jogged. Whoever tries has left it; says whether somebody did.
+pub fn beside_keeper(context: &Context, events: &mut Vec<Event>) -> bool {
+    let focused = context.memory(egui::Memory::focused);
+    let Some(focused) = focused.filter(|_| focus::keeps_keys(context)) else {
+        return false;
     };
-    events.retain(|event| may_stop || !closes(event));
+    let before = events.len();
+    events.retain(|event| !focus::jogs(event));
+    let tried = events.len() < before;
+    if tried {
+        context.memory_mut(|memory| memory.surrender_focus(focused));
+    }
+    tried
+}
+
+/// What of the events is the panel's where a menu was open: the Escape that closes it is
+/// RESET, too, only where something may be stopped by it (WINDOW-26); the keys of the cursor
+/// move in the menu.
+pub fn beside_menu(mut events: Vec<Event>, may_stop: bool) -> Vec<Event> {
+    let in_menu = |event: &Event| match event {
+        Event::Key {
+            key: PcKey::Escape,
+            pressed: true,
+            ..
+        } => !may_stop,
+        Event::Key {
+            key,
+            pressed: true,
+            modifiers,
+            ..
+        } => focus::is_cursor(*key) && !modifiers.any(),
+        _ => false,
+    };
+    events.retain(|event| !in_menu(event));
     events
+}
+
+/// Whether a key is the panel's wherever it is typed and whatever else is held: feed hold,
+/// emergency stop, and every release.
+pub fn stops(event: &Event) -> bool {
+    match event {
+        Event::Key { pressed: false, .. } => true,
+        Event::Key { key, .. } => matches!(key, PcKey::F10 | PcKey::F12),
+        _ => false,
+    }
 }
 
 /// Whether an event presses what has the focus.

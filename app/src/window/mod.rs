@@ -344,15 +344,20 @@ impl Window {
         let unsaved = self.views.unsaved();
         self.questions
             .show(ui.ctx(), language, picture, &self.console, unsaved);
-        self.browser.show(ui.ctx(), language);
-        self.keyboard(ui, menu);
         let (board, lcd) = (self.board(), self.lcd.place());
+        let beside = self.browser.show(ui.ctx(), language, lcd);
+        self.keyboard(ui, menu);
+        self.typed(&beside.stops);
         let layouts = &mut self.settings.layouts;
         let typed = self
             .views
             .show_floating(ui.ctx(), language, board, lcd, layouts);
+        if typed.jogs_in_list {
+            self.axis_key_in_list();
+        }
         self.typed(&typed.events);
-        let focused = typed.focused || ui.input(|input| input.focused);
+        focus::leave_keys(ui.ctx());
+        let focused = typed.focused || beside.focused || ui.input(|input| input.focused);
         if !focused {
             self.let_go();
         }
@@ -382,12 +387,15 @@ impl Window {
     fn keyboard(&mut self, ui: &Ui, menu: bool) {
         let events: Vec<Event> = ui.input(|input| input.events.clone());
         if ui.ctx().text_edit_focused() || self.first_start.is_some() {
-            let stops: Vec<Event> = events.into_iter().filter(views::stops).collect();
+            let stops: Vec<Event> = events.into_iter().filter(keyboard::stops).collect();
             self.typed(&stops);
             return;
         }
         zoom::typed(ui.ctx(), &events, &mut self.settings);
         let mut events = keyboard::beside_focus(ui.ctx(), events);
+        if keyboard::beside_keeper(ui.ctx(), &mut events) {
+            self.axis_key_in_list();
+        }
         if menu {
             events = keyboard::beside_menu(events, self.may_stop());
         }
@@ -398,6 +406,13 @@ impl Window {
             self.settings.layouts.choose(layout);
         }
         self.typed(&events);
+    }
+
+    /// An axis key was pressed where the keys of the cursor move in a list: no axis moves.
+    fn axis_key_in_list(&mut self) {
+        self.message = Some(Message::KeyRefused(
+            gsk_messages::say::window_axis_key_in_list(),
+        ));
     }
 
     /// Opens the program view at the block that raised an alarm.

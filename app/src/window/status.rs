@@ -5,7 +5,7 @@ use gsk_messages::say;
 use gsk_panel::keys::Key;
 
 use super::message::Message;
-use super::{Window, alarm_line, key_label, top_bar};
+use super::{Window, alarm_line, focus, key_label, top_bar};
 
 impl Window {
     /// Draws the line.
@@ -43,6 +43,10 @@ impl Window {
             return top_bar::alarm(ui, alarm, language, self.lcd.place());
         }
         let warned = self.message.as_ref().is_some_and(Message::is_warning);
+        if focus::keeps_keys(ui.ctx()) && !warned {
+            let text = say::window_hint_list().text(language);
+            return top_bar::status(ui, Some(&text), false, "");
+        }
         let waits = self.picture.as_ref().and_then(|it| it.waits.as_ref());
         if let Some(waits) = waits.filter(|_| !warned) {
             let place = waits.block.as_ref();
@@ -53,6 +57,11 @@ impl Window {
         }
         let unknown = self.picture.as_ref().is_some_and(|it| it.place_unknown);
         let program = self.picture.as_ref().and_then(|it| it.program);
+        // A lesson says by itself what is to be done.
+        let in_lesson = self.picture.as_ref().is_some_and(|it| it.lesson.is_some());
+        if in_lesson && self.message.is_none() {
+            return top_bar::status(ui, None, false, "");
+        }
         let hint = match (unknown, program) {
             (true, _) => say::window_hint_machine_zero(),
             (false, Some(_)) => say::window_hint_start(),

@@ -4,15 +4,20 @@
 use std::path::{Path, PathBuf};
 
 use crossbeam::channel::{Receiver, bounded};
-use egui::{Button, Context, Key, Panel, ScrollArea, TextEdit, Ui, ViewportBuilder, ViewportId};
+use egui::{
+    Button, Context, Event, Key, Panel, Pos2, Rect, ScrollArea, TextEdit, Ui, Vec2,
+    ViewportBuilder, ViewportId,
+};
 
 use super::{Ask, Asked, Wanted, beside};
 use crate::platform;
-use crate::window::{clear, focus};
+use crate::window::layout::floating::Screen;
+use crate::window::{clear, focus, keyboard};
 use gsk_messages::{Language, Message, say};
 
 /// Size of the dialog, points.
 const SIZE: [f32; 2] = [640.0, 460.0];
+const LEAST: [f32; 2] = [420.0, 260.0];
 
 /// An entry of a folder.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -38,6 +43,17 @@ struct Open {
     /// A file that would be overwritten.
     overwrites: Option<PathBuf>,
     focus: bool,
+    /// Where its window opened, and how large.
+    placed: Option<(Option<Pos2>, Vec2)>,
+}
+
+/// What was typed into the window of the dialog and is the panel's all the same.
+#[derive(Debug, Default)]
+pub struct Typed {
+    /// That window has the focus.
+    pub focused: bool,
+    /// Feed hold and emergency stop, and what was let go.
+    pub stops: Vec<Event>,
 }
 
 /// The dialog.
@@ -56,25 +72,32 @@ enum Outcome {
 }
 
 impl Browser {
-    /// Draws the dialog, if a file is to be chosen.
-    pub fn show(&mut self, context: &Context, language: Language) {
+    /// Draws the dialog, if a file is to be chosen. Its window opens beside the keys that
+    /// stop the machine and, where there is room, beside the LCD (WINDOW-25).
+    pub fn show(&mut self, context: &Context, language: Language, lcd: Option<Rect>) -> Typed {
+        let mut typed = Typed::default();
         if self.open.is_none()
             && let Some(ask) = Asked::of(context).take()
         {
             let folder = self.last.clone().unwrap_or_else(first_folder);
             self.open = Some(Open::new(ask, folder, context));
         }
-        let Some(open) = &mut self.open else { return };
-        let outcome = in_window(context, language, open);
+        let Some(open) = &mut self.open else {
+            return typed;
+        };
+        let outcome = in_window(context, language, open, lcd, &mut typed);
         if matches!(outcome, Outcome::Stays) {
-            return;
+            return typed;
         }
-        let Some(open) = self.open.take() else { return };
+        let Some(open) = self.open.take() else {
+            return typed;
+        };
         self.last = Some(open.folder);
         if let Outcome::Chosen(path) = outcome {
             let Ask { then, say, .. } = open.ask;
             beside(context, &say, move || then(path));
         }
+        typed
     }
 }
 
@@ -88,7 +111,13 @@ fn first_folder() -> PathBuf {
 }
 
 /// A window of its own, or one inside the window where the system has only one.
-fn in_window(context: &Context, language: Language, open: &mut Open) -> Outcome {
+fn in_window(
+    context: &Context,
+    language: Language,
+    open: &mut Open,
+    lcd: Option<Rect>,
+    typed: &mut Typed,
+) -> Outcome {
     let title = match open.ask.wanted {
         Wanted::Open(..) => say::browser_open_title().text(language),
         Wanted::Folder => say::browser_folder_title().text(language),
@@ -100,7 +129,7 @@ fn in_window(context: &Context, language: Language, open: &mut Open) -> Outcome 
             .id(egui::Id::unique("files"))
             .open(&mut stays)
             .fixed_size(SIZE)
-            .constrain_to(clear::free(context, egui::Vec2::from(SIZE)))
+            .constrain_to(clear::free(context, Vec2::from(SIZE)))
             .collapsible(false)
             .show(context, |ui| open.show(ui, language));
         let outcome = shown.and_then(|shown| shown.inner);
@@ -109,14 +138,26 @@ fn in_window(context: &Context, language: Language, open: &mut Open) -> Outcome 
             _ => Outcome::GivenUp,
         };
     }
-    let builder = ViewportBuilder::default()
+    let (corner, size) = *open.placed.get_or_insert_with(|| {
+        let least = Vec2::from(LEAST);
+        Screen::of(context, lcd).open(None, Vec2::from(SIZE), least)
+    });
+    let mut builder = ViewportBuilder::default()
         .with_title(format!("{title} - GSK980TD"))
         .with_app_id("gsk980td")
-        .with_inner_size(SIZE)
-        .with_min_inner_size([420.0, 260.0]);
+        .with_inner_size(size)
+        .with_min_inner_size(Vec2::from(LEAST).min(size));
+    if let Some(corner) = corner {
+        builder = builder.with_position(corner);
+    }
     let id = ViewportId::from_hash_of("files");
     context.show_viewport_immediate(id, builder, |ui, _| {
         let outcome = open.show(ui, language);
+        ui.input(|input| {
+            typed.focused = input.focused;
+            let stops = input.events.iter().filter(|event| keyboard::stops(event));
+            typed.stops.extend(stops.cloned());
+        });
         let closing = ui.input(|input| input.viewport().close_requested());
         match outcome {
             Outcome::Stays if closing => Outcome::GivenUp,
@@ -140,6 +181,7 @@ impl Open {
             all: false,
             overwrites: None,
             focus: true,
+            placed: None,
         };
         open.go(folder, context);
         open
@@ -220,20 +262,28 @@ impl Open {
         if shown.is_empty() && self.reading.is_none() {
             ui.weak(say::browser_no_files().text(language));
         }
-        let mut clicked = None;
         let height = ui.spacing().interact_size.y;
+        let name = say::browser_list_name().text(language);
+        let list = focus::List::begin(ui, "entries", &name, shown.len(), None);
+        let of = |at: usize| shown.get(at).cloned();
+        // Moving names a file, Enter takes it, or goes into a folder.
+        let moved = list.moved().and_then(of).filter(|entry| entry.is_file);
+        let entered = list.entered().and_then(of).map(|entry| (entry, true));
+        let mut clicked = entered.or(moved.map(|entry| (entry, false)));
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .show_rows(ui, height, shown.len(), |ui, rows| {
-                for entry in shown.get(rows).unwrap_or_default() {
+                list.follow(ui, rows.start, height);
+                let rows = shown.iter().enumerate().skip(rows.start).take(rows.len());
+                for (at, entry) in rows {
                     let sign = if entry.is_file { "  " } else { "▸ " };
                     let selected = entry.is_file && entry.name == self.typed;
-                    let row = ui.selectable_label(selected, format!("{sign}{}", entry.name));
-                    if row.double_clicked() || row.clicked() {
+                    let words = format!("{sign}{}", entry.name);
+                    let row = focus::row(ui, selected, words);
+                    if list.row(ui, at, &row) {
                         clicked = Some((entry.clone(), row.double_clicked()));
                     }
                 }
-                focus::follow(ui);
             });
         let Some((entry, twice)) = clicked else {
             return Outcome::Stays;

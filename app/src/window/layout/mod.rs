@@ -274,7 +274,11 @@ impl Layouts {
     }
 
     fn home(&mut self, view: View) -> &mut Home {
-        self.homes.entry(view).or_default()
+        let first = || Home {
+            docks: view.row().docks,
+            place: None,
+        };
+        self.homes.entry(view).or_insert_with(first)
     }
 
     fn take_away(&mut self, view: View) {

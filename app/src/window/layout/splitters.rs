@@ -1,10 +1,16 @@
-//! The bars between panes: dragged with mouse or finger, a double click puts one back.
+//! The bars between panes: dragged with mouse or finger, a double click puts one back. With
+//! the focus they are moved by the keys of the cursor, Enter puts one back (WINDOW-27).
 
-use egui::{Color32, CursorIcon, Role, Sense, Ui, WidgetInfo};
+use egui::{Color32, CursorIcon, Event, Key, Role, Sense, Ui, WidgetInfo};
+
+use crate::window::focus;
 
 use super::Layouts;
 use super::panes::Splitter;
 use gsk_messages::{Language, say};
+
+/// How far a key moves a bar, a share of its room.
+const STEP: f32 = 0.02;
 
 /// A bar at rest, and one that is held.
 const REST: Color32 = Color32::from_gray(44);
@@ -14,13 +20,21 @@ const HELD: Color32 = Color32::from_rgb(88, 140, 196);
 pub fn drag(ui: &Ui, splitters: &[Splitter], layouts: &mut Layouts, language: Language) {
     for splitter in splitters {
         let id = ui.scope_id().with(("splitter", splitter.split));
-        let response = ui.interact(splitter.bar, id, Sense::CLICK | Sense::DRAG);
+        let response = ui.interact(splitter.bar, id, Sense::click_and_drag());
         response.widget_info(|| {
-            let name = say::window_splitter(splitter.split).text(language);
-            WidgetInfo::labeled(Role::Splitter, true, name)
+            let name = match splitter.beside {
+                true => say::window_splitter_beside(splitter.split),
+                false => say::window_splitter_above(splitter.split),
+            };
+            let share = f64::from((splitter.at() * 100.0).round());
+            WidgetInfo {
+                value: Some(share),
+                ..WidgetInfo::labeled(Role::Splitter, true, name.text(language))
+            }
         });
-        let held = response.hovered() || response.dragged();
-        if held {
+        let pointed = response.hovered() || response.dragged();
+        let held = pointed || response.has_focus();
+        if pointed {
             ui.ctx().set_cursor_icon(match splitter.beside {
                 true => CursorIcon::ResizeHorizontal,
                 false => CursorIcon::ResizeVertical,
@@ -28,6 +42,10 @@ pub fn drag(ui: &Ui, splitters: &[Splitter], layouts: &mut Layouts, language: La
         }
         let fill = if held { HELD } else { REST };
         ui.painter().rect_filled(splitter.bar, 0.0, fill);
+        if response.has_focus() {
+            focus::keep_keys(ui, id);
+            by_keys(ui, splitter, layouts);
+        }
         if response.double_clicked() {
             layouts.set_share(splitter.split, None);
         } else if response.dragged()
@@ -35,5 +53,42 @@ pub fn drag(ui: &Ui, splitters: &[Splitter], layouts: &mut Layouts, language: La
         {
             layouts.set_share(splitter.split, Some(splitter.share(at)));
         }
+    }
+}
+
+/// Takes the keys that move a bar: those that nothing is held with.
+fn by_keys(ui: &Ui, splitter: &Splitter, layouts: &mut Layouts) {
+    let (back, forth) = match splitter.beside {
+        true => (Key::ArrowLeft, Key::ArrowRight),
+        false => (Key::ArrowUp, Key::ArrowDown),
+    };
+    let (mut moved, mut again) = (0.0, false);
+    ui.input_mut(|input| {
+        input.events.retain(|event| {
+            let Event::Key {
+                key,
+                pressed: true,
+                modifiers,
+                ..
+            } = event
+            else {
+                return true;
+            };
+            if modifiers.any() {
+                return true;
+            }
+            match *key {
+                Key::Enter | Key::Space => again = true,
+                key if key == back => moved -= STEP,
+                key if key == forth => moved += STEP,
+                key => return !focus::is_cursor(key),
+            }
+            false
+        });
+    });
+    if again {
+        layouts.set_share(splitter.split, None);
+    } else if moved != 0.0 {
+        layouts.set_share(splitter.split, Some(splitter.at() + moved));
     }
 }

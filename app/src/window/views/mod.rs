@@ -21,8 +21,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use egui::{
-    Color32, Context, Event, Frame, Key, Margin, Pos2, Rect, ScrollArea, Sense, Ui, UiBuilder,
-    Vec2, ViewportBuilder, ViewportId,
+    Color32, Context, Event, Frame, Margin, Pos2, Rect, ScrollArea, Sense, Ui, UiBuilder, Vec2,
+    ViewportBuilder, ViewportId,
 };
 use gsk_link::LinkState;
 
@@ -35,7 +35,7 @@ use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use crate::pc::Remembered;
 use crate::platform;
-use crate::window::focus;
+use crate::window::{focus, keyboard};
 use bench::Bench;
 use commission::CommissionView;
 use data::DataView;
@@ -346,6 +346,8 @@ pub struct Typed {
     pub focused: bool,
     /// Keys of the PC.
     pub events: Vec<Event>,
+    /// Where the keys of the cursor move in a list an axis was to be jogged.
+    pub jogs_in_list: bool,
     /// A key of another view.
     toggled: Option<View>,
     /// A key of a layout.
@@ -395,13 +397,10 @@ impl OwnWindow {
             badge::show(ui, &id, self.board, self.language);
             left.asked = add(ui);
             let typing = ui.ctx().egui_wants_keyboard_input();
+            let mut all = ui.input(|input| input.events.clone());
+            typed.jogs_in_list |= keyboard::beside_keeper(ui.ctx(), &mut all);
             ui.input(|input| {
                 typed.focused |= input.focused;
-                let events = input
-                    .events
-                    .iter()
-                    .filter(|event| for_panel(event, row.view, typing));
-                typed.events.extend(events.cloned());
                 let toggled = toggled(&input.events);
                 let again = toggled == Some(row.view);
                 if again || input.viewport().close_requested() {
@@ -413,6 +412,8 @@ impl OwnWindow {
                 typed.chosen = typed.chosen.or(layout::chosen(&input.events));
                 left.place = floating::place(input.viewport());
             });
+            all.retain(|event| for_panel(event, row.view, typing));
+            typed.events.extend(all);
         });
         left
     }
@@ -426,7 +427,7 @@ fn for_panel(event: &Event, view: View, typing: bool) -> bool {
     let Event::Key { key, modifiers, .. } = event else {
         return false;
     };
-    if stops(event) {
+    if keyboard::stops(event) {
         return true;
     }
     let number = key.name().strip_prefix('F');
@@ -434,16 +435,6 @@ fn for_panel(event: &Event, view: View, typing: bool) -> bool {
     let combined = modifiers.ctrl || modifiers.alt;
     let own_keys = matches!(view, View::Ladder | View::Program);
     !own_keys && !typing && !modifiers.shift && (function || combined)
-}
-
-/// Whether a key is the panel's wherever it is typed and whatever else is held: feed hold,
-/// emergency stop, and every release.
-pub fn stops(event: &Event) -> bool {
-    match event {
-        Event::Key { pressed: false, .. } => true,
-        Event::Key { key, .. } => matches!(key, Key::F10 | Key::F12),
-        _ => false,
-    }
 }
 
 fn bar_frame() -> Frame {
@@ -465,7 +456,7 @@ fn plain_frame() -> Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use egui::Modifiers;
+    use egui::{Key, Modifiers};
 
     fn press(key: Key, modifiers: Modifiers) -> Event {
         Event::Key {

@@ -2,8 +2,8 @@
 //! value, its bits and what it means.
 
 use egui::{
-    CentralPanel, Color32, Grid, Label, Panel, RichText, Role, ScrollArea, Sense, TextEdit,
-    TextStyle, TextWrapMode, Ui, WidgetInfo, WidgetText, pos2, vec2,
+    CentralPanel, Color32, Grid, Label, Panel, Response, RichText, Role, ScrollArea, Sense,
+    TextEdit, TextStyle, TextWrapMode, Ui, WidgetInfo, WidgetText, pos2, vec2,
 };
 use gsk_core::memory::{self, Disk, Effective, ParameterRow};
 use gsk_help::{Subject, Topic, ask_among, name, topic};
@@ -167,25 +167,37 @@ impl Parameters {
         let weak = ui.visuals().weak_text_color();
         let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::HOVER);
         put(ui, place, headings.map(|text| (text, weak)));
+        let own = |row: &&ParameterRow| (row.number, row.bit);
+        let chosen = self.chosen;
+        let chosen = rows.iter().position(|row| Some(own(row)) == chosen);
+        let name = say::data_list_name().text(language);
+        let list = focus::List::begin(ui, "parameter list", &name, rows.len(), chosen);
+        if let Some(row) = list.moved().and_then(|at| rows.get(at)) {
+            self.chosen = Some(own(row));
+        }
         ScrollArea::vertical()
             .id_salt("parameters")
             .auto_shrink([false, false])
             .show_rows(ui, LINE, rows.len(), |ui, shown| {
-                for row in rows.get(shown).unwrap_or_default() {
-                    self.row(ui, language, machine, drafts, row);
+                list.follow(ui, shown.start, LINE);
+                let rows = rows.iter().copied().enumerate();
+                for (at, row) in rows.skip(shown.start).take(shown.len()) {
+                    let response = self.row(ui, language, machine, drafts, row);
+                    if list.row(ui, at, &response) {
+                        self.chosen = Some(own(&row));
+                    }
                 }
-                focus::follow(ui);
             });
     }
 
     fn row(
-        &mut self,
+        &self,
         ui: &mut Ui,
         language: Language,
         machine: &Values<'_>,
         drafts: &Drafts,
         row: &'static ParameterRow,
-    ) {
+    ) -> Response {
         let own = (row.number, row.bit);
         let spot = Spot::Parameter(row.number);
         let typed = drafts.has(spot);
@@ -205,7 +217,7 @@ impl Parameters {
         };
         let meaning = meaning(row, language);
         let (place, response) =
-            ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::click());
+            ui.allocate_exact_size(vec2(ui.available_width(), LINE), focus::ROW);
         let chosen = self.chosen == Some(own);
         let said = match other {
             true => format!(
@@ -215,21 +227,13 @@ impl Parameters {
             ),
             false => format!("{number} {} {value} {meaning}", row.symbol),
         };
-        response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &said));
-        if response.clicked() {
-            self.chosen = Some(own);
-        }
+        response.widget_info(|| WidgetInfo::selected(Role::ListBoxOption, true, chosen, &said));
         let fill = match (chosen, response.hovered()) {
             (true, _) => ui.visuals().selection.bg_fill,
             (false, true) => ui.visuals().widgets.hovered.weak_bg_fill,
             (false, false) => Color32::TRANSPARENT,
         };
         ui.painter().rect_filled(place, 2.0, fill);
-        if response.has_focus() {
-            let line = ui.visuals().widgets.hovered.fg_stroke;
-            let inside = egui::StrokeKind::Inside;
-            ui.painter().rect_stroke(place, 2.0, line, inside);
-        }
         let ink = Color32::from_gray(215);
         let of_value = match (typed, other) {
             (true, _) => TYPED,
@@ -250,6 +254,7 @@ impl Parameters {
             (meaning, ink),
         ];
         put(ui, place, cells);
+        response
     }
 
     /// The chosen parameter.

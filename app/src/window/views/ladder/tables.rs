@@ -205,9 +205,13 @@ fn table(
         .map(|(head, _)| RichText::new(head.text(language)).weak());
     cells(ui, columns, heads.collect());
     ui.separator();
+    let name = columns.iter().map(|(head, _)| head.text(language));
+    let name = name.collect::<Vec<_>>().join("  ");
+    let list = focus::List::begin(ui, "table", &name, count, None);
     ScrollArea::vertical()
         .auto_shrink([false, false])
         .show_rows(ui, ROW, count, |ui, rows| {
+            list.follow(ui, rows.start, ROW);
             for index in rows {
                 let texts = row(index);
                 let name = texts
@@ -217,19 +221,19 @@ fn table(
                     .join("  ");
                 let place = cells(ui, columns, texts);
                 let id = ui.scope_id().with(("row", index));
-                let response = ui.interact(place, id, Sense::click());
-                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
-                if response.hovered() || response.has_focus() {
+                let response = ui.interact(place, id, focus::ROW);
+                let role = egui::Role::ListBoxOption;
+                response.widget_info(|| egui::WidgetInfo::labeled(role, true, &name));
+                if response.hovered() {
                     let shade = Color32::from_white_alpha(10);
                     ui.painter().rect_filled(place, 2.0, shade);
                 }
-                if response.clicked() {
+                if list.row(ui, index, &response) {
                     clicked = Some(index);
                 }
             }
-            focus::follow(ui);
         });
-    clicked
+    clicked.or(list.entered())
 }
 
 /// One row of texts; gives its place.

@@ -185,7 +185,10 @@ impl LatheView {
             .max_height(LIST)
             .auto_shrink([false, true])
             .show(ui, |ui| {
-                for finding in findings {
+                let name = say::lathe_collisions(findings.len()).text(language);
+                let count = findings.len();
+                let list = focus::List::begin(ui, "collisions", &name, count, None);
+                for (at, finding) in findings.iter().enumerate() {
                     let collision = &finding.collision;
                     let (x, z) = (collision.tip.diameter().0, collision.tip.z);
                     let block = finding.source.map(block_of);
@@ -197,11 +200,11 @@ impl LatheView {
                         None => say::window_collision(collision.message(), x, z),
                     };
                     let words = RichText::new(words.text(language)).color(HIT);
-                    if ui.link(words).clicked() {
+                    let link = focus::link(ui, words);
+                    if list.row(ui, at, &link) || list.entered() == Some(at) {
                         meant = Some((block, place(collision.contact)));
                     }
                 }
-                focus::follow(ui);
             });
         if let Some((block, at)) = meant {
             self.chosen = block.map(|block| Chosen { block, pass: None });

@@ -418,10 +418,14 @@ impl ProgramView {
                 } else if checked.findings.is_empty() {
                     ui.label(checked.look.line(language));
                 }
-                for finding in &checked.findings {
+                let name = say::program_findings_name().text(language);
+                let count = checked.findings.len();
+                let list = focus::List::begin(ui, "findings", &name, count, None);
+                for (at, finding) in checked.findings.iter().enumerate() {
                     let told = finding.told(language);
                     let sentence = RichText::new(told.sentence(Some(language))).color(WRONG);
-                    if ui.link(sentence).clicked() {
+                    let link = focus::link(ui, sentence);
+                    if list.row(ui, at, &link) || list.entered() == Some(at) {
                         go = finding.line.map(|line| (line, finding.columns.clone()));
                     }
                     let helps = [
@@ -432,7 +436,6 @@ impl ProgramView {
                         ui.label(said.text(language));
                     }
                 }
-                focus::follow(ui);
             });
         if let Some((line, columns)) = go {
             let start = self.document.character_of(self.document.line_start(line));

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use egui::{Button, Checkbox, RichText, ScrollArea, TextWrapMode, Ui};
+use egui::{Button, RichText, ScrollArea, TextWrapMode, Ui};
 use gsk_core::memory::{Level, Refusal};
 use gsk_messages::{Language, Message, say};
 use gsk_project::{Difference, State, denied, diff, refused, sentence, whole_disk};
@@ -278,6 +278,14 @@ impl Compared {
         let mut turned = None;
         let height = ui.spacing().interact_size.y;
         let room = ui.available_height() - 2.0 * height;
+        let name = say::project_differs(shown.len()).text(language);
+        let list = focus::List::begin(ui, "differences", &name, shown.len(), None);
+        let entered = list.entered().and_then(|at| shown.get(at));
+        if let Some(row) = entered.and_then(|at| Some((*at, self.rows.get(*at)?)))
+            && row.1.refusal.is_none()
+        {
+            turned = Some((row.0, !row.1.taken));
+        }
         ScrollArea::both()
             .id_salt("project differences")
             .auto_shrink([false, false])
@@ -285,8 +293,10 @@ impl Compared {
             .show_rows(ui, height, shown.len(), |ui, range| {
                 // A row is as high as the others, and scrolled where it is longer.
                 ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
-                for at in shown.get(range).unwrap_or_default() {
-                    let Some(row) = self.rows.get_mut(*at) else {
+                list.follow(ui, range.start, height);
+                let shown = shown.iter().enumerate();
+                for (place, at) in shown.skip(range.start).take(range.len()) {
+                    let Some(row) = self.rows.get(*at) else {
                         continue;
                     };
                     let [zh, en] = &row.words;
@@ -294,17 +304,17 @@ impl Compared {
                         Language::Zh => zh,
                         Language::En => en,
                     };
-                    let mut taken = row.taken;
-                    let tick = Checkbox::new(&mut taken, text);
-                    let box_ = ui.add_enabled(row.refusal.is_none(), tick);
-                    if box_.changed() {
-                        turned = Some((*at, taken));
+                    let tick = ui.add_enabled_ui(row.refusal.is_none(), |ui| {
+                        focus::tick(ui, row.taken, text, height)
+                    });
+                    let tick = tick.inner;
+                    if list.row(ui, place, &tick) {
+                        turned = Some((*at, !row.taken));
                     }
                     if let Some(refusal) = row.refusal {
-                        box_.on_disabled_hover_text(refused(refusal).text(language));
+                        tick.on_disabled_hover_text(refused(refusal).text(language));
                     }
                 }
-                focus::follow(ui);
             });
         if let Some((at, taken)) = turned {
             self.tick(&[at], taken);

@@ -144,10 +144,7 @@ impl ProjectView {
                     ScrollArea::vertical()
                         .id_salt("project tree")
                         .auto_shrink([false, false])
-                        .show(ui, |ui| {
-                            self.tree(ui, language);
-                            focus::follow(ui);
-                        });
+                        .show(ui, |ui| self.tree(ui, language));
                 });
         }
         CentralPanel::default()
@@ -271,17 +268,26 @@ impl ProjectView {
         places.collect()
     }
 
-    /// The tree.
-    fn tree(&mut self, ui: &mut Ui, language: Language) {
-        for (node, depth, words) in self.places(language) {
+    /// The tree. Says whether Enter was pressed at a place.
+    fn tree(&mut self, ui: &mut Ui, language: Language) -> bool {
+        let places = self.places(language);
+        let chosen = places.iter().position(|(node, ..)| *node == self.node);
+        let name = say::project_view_place().text(language);
+        let list = focus::List::begin(ui, "places", &name, places.len(), chosen);
+        if let Some((node, ..)) = list.moved().and_then(|at| places.get(at)) {
+            self.node = *node;
+        }
+        for (at, (node, depth, words)) in places.into_iter().enumerate() {
             ui.horizontal(|ui| {
                 ui.add_space(f32::from(depth) * STEP);
-                let button = Button::selectable(self.node == node, words).truncate();
-                if ui.add(button).clicked() {
+                let is_chosen = self.node == node;
+                let row = focus::row(ui, is_chosen, words);
+                if list.row(ui, at, &row) {
                     self.node = node;
                 }
             });
         }
+        list.entered().is_some()
     }
 
     /// The tree where there is no room for it: a list that is opened, down to the bottom of
@@ -294,7 +300,11 @@ impl ProjectView {
             .width(ui.available_width())
             .height(bottom - ui.cursor().top() - LIST_ROOM)
             .selected_text(words.as_str())
-            .show_ui(ui, |ui| self.tree(ui, language));
+            .show_ui(ui, |ui| {
+                if self.tree(ui, language) {
+                    ui.close();
+                }
+            });
         let name = say::project_view_place().text(language);
         shown.response.widget_info(|| WidgetInfo {
             current_text_value: Some(words.clone()),
