@@ -21,7 +21,9 @@ use crate::model::{ControlModel, Record};
 use crate::program::{Program, Recent, Syntax};
 use crate::units::{Axis, Point};
 
+mod read;
 mod reading;
+mod statements;
 
 /// Blocks to commands. Plain data: it can be saved and restored at any time.
 ///

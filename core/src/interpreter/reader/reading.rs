@@ -9,10 +9,10 @@ use crate::interpreter::block;
 use crate::interpreter::calls::subprogram;
 use crate::interpreter::codes::corner;
 use crate::interpreter::codes::inch;
-use crate::interpreter::codes::nose_radius::{self, check_call};
+use crate::interpreter::codes::nose_radius::check_call;
 use crate::interpreter::context::code_calls::{self, CodeCalls};
 use crate::interpreter::context::exact::Exact;
-use crate::interpreter::context::flow::{Flow, MacroEntry};
+use crate::interpreter::context::flow::Flow;
 use crate::interpreter::context::host::Host;
 use crate::interpreter::context::machine_codes::MachineCodes;
 use crate::interpreter::context::place::{Call, Place};
@@ -22,38 +22,22 @@ use crate::interpreter::context::{Compensated, Context};
 use crate::interpreter::macros::formula;
 use crate::interpreter::macros::lookahead;
 use crate::interpreter::macros::lookahead::Reading;
-use crate::interpreter::macros::macro_block;
-use crate::interpreter::macros::statement::{self, Here, MACRO_LEVELS, Outcome};
-use crate::interpreter::macros::system::{self, Known};
-use crate::interpreter::macros::variable;
+use crate::interpreter::macros::statement::{self, Here};
+use crate::interpreter::macros::system::Known;
 use crate::interpreter::macros::variable::NotNow;
 use crate::interpreter::plain_move::{PlainMove, Under};
 use crate::interpreter::plan::Plan;
 use crate::interpreter::run::Run;
 use crate::memory::Parameters;
 use crate::model::ControlModel;
-use crate::program::{Block, Recent, Statement, Syntax};
+use crate::program::Recent;
 
+use super::read::{Read, missing};
+use super::statements::{refused_by_huaxing, resolve};
 use super::{Advance, Interpreter};
 
 /// Blocks without any command that one call goes through.
 const SILENT_BLOCKS: u32 = 16;
-
-/// What reading one block led to.
-enum Read {
-    /// Its plan stands in the run.
-    Planned,
-    /// It is this command, and nothing else.
-    Moves(Command),
-    /// It must not be read yet.
-    Wait,
-    /// It has not come through the line yet.
-    Starved,
-    /// There is nothing in it.
-    Skipped,
-    /// The text is over.
-    Ended,
-}
 
 impl Interpreter {
     /// The next command as it is programmed, without the compensation.
@@ -358,124 +342,6 @@ impl Interpreter {
         })
     }
 
-    /// A statement of macro B: it acts while it is read.
-    fn follow_statement<H: Host>(
-        &mut self,
-        outcome: Result<Outcome, NotNow>,
-        source: Source,
-        place: Place,
-        host: &mut H,
-    ) -> Result<Read, Alarm> {
-        let outcome = outcome.and_then(|outcome| self.take_up(outcome, place, host));
-        let flow = match outcome {
-            Ok(flow) => flow,
-            Err(NotNow::Wait) => return Ok(Read::Wait),
-            Err(NotNow::Fault(alarm)) => return Err(alarm.at(source)),
-        };
-        let mut plan = Plan::new(source, self.state.modal);
-        plan.after = Some(Action::Macro);
-        plan.stops = host.parameters().macro_blocks_stop();
-        plan.flow = flow;
-        self.note(source);
-        Ok(self.planned(plan))
-    }
-
-    /// Puts into force what a statement leads to; where reading goes on.
-    fn take_up<H: Host>(
-        &mut self,
-        outcome: Outcome,
-        place: Place,
-        host: &mut H,
-    ) -> Result<Flow, NotNow> {
-        let to = |block| Flow::Jump(Place { block, ..place });
-        let counted = self.own_variables;
-        let levels = &mut self.run_mut().levels;
-        match outcome {
-            Outcome::Nothing => {}
-            Outcome::Assign(number, value) if counted => {
-                system::write_counted(number, value, host)?;
-            }
-            Outcome::Assign(number, value) => {
-                system::write(number, value, levels, host)?;
-                if number == system::SETTINGS {
-                    self.set_inch_input(host.settings().inch);
-                }
-            }
-            Outcome::Enter(entered) => levels.enter_loop(entered),
-            Outcome::Repeat(first) => return Ok(to(first)),
-            Outcome::Leave(last) => return Ok(to(last.saturating_add(1))),
-            Outcome::Goto(number) => return Ok(to(self.jump_target(place, number, host)?)),
-            Outcome::Call(call, arguments) => {
-                self.check_macro_call()?;
-                return Ok(Flow::MacroCall(Box::new(MacroEntry { call, arguments })));
-            }
-            Outcome::Modal(modal) => {
-                if !levels.add_modal(modal, MACRO_LEVELS) {
-                    let detail = say::modal_calls_too_many(MACRO_LEVELS);
-                    return Err(Alarm::new(number::MODAL_CALLS).because(detail).into());
-                }
-            }
-            Outcome::CancelModal => levels.cancel_modal(),
-        }
-        Ok(Flow::Next)
-    }
-
-    /// Nothing is called while the nose radius is compensated.
-    fn check_macro_call(&self) -> Result<(), Alarm> {
-        match self.compensated() {
-            Compensated::On => Err(nose_radius::call_fault()),
-            Compensated::Off | Compensated::Never => Ok(()),
-        }
-    }
-
-    /// The block that a jump by its sequence number leads to.
-    fn jump_target<H: Host>(&mut self, place: Place, p: i64, host: &H) -> Result<u32, Alarm> {
-        let program = match &self.mdi {
-            Some(mdi) => &mdi.program,
-            None => host
-                .programs()
-                .get(place.program)
-                .ok_or_else(|| missing(place.program))?,
-        };
-        match place.program {
-            ProgramId::Dnc => Err(Alarm::new(number::BAD_JUMP).because(say::jump_in_dnc())),
-            _ => self.jumps.target(program, place, p),
-        }
-    }
-
-    /// G65 H: acts while it is read; as a code of group 00 it clears the stored
-    /// words of G90, G92 and G94 (manual I-3.2.5.3).
-    fn operate<H: Host>(
-        &mut self,
-        block: &Block,
-        source: Source,
-        place: Place,
-        host: &mut H,
-    ) -> Result<Read, Alarm> {
-        let outcome = match macro_block::evaluate(block, host) {
-            Ok(outcome) => outcome,
-            Err(NotNow::Wait) => return Ok(Read::Wait),
-            Err(NotNow::Fault(alarm)) => return Err(alarm.at(source)),
-        };
-        let mut plan = Plan::new(source, self.state.modal);
-        plan.after = Some(Action::Macro);
-        plan.stops = host.parameters().macro_blocks_stop();
-        match outcome {
-            macro_block::Outcome::Nothing => {}
-            macro_block::Outcome::Value(slot, value) => {
-                slot.write(value, host).map_err(|alarm| alarm.at(source))?;
-            }
-            macro_block::Outcome::Jump(p) => {
-                let target = self.jump_target(place, p, host);
-                let block = target.map_err(|alarm| alarm.at(source))?;
-                plan.flow = Flow::Jump(Place { block, ..place });
-            }
-        }
-        self.state.cycle.clear_end();
-        self.note(source);
-        Ok(self.planned(plan))
-    }
-
     /// The text is over without M30 or M99.
     fn end_of_text<H: Host>(&mut self, last_line: u32, host: &H) -> Result<Read, Alarm> {
         if self.mdi.is_some() {
@@ -522,7 +388,7 @@ impl Interpreter {
 
     /// After M00, M30 and a G28 that seeks the reference point nothing is read
     /// before they are finished.
-    fn planned(&mut self, mut plan: Plan) -> Read {
+    pub(super) fn planned(&mut self, mut plan: Plan) -> Read {
         let run = self.run_mut();
         plan.whole |= run.finishing.is_some();
         run.paused = plan.motion.ends_unknown()
@@ -531,27 +397,11 @@ impl Interpreter {
         Read::Planned
     }
 
-    fn note(&mut self, source: Source) {
+    pub(super) fn note(&mut self, source: Source) {
         let run = self.run_mut();
         run.source = Some(source);
         run.sequence = source.sequence;
     }
-}
-
-/// What the Huaxing lathes say to a statement other than a value for a variable.
-#[cold]
-fn refused_by_huaxing(statement: &Statement) -> Option<Alarm> {
-    let code = match statement {
-        Statement::Assign(_) => return None,
-        Statement::Call(_) => 65,
-        Statement::ModalCall(_) => 66,
-        Statement::CancelModalCall => 67,
-        _ => {
-            let rule = say::statement_not_of_huaxing();
-            return Some(Alarm::new(number::BAD_OPERATION).because(rule));
-        }
-    };
-    Some(Alarm::new(number::BAD_G).because(say::g_unknown(code)))
 }
 
 /// The codes that call a program where a run stands; none where they are ordinary.
@@ -563,28 +413,6 @@ fn calls_by_codes<'a>(
 ) -> Option<&'a CodeCalls> {
     let stored = !matches!(place.program, ProgramId::Mdi | ProgramId::Dnc);
     calls.filter(|_| stored && !code_calls::are_ordinary(&run.calls))
-}
-
-/// A block with numbers in the place of its variables and formulas; none where it has
-/// numbers only.
-fn resolve<H: Host>(
-    block: &Block,
-    known: Option<&Known<'_>>,
-    syntax: Syntax,
-    host: &H,
-) -> Result<Option<Block>, NotNow> {
-    match (block.formulas(), known) {
-        (Some(formulas), Some(known)) => known.words(block, formulas, syntax, host).map(Some),
-        _ if block.has_variables() => {
-            if syntax.model.record().own_variables
-                && let Some(number) = block.first_variable()
-            {
-                return Err(system::unknown_there(number.into()));
-            }
-            variable::resolve(block.clone(), syntax, host).map(Some)
-        }
-        _ => Ok(None),
-    }
 }
 
 /// Under G66 a move calls its macro: not in the profile of a cycle.
@@ -647,8 +475,4 @@ fn x_factor(parameters: &Parameters) -> i64 {
         true => 2,
         false => 1,
     }
-}
-
-fn missing(program: ProgramId) -> Alarm {
-    Alarm::new(number::PROGRAM_MISSING).because(say::program_not_there(format_args!("{program:?}")))
 }
