@@ -185,7 +185,6 @@ mod tests {
         assert!(keep_apart(&read, &[&new]).is_ok());
         assert!(keep_apart(&read, &[&link]).is_err());
         assert!(keep_apart(&read, &[&new, &new]).is_err());
-        fs::remove_dir_all(folder).expect("clean");
     }
 
     #[test]
@@ -219,7 +218,6 @@ mod tests {
         for free in [&result, &elsewhere, &folder.join("new.ndjson")] {
             assert_eq!(refused(free), "");
         }
-        fs::remove_dir_all(folder).expect("clean");
     }
 
     #[test]
@@ -241,6 +239,5 @@ mod tests {
             assert!(!is_free(own), "{own}");
         }
         assert!(is_free("path.ndjson") && is_free("../offsets.ron"));
-        fs::remove_dir_all(data).expect("clean");
     }
 }

@@ -13,6 +13,7 @@ use gsk_runner::partner::Patience;
 
 use crate::platform::is_serial_port;
 use crate::ports::{self, Port, PortError};
+use crate::saying::of_system;
 
 /// What stands in the folder of the data directory under this name is sent when
 /// nothing else was named.
@@ -61,7 +62,9 @@ enum SourceError {
 impl SourceError {
     fn message(&self) -> Message {
         match self {
-            Self::File { path, error } => say::dnc_source_unreadable(path.display(), error),
+            Self::File { path, error } => {
+                say::dnc_source_unreadable(path.display(), of_system(error))
+            }
             Self::Port(error) => error.message(),
             Self::Thread(error) => say::as_written(error),
         }

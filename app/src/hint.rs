@@ -1,61 +1,63 @@
 //! A command line that is wrong is told with the form that is right.
 
+use std::env;
+use std::ffi::OsString;
 use std::path::Path;
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, Error, Parser};
+use gsk_messages::{Language, Message, say};
 
-use crate::cli::Cli;
+use crate::cli::{Cli, chinese, language_of};
 use crate::setup_args;
 
 /// The command line of this program; a wrong one is told, and the program ends.
 pub fn command_line() -> Cli {
-    Cli::try_parse().unwrap_or_else(|error| with_hint(error).exit())
+    let words: Vec<OsString> = env::args_os().collect();
+    Cli::try_parse_from(&words).unwrap_or_else(|error| told(error, &words).exit())
+}
+
+/// What is said of a command line that is wrong, or of the help that it asks for.
+fn told(error: Error, words: &[OsString]) -> Error {
+    let chinese = match language_of(words) {
+        Some(Language::Zh) => chinese::told(words, with_hint),
+        Some(Language::En) | None => None,
+    };
+    chinese.unwrap_or_else(|| with_hint(error, Language::En))
 }
 
 /// The form that was probably meant, where the window was called as a command is, or
 /// a command as the window is.
-fn with_hint(mut error: Error) -> Error {
+fn with_hint(mut error: Error, language: Language) -> Error {
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
         return error;
     };
     let alike = error.get(ContextKind::SuggestedSubcommand).is_some();
     if let Some(hint) = hint(word, alike) {
-        let hint = ContextValue::StyledStrs(vec![hint.into()]);
+        let hint = ContextValue::StyledStrs(vec![hint.text(language).into()]);
         error.insert(ContextKind::Suggested, hint);
     }
     error
 }
 
 /// What to say of a word that is no command here; `alike`: one is called much the same.
-fn hint(word: &str, alike: bool) -> Option<String> {
+fn hint(word: &str, alike: bool) -> Option<Message> {
     if Cli::command().find_subcommand(word).is_some() {
-        return Some(format!(
-            "the options stand behind the command: `gsk980td {word} …`; `gsk980td {word} --help` \
-             lists them"
-        ));
+        return Some(say::hint_options_behind(word));
     }
     if setup_args::switch(word).is_ok() {
-        return Some(format!(
-            "the value of `--first-start` comes after `=`: `--first-start={word}`"
-        ));
+        return Some(say::hint_first_start(word));
     }
     let extension = Path::new(word).extension();
     let is_path = extension.is_some() || word.contains(['/', '\\']);
     if alike && !is_path {
         return None;
     }
-    let option = match extension.and_then(|end| end.to_str()) {
-        Some("ron") => "--machine",
-        Some("il") => "--ladder",
-        _ => {
-            return Some(format!(
-                "the window opens a program with `--program {word}`; without a window `gsk980td \
-                 check {word}` looks it through and `gsk980td run {word}` executes it"
-            ));
-        }
-    };
-    Some(format!("the window takes this file with `{option} {word}`"))
+    Some(match extension.and_then(|end| end.to_str()) {
+        Some("ron") => say::hint_file("--machine", word),
+        Some("il") => say::hint_file("--ladder", word),
+        _ => say::hint_program(word),
+    })
 }
 
 #[cfg(test)]
@@ -64,7 +66,7 @@ mod tests {
 
     fn told(line: &str) -> String {
         let error = Cli::try_parse_from(line.split_whitespace()).expect_err(line);
-        with_hint(error).to_string()
+        with_hint(error, Language::En).to_string()
     }
 
     #[test]

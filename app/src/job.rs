@@ -254,8 +254,7 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read_again_and_the_file_before_is_kept() {
-        let folder = std::env::temp_dir().join(format!("gsk980td-jobs-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = crate::files::test_folder("jobs");
         let path = folder.join("part.job.ron");
         let old = "// by hand\n(stock: (form: Bar(diameter: 40), length: 90, overhang: 50))";
         std::fs::write(&path, old).unwrap();
@@ -281,13 +280,11 @@ mod tests {
         std::fs::write(&path, "(misspelt").unwrap();
         write(&path, &job).unwrap();
         assert_eq!(kept("part.job.ron~2").unwrap(), "(misspelt");
-        std::fs::remove_dir_all(&folder).unwrap();
     }
 
     #[test]
     fn a_file_that_is_no_job_is_named_with_its_line() {
-        let folder = std::env::temp_dir().join(format!("gsk980td-job-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = crate::files::test_folder("job");
         let path = folder.join("part.job.ron");
         for (text, wanted) in [
             ("(\n stock: 5\n)", "line 2"),
@@ -301,6 +298,5 @@ mod tests {
             let said = read(&path).unwrap_err().to_string();
             assert!(said.contains(wanted), "{said}");
         }
-        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -15,6 +15,8 @@ use tracing_subscriber::fmt::{self, MakeWriter};
 use tracing_subscriber::layer::SubscriberExt;
 
 use crate::platform::{LogFile, LogGuard, log_file};
+use crate::saying::of_system;
+use crate::setup_args::WordError;
 
 /// The folder in the data directory.
 pub const FOLDER: &str = "log";
@@ -33,19 +35,14 @@ pub const LEVELS: [(&str, LevelFilter); 6] = [
     ("trace", LevelFilter::TRACE),
 ];
 
-/// A word that is no level.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no level of the log: off, error, warn, info, debug or trace")]
-pub struct NoLevel(String);
-
 /// Reads a level.
 ///
 /// # Errors
 /// It is none.
-pub fn level(word: &str) -> Result<LevelFilter, NoLevel> {
+pub fn level(word: &str) -> Result<LevelFilter, WordError> {
     let found = LEVELS.iter().find(|(name, _)| *name == word);
     let found = found.map(|(_, level)| *level);
-    found.ok_or_else(|| NoLevel(word.to_owned()))
+    found.ok_or_else(|| WordError::NoLevel(word.to_owned()))
 }
 
 /// Why there is no log.
@@ -61,7 +58,7 @@ pub struct LogError {
 impl LogError {
     /// What is said of it.
     pub fn message(&self) -> Message {
-        say::log_not_written(self.folder.display(), &self.cause)
+        say::log_not_written(self.folder.display(), of_system(&self.cause))
     }
 }
 
@@ -179,7 +176,6 @@ mod tests {
             "{text}"
         );
         assert_eq!(text.lines().count(), 1, "{text}");
-        std::fs::remove_dir_all(data).expect("clean");
     }
 
     #[test]

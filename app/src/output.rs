@@ -20,6 +20,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use web_time::{Duration, Instant};
 
 use crate::patience::Patience;
+use crate::saying::of_system;
 
 /// A file cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -38,7 +39,7 @@ impl WriteError {
 
     /// What is said of it.
     pub fn message(&self) -> Message {
-        say::file_not_written(self.path.display(), &self.error)
+        say::file_not_written(self.path.display(), of_system(&self.error))
     }
 }
 

@@ -1,6 +1,9 @@
 //! Messages that are made of others: what the control, the compiler of ladders several
 //! files or a board have to say.
 
+use std::fmt::Display;
+use std::io::{self, ErrorKind};
+
 use gsk_core::plc::{CompileError, CompileErrors, summary};
 use gsk_link::Difference;
 use gsk_messages::{Message, say};
@@ -34,4 +37,58 @@ pub fn of_ladder(errors: &CompileErrors) -> Message {
     let found = errors.errors.iter().chain(&errors.warnings);
     let summary = summary(errors.errors.len(), errors.warnings.len());
     lines(found.map(of_finding).chain([summary]))
+}
+
+/// What the system said of a file, a port or a network address: in its own words, in Chinese
+/// with what they mean before them.
+pub fn of_system(error: &io::Error) -> Message {
+    of_kind(error.kind(), error)
+}
+
+/// The same of a serial port.
+pub fn of_port(error: &serialport::Error) -> Message {
+    match error.kind() {
+        serialport::ErrorKind::Io(kind) => of_kind(kind, error),
+        _ => say::as_written(error),
+    }
+}
+
+fn of_kind(kind: ErrorKind, written: impl Display) -> Message {
+    match kind {
+        ErrorKind::NotFound => say::system_none(written),
+        ErrorKind::PermissionDenied => say::system_access(written),
+        ErrorKind::AlreadyExists => say::system_exists(written),
+        ErrorKind::IsADirectory => say::system_folder(written),
+        ErrorKind::NotADirectory => say::system_no_folder(written),
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => say::system_full(written),
+        ErrorKind::ReadOnlyFilesystem => say::system_read_only(written),
+        ErrorKind::ResourceBusy | ErrorKind::WouldBlock => say::system_busy(written),
+        ErrorKind::ConnectionRefused => say::system_refused(written),
+        ErrorKind::TimedOut => say::system_timeout(written),
+        ErrorKind::AddrInUse => say::system_address_busy(written),
+        ErrorKind::AddrNotAvailable => say::system_no_address(written),
+        ErrorKind::HostUnreachable | ErrorKind::NetworkUnreachable => {
+            say::system_unreachable(written)
+        }
+        ErrorKind::InvalidInput => say::system_not_an_address(written),
+        _ => say::as_written(written),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gsk_messages::Language;
+
+    use super::*;
+
+    #[test]
+    fn what_the_system_says_is_kept_and_has_its_meaning_in_chinese() {
+        let error = io::Error::from(ErrorKind::NotFound);
+        let said = of_system(&error);
+        assert_eq!(said.text(Language::En), error.to_string());
+        let chinese = said.text(Language::Zh);
+        assert!(chinese.starts_with("没有该文件") && chinese.contains(&error.to_string()));
+        let port = serialport::Error::new(serialport::ErrorKind::NoDevice, "gone");
+        assert_eq!(of_port(&port).text(Language::Zh), "gone");
+    }
 }

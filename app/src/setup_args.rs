@@ -11,7 +11,8 @@ use gsk_messages::{Message, say};
 
 use crate::files::models;
 
-/// Options of control and lathe.
+/// Options of control and lathe. Their heading stands over all options behind them, too: they
+/// are the last of a command.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Control and lathe")]
 pub struct SetupArgs {
@@ -209,55 +210,88 @@ impl OfMill {
 
 /// Why a word of the command line cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum WordError {
     /// No number.
-    #[error("`{0}` is not a number")]
     NoNumber(String),
     /// No length of this control.
-    #[error("`{0}` is outside ±9999.999")]
     Outside(String),
     /// Another form is wanted.
-    #[error("write it as {0}")]
     Form(&'static str),
+    /// The same, with one that would do.
+    FormLike(&'static str, &'static str),
+    /// Neither on nor off.
+    NoSwitch,
     /// Too short a way.
-    #[error("`{0}` mm is no way to measure: 0.1 at least")]
     NoWay(String),
     /// Too low a feed.
-    #[error("a feed is 1 to 9999.999 mm/min, not `{0}`")]
     NoFeed(String),
     /// A speed below 0.
-    #[error("a speed is not negative")]
     NegativeSpeed,
     /// No state.
-    #[error("a bit is 0 or 1, not `{0}`")]
     NoState(String),
     /// No number of a parameter.
-    #[error("`{0}` is not a parameter number")]
     NoParameter(String),
     /// No whole number.
-    #[error("`{0}` is not a whole number")]
     NotWhole(String),
     /// No bit.
-    #[error("a parameter has the bits 0 to 7")]
     NoBit,
     /// No number of an offset.
-    #[error("`{0}` is not an offset number")]
     NoOffset(String),
     /// More values than an offset has.
-    #[error("an offset has four values: X,Z,R,T")]
     TooManyValues,
     /// No nose type.
-    #[error("T, the nose type, is 0 to 9")]
     NoNose,
     /// No unit.
-    #[error("`{0}` is no unit of time: use ms, s, m or h")]
     NoUnit(String),
     /// No time.
-    #[error("`{0}` is not a time")]
     NoTime(String),
     /// No time that could be meant.
-    #[error("`{0}` is not a useful time")]
     UselessTime(String),
+    /// No level of the log.
+    NoLevel(String),
+    /// No partition of the control.
+    NoPartition,
+    /// No axis of a mill.
+    NoAxis,
+    /// Not the eight bits of a byte.
+    NoBits,
+    /// No diagnosis number with its bits.
+    NoKeys,
+    /// Not two whole numbers, with this between them.
+    NotTwo(char),
+}
+
+impl WordError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::NoNumber(word) => say::option_no_number(word),
+            Self::Outside(word) => say::option_outside(word),
+            Self::Form(form) => say::option_form(form),
+            Self::FormLike(form, example) => say::option_form_example(form, example),
+            Self::NoSwitch => say::option_on_off(),
+            Self::NoWay(word) => say::option_way(word),
+            Self::NoFeed(word) => say::option_feed(word),
+            Self::NegativeSpeed => say::option_negative_speed(),
+            Self::NoState(word) => say::option_state(word),
+            Self::NoParameter(word) => say::option_no_parameter(word),
+            Self::NotWhole(word) => say::option_not_whole(word),
+            Self::NoBit => say::option_bit(),
+            Self::NoOffset(word) => say::option_no_offset(word),
+            Self::TooManyValues => say::option_offset_values(),
+            Self::NoNose => say::option_nose(),
+            Self::NoUnit(word) => say::option_no_unit(word),
+            Self::NoTime(word) => say::option_no_time(word),
+            Self::UselessTime(word) => say::option_useless_time(word),
+            Self::NoLevel(word) => say::option_log(word),
+            Self::NoPartition => say::option_partition(),
+            Self::NoAxis => say::option_axis(),
+            Self::NoBits => say::option_bits(),
+            Self::NoKeys => say::option_keys(),
+            Self::NotTwo(between) => say::option_two_whole(between),
+        }
+    }
 }
 
 /// `--param`.
@@ -340,7 +374,7 @@ fn moment(word: &str) -> Result<DayTime, WordError> {
 fn model_parameter(word: &str) -> Result<(u16, i32), WordError> {
     match parameter(word)? {
         ParameterWord::Value { number, value } => Ok((number, value)),
-        ParameterWord::Bit { .. } => Err(WordError::Form("N=V, for instance 17=6000")),
+        ParameterWord::Bit { .. } => Err(WordError::FormLike("N=V", "17=6000")),
     }
 }
 
@@ -348,7 +382,7 @@ fn model_parameter(word: &str) -> Result<(u16, i32), WordError> {
 pub fn pair(word: &str) -> Result<(f64, f64), WordError> {
     let (x, z) = word
         .split_once(',')
-        .ok_or(WordError::Form("X,Z, for instance 300,300"))?;
+        .ok_or(WordError::FormLike("X,Z", "300,300"))?;
     Ok((number(x)?, number(z)?))
 }
 
@@ -384,7 +418,7 @@ pub fn switch(word: &str) -> Result<bool, WordError> {
     match word.trim() {
         "on" => Ok(true),
         "off" => Ok(false),
-        _ => Err(WordError::Form("on or off")),
+        _ => Err(WordError::NoSwitch),
     }
 }
 
@@ -397,9 +431,9 @@ fn state(word: &str) -> Result<bool, WordError> {
 }
 
 fn parameter(word: &str) -> Result<ParameterWord, WordError> {
-    let (name, value) = word.split_once('=').ok_or(WordError::Form(
-        "N=V or N.B=0|1, for instance 22=3800 or 1.4=1",
-    ))?;
+    let (name, value) = word
+        .split_once('=')
+        .ok_or(WordError::FormLike("N=V | N.B=0|1", "22=3800, 1.4=1"))?;
     let name = name.trim();
     let name = name.strip_prefix('P').unwrap_or(name);
     let parse = |digits: &str| {
@@ -434,7 +468,7 @@ fn parameter(word: &str) -> Result<ParameterWord, WordError> {
 fn offset(word: &str) -> Result<OffsetWord, WordError> {
     let (name, values) = word
         .split_once('=')
-        .ok_or(WordError::Form("NN=X,Z,R,T, for instance 1=0,0,0.4,3"))?;
+        .ok_or(WordError::FormLike("NN=X,Z,R,T", "1=0,0,0.4,3"))?;
     let name = name.trim();
     let number_of = name
         .parse()
@@ -459,7 +493,7 @@ fn offset(word: &str) -> Result<OffsetWord, WordError> {
 pub fn input_bit(word: &str) -> Result<InputBit, WordError> {
     let (address, value) = word
         .split_once('=')
-        .ok_or(WordError::Form("ADDRESS=0|1, for instance X0.4=1"))?;
+        .ok_or(WordError::FormLike("X0.4=0|1", "X0.4=1"))?;
     Ok(InputBit {
         address: address.trim().to_ascii_uppercase(),
         state: state(value)?,

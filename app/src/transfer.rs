@@ -10,6 +10,7 @@ use gsk_panel::panel::SerialFile;
 use crate::files::atomic;
 use crate::files::program_file::{self, FileError};
 use crate::platform;
+use crate::saying::of_system;
 
 /// The folder in the data directory.
 pub const FOLDER: &str = "transfer";
@@ -25,7 +26,7 @@ pub struct TransferError {
 impl TransferError {
     /// What is said of it.
     pub fn message(&self) -> Message {
-        say::file_not_written(self.folder.display(), &self.error)
+        say::file_not_written(self.folder.display(), of_system(&self.error))
     }
 }
 
@@ -102,7 +103,8 @@ mod tests {
 
     #[test]
     fn what_is_sent_stands_in_the_folder() {
-        let folder = test_folder("transfer").join(FOLDER);
+        let data = test_folder("transfer");
+        let folder = data.join(FOLDER);
         let files = [file("O0001.CNC"), file("ParaW.par")];
         write(&folder, &files).expect("written");
         for file in &files {
@@ -115,7 +117,8 @@ mod tests {
 
     #[test]
     fn a_folder_that_cannot_be_made_is_said() {
-        let file_in_the_way = test_folder("transfer-refused").join(FOLDER);
+        let data = test_folder("transfer-refused");
+        let file_in_the_way = data.join(FOLDER);
         std::fs::write(&file_in_the_way, b"").expect("written");
         let said = write(&file_in_the_way, &[file("O0001.CNC")])
             .expect_err("no folder")

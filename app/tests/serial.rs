@@ -2,7 +2,7 @@
 //! them: `transfer control` is the control, the other commands are the PC.
 
 use std::io::{BufRead, BufReader, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Output, Stdio};
 use std::time::{Duration, Instant};
 
@@ -14,14 +14,11 @@ use gsk_messages::Id;
 use gsk_panel::emulator::{Condition, Emulator};
 use gsk_panel::keys::Key;
 
+use crate::common::folder::Folder;
 use crate::process::executable;
 
-pub fn folder(name: &str) -> PathBuf {
-    let folder =
-        std::env::temp_dir().join(format!("gsk980td-serial-{name}-{}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("folder for a test");
-    folder
+pub fn folder(name: &str) -> Folder {
+    Folder::new(&format!("serial-{name}"))
 }
 
 /// A control in a process of its own.
@@ -299,7 +296,7 @@ fn what_the_key_sends_comes_to_a_pc_and_the_lcd_follows_the_line() {
 
     let mut pc = executable()
         .args(["transfer", "wait", "--files", "1", "--port", &port])
-        .arg(&folder)
+        .arg(&folder.0)
         .stdout(Stdio::piped())
         .spawn()
         .expect("the program");
@@ -350,7 +347,7 @@ fn words_are_in_the_language_that_is_asked_for_and_the_port_that_of_the_window()
     let folder = folder("language");
     let call = |words: &[&str]| {
         let mut command = executable();
-        command.args(words).env("XDG_DATA_HOME", &folder);
+        command.args(words).env("XDG_DATA_HOME", &folder.0);
         let output = command.output().expect("the program");
         let said = [&output.stdout, &output.stderr].map(|it| String::from_utf8_lossy(it));
         (output.status.code(), said.concat())

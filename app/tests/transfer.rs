@@ -1,7 +1,7 @@
 //! The serial port's partner: what the control sends stands in a folder, what is
 //! dropped on the window comes in.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 use gsk_app::ending::Ending;
@@ -11,14 +11,8 @@ use gsk_core::setup::Setup;
 use gsk_panel::emulator::{Condition, Emulator};
 use gsk_panel::keys::Key;
 
+use crate::common::folder::Folder;
 use crate::process::executable;
-
-fn folder(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("gsk980td-{name}-{}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("folder for a test");
-    folder
-}
 
 /// In EDIT, on the program page, O0331 keyed in.
 fn about_to_send() -> Emulator {
@@ -55,7 +49,8 @@ fn said_after_output(partner: &Path) -> Option<Notice> {
 
 #[test]
 fn a_program_that_is_sent_stands_in_the_folder() {
-    let partner = folder("sent").join(transfer::FOLDER);
+    let data = Folder::new("sent");
+    let partner = data.join(transfer::FOLDER);
     let said = said_after_output(&partner);
     let expected = format!("O0331.CNC → {}", partner.display());
     assert_eq!(said, Some(Notice::Sent(expected)));
@@ -65,7 +60,8 @@ fn a_program_that_is_sent_stands_in_the_folder() {
 
 #[test]
 fn a_folder_that_takes_nothing_is_said() {
-    let partner = folder("not-sent").join(transfer::FOLDER);
+    let data = Folder::new("not-sent");
+    let partner = data.join(transfer::FOLDER);
     std::fs::write(&partner, b"a file in the way").expect("written");
     let said = said_after_output(&partner);
     assert!(
@@ -76,14 +72,14 @@ fn a_folder_that_takes_nothing_is_said() {
 
 #[test]
 fn a_script_sends_into_its_data_directory_and_receives_from_beside_itself() {
-    let data = folder("script");
+    let data = Folder::new("script");
     let script = data.join("operate.txt");
     let text = "receive o0007.nc\nwait 1s\npress EDIT\npress PRG\ntype O7\npress OUT\nwait 1s\n";
     std::fs::write(&script, text).expect("written");
     std::fs::write(data.join("o0007.nc"), "O0007;\nM99;\n%\n").expect("written");
     let output = executable()
         .args(["operate", "--data"])
-        .args([&data, &script])
+        .args([&data.0, &script])
         .output()
         .expect("the program");
     assert!(output.status.success(), "{output:?}");

@@ -152,11 +152,11 @@ impl Cnc {
             pulses: self.pulses(),
             spindle_volts: self.spindle.control.volts(),
             enable: PerAxis::new(!self.emergency_stop, !self.emergency_stop),
-            board: self.drives.board.map(|_| self.board_orders()),
+            board: (self.drives.board.is_some()).then(|| Box::new(self.board_orders())),
             ..Outputs::default()
         };
-        for (output, byte) in outputs.y.iter_mut().zip(&self.plc.y) {
-            *output = *byte;
+        if let Some(bytes) = self.plc.y.first_chunk() {
+            outputs.y = *bytes;
         }
         outputs
     }

@@ -24,6 +24,7 @@ use crate::interpreter::Advance;
 use crate::interpreter::Explanation;
 use crate::interpreter::Immediate;
 use crate::interpreter::Interpreter;
+use crate::interpreter::MachineCodes;
 use crate::interpreter::Modal;
 use crate::memory::{Parameters, Registers};
 use crate::motion::{MotionLimits, Sequel};
@@ -236,7 +237,7 @@ fn interpret(
     interpreter.set_macro_b(setup.memory.settings.macro_b);
     interpreter.set_model(&setup.memory.model);
     interpreter.set_tool(setup.tool_in_position());
-    interpreter.set_machine_codes(setup.ladder.machine_codes());
+    interpreter.set_machine_codes(MachineCodes::of(setup.ladder.m_codes()));
     interpreter.set_frame(frame, &host);
     let mut walk = Walk::new(setup, programs, *interpreter.modal(), on_move);
     walk.explains = wanted.explanations;

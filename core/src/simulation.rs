@@ -42,7 +42,7 @@ pub struct Simulation {
     inputs: Inputs,
     /// What the last tick wants of a pulse board.
     #[serde(skip)]
-    board_orders: Option<BoardOrders>,
+    board_orders: Option<Box<BoardOrders>>,
 }
 
 /// What [`Simulation::run_until`] waits for.
@@ -91,8 +91,8 @@ impl Simulation {
     /// One millisecond.
     pub fn tick(&mut self) {
         let outputs = self.cnc.tick(&self.inputs);
+        self.lathe.tick(&outputs, &mut self.inputs);
         self.board_orders = outputs.board;
-        self.inputs = self.lathe.tick(&outputs);
     }
 
     /// The slides are real from now on, and nobody knows where they stand.
@@ -118,7 +118,9 @@ impl Simulation {
     /// What the last tick wants of the board; before the first one, what the control
     /// stands for.
     pub(crate) fn board_orders(&self) -> BoardOrders {
-        self.board_orders.unwrap_or_else(|| self.cnc.board_orders())
+        self.board_orders
+            .as_deref()
+            .map_or_else(|| self.cnc.board_orders(), |orders| *orders)
     }
 
     /// The contacts that a pulse board has wired, over the simulated ones.

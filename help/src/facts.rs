@@ -134,10 +134,14 @@ fn of_signal(row: &Signal, language: Language) -> Vec<String> {
     if !row.symbol.is_empty() {
         facts.push(say::help_symbol(row.symbol).text(language));
     }
-    let ends = row.direction.split('>').map(|end| end_of(end, language));
-    let direction = ends.collect::<Vec<_>>().join(" → ");
-    facts.push(say::help_direction(direction).text(language));
+    facts.push(say::help_direction(direction(row, language)).text(language));
     facts
+}
+
+/// Who says a signal to whom.
+pub fn direction(row: &Signal, language: Language) -> String {
+    let ends = row.direction.split('>').map(|end| end_of(end, language));
+    ends.collect::<Vec<_>>().join(" → ")
 }
 
 /// One end of a signal, as the table of signals writes it.

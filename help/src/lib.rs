@@ -25,7 +25,7 @@ mod table;
 
 pub use article::{Article, article, called};
 pub use document::document;
-pub use facts::{facts, name};
+pub use facts::{direction, facts, name};
 pub use lcd::on_screen;
 pub use search::{ask, ask_among};
 pub use subject::Subject;

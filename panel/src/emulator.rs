@@ -4,7 +4,7 @@ mod serial;
 
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Request;
-use gsk_core::machine::Outputs;
+use gsk_core::machine::{Inputs, Outputs};
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::program::Program;
@@ -93,10 +93,10 @@ impl Emulator {
         if self.panel.powered() {
             self.simulation.tick();
         } else {
-            // Without the control the drives hold and everything else stops.
-            self.simulation
-                .lathe
-                .tick(&Outputs::without_power(self.simulation.cnc.pulses()));
+            // Without the control the drives hold and everything else stops; nobody reads
+            // what the contacts say.
+            let outputs = Outputs::without_power(self.simulation.cnc.pulses());
+            self.simulation.lathe.tick(&outputs, &mut Inputs::default());
         }
         let requests = self.panel.tick(&self.simulation.cnc);
         self.ask(requests);

@@ -78,6 +78,10 @@ mod tests {
             let files = fs::read_dir(root.join(folder)).expect(folder);
             for file in files {
                 let path = file.expect("an entry").path();
+                if path.ends_with("command-line.tsv") {
+                    // No window shows it.
+                    continue;
+                }
                 texts += &fs::read_to_string(&path).unwrap_or_default();
             }
         }

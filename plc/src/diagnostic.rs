@@ -66,14 +66,6 @@ pub struct CompileError {
     pub message: Message,
 }
 
-impl CompileError {
-    /// `standard.il:123: E03 …`, the form that editors can jump to.
-    #[must_use]
-    pub fn in_file(&self, file: &str) -> String {
-        format!("{file}:{}: {} {}", self.line, self.code, self.message)
-    }
-}
-
 impl fmt::Display for CompileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         say::ladder_rule_broken(self.line, self.rung, self.code, self.message.clone()).fmt(f)

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::address::{AddressError, Area, BitAddress, ByteAddress, cut, digits};
 use crate::diagnostic::{Finding, Rule};
-use crate::parser;
 
 /// What the version page says about the ladder.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -67,28 +66,6 @@ pub struct MCode {
     pub code: u8,
     /// What it does.
     pub text: String,
-}
-
-/// What a text declares for those who need none of its steps.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Declared {
-    /// Values of retained addresses for a blank store.
-    pub start_values: Vec<StartValue>,
-    /// M codes that the ladder carries out beside the control's own.
-    pub m_codes: Vec<MCode>,
-}
-
-impl Declared {
-    /// Reads the declarations of a text and nothing else of it; what is wrong with it is
-    /// left to [`Ladder::compile`](crate::Ladder::compile).
-    #[must_use]
-    pub fn of(source: &str) -> Self {
-        let directives = parser::declared(source);
-        Self {
-            start_values: directives.start_values,
-            m_codes: directives.m_codes,
-        }
-    }
 }
 
 /// Title of the rungs that follow (`.NET`).

@@ -21,6 +21,7 @@
 pub mod address;
 mod check;
 mod code;
+mod declared;
 mod diagnostic;
 mod directive;
 mod force;
@@ -41,8 +42,9 @@ mod timer;
 
 pub use address::{AddressError, Area, BitAddress, ByteAddress};
 pub use check::MAX_STEPS;
+pub use declared::Declared;
 pub use diagnostic::{CompileError, CompileErrors, Rule, summary};
-pub use directive::{Comment, Declared, Header, MCode, Message, StartValue, Subject};
+pub use directive::{Comment, Header, MCode, Message, StartValue, Subject};
 pub use force::Force;
 pub use instruction::{Kind, Mnemonic, Operand, Role, Row, Statement, TABLE};
 pub use ladder::{Ladder, Rung};

@@ -47,9 +47,12 @@ pub(crate) struct Reach {
     writes: Lists,
     /// Rungs that read or write a byte of flat memory.
     concerned: Lists,
-    /// Rungs with a comparison, upwards. Each comparison leaves its result bits in R900,
-    /// which is none of their bytes: what it holds in the end is the last one's.
-    comparisons: Vec<u16>,
+    /// The first rung that begins at each operation or after it, and the number of rungs.
+    rung_from: Vec<u16>,
+    /// How many of the rungs before each have a comparison, and how many of all. Each
+    /// comparison leaves its result bits in R900, which is none of their bytes: what it
+    /// holds in the end is the last one's.
+    comparisons_before: Vec<u16>,
 }
 
 impl Reach {
@@ -58,7 +61,8 @@ impl Reach {
         let mut begins = Vec::new();
         let mut writes = Vec::new();
         let mut concerned = vec![Vec::new(); SIZE];
-        let mut comparisons = Vec::new();
+        let mut rung_from = vec![0];
+        let (mut comparisons, mut comparisons_before) = (0, vec![0]);
         let mut first = 0;
         for (rung, rung_statements) in (0u16..).zip(statements.chunk_by(|a, b| a.rung == b.rung)) {
             let end = first + rung_statements.len();
@@ -69,9 +73,9 @@ impl Reach {
             for at in bytes.reads.iter().chain(&bytes.writes) {
                 concerned.get_mut(usize::from(*at))?.push(rung);
             }
-            if bytes.compares {
-                comparisons.push(rung);
-            }
+            comparisons += u16::from(bytes.compares);
+            comparisons_before.push(comparisons);
+            rung_from.resize(end + 1, rung + 1);
             begins.push(first);
             writes.push(bytes.writes);
             first = end;
@@ -84,7 +88,8 @@ impl Reach {
             begins,
             writes: Lists::of(writes)?,
             concerned: Lists::of(concerned)?,
-            comparisons,
+            rung_from,
+            comparisons_before,
         })
     }
 
@@ -101,18 +106,28 @@ impl Reach {
 
     /// The first rung that begins at an operation or after it.
     pub fn rung_from(&self, operation: usize) -> usize {
-        self.begins.partition_point(|begin| *begin < operation)
+        let rung = self.rung_from.get(operation).copied();
+        rung.map_or(self.rungs(), usize::from)
+    }
+
+    /// How many of the rungs before one have a comparison.
+    pub fn comparisons_before(&self, rung: usize) -> usize {
+        let before = self.comparisons_before.get(rung);
+        before.copied().map_or(self.comparisons(), usize::from)
     }
 
     /// Which of the rungs with a comparison it is, from 0; `None`: it has none.
     pub fn comparison(&self, rung: usize) -> Option<usize> {
-        let number = u16::try_from(rung).ok()?;
-        self.comparisons.binary_search(&number).ok()
+        let number = self.comparisons_before(rung);
+        (self.comparisons_before(rung + 1) > number).then_some(number)
     }
 
-    /// Rungs with a comparison, upwards.
-    pub fn comparisons(&self) -> &[u16] {
-        &self.comparisons
+    /// How many rungs have a comparison.
+    pub fn comparisons(&self) -> usize {
+        self.comparisons_before
+            .last()
+            .copied()
+            .map_or(0, usize::from)
     }
 
     /// Bytes of flat memory that a rung may write.

@@ -63,7 +63,7 @@ impl Settled {
             self.awake.clear();
             self.awake.resize(reach.rungs().div_ceil(WORD), u64::MAX);
             self.left.clear();
-            self.left.resize(reach.comparisons().len(), None);
+            self.left.resize(reach.comparisons(), None);
             return;
         };
         for begin in (0..written).step_by(CHUNK) {
@@ -142,11 +142,9 @@ impl Settled {
         bytes: &mut [u8; SIZE],
         reach: &Reach,
     ) {
-        let compares = reach.comparisons().iter().zip(&self.left).rev();
-        let last = compares
-            .skip_while(|(rung, _)| usize::from(**rung) >= rungs.end)
-            .take_while(|(rung, _)| usize::from(**rung) >= rungs.start)
-            .find_map(|(_, left)| *left);
+        let first = reach.comparisons_before(rungs.start);
+        let left = self.left.get(first..reach.comparisons_before(rungs.end));
+        let last = left.and_then(|left| left.iter().rev().find_map(|left| *left));
         bytes[RESULT_FLAGS] = last.map_or(before, |bits| before & !RESULT_BITS | bits);
         if let Some(memory) = &mut self.memory {
             memory[RESULT_FLAGS] = bytes[RESULT_FLAGS];

@@ -1,7 +1,7 @@
 //! Machine files: the example is a lathe, the document names every field, and
 //! what cannot be is refused by field and rule.
 
-use gsk_core::machine::{Lathe, LatheConfig, Outputs};
+use gsk_core::machine::{Inputs, Lathe, LatheConfig, Outputs};
 use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Point, Pulses};
 
@@ -44,7 +44,7 @@ fn the_example_is_another_lathe() {
     let mut forward = Outputs::default();
     forward.y[1] = 1 << 6;
     let ticks = (1..2000).find(|_| {
-        lathe.tick(&forward);
+        lathe.tick(&forward, &mut Inputs::default());
         lathe.station() == Some(3)
     });
     assert_eq!(ticks, Some(855));
@@ -94,7 +94,7 @@ fn a_slide_is_off_by_the_errors_of_its_screw() {
         let mut outputs = Outputs::default();
         outputs.enable = PerAxis::new(true, true);
         outputs.pulses = pulses;
-        lathe.tick(&outputs);
+        lathe.tick(&outputs, &mut Inputs::default());
         let zero = lathe.slides();
         assert!(zero.x.abs() < 0.0005 && zero.z.abs() < 0.0009, "{zero:?}");
         lathe = Lathe::new(read(BADLY_SET).unwrap(), &Parameters::default());

@@ -29,10 +29,9 @@ mod page {
             let args = WindowArgs {
                 first_start,
                 program: asked.program,
-                lang,
                 ..WindowArgs::default()
             };
-            let opened = window::open(args, None);
+            let opened = window::open(args, lang, None);
             opened.map(drop).map_err(|error| error.message())
         });
     }

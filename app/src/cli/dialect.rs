@@ -5,8 +5,6 @@ use std::path::PathBuf;
 use clap::Args;
 use gsk_core::model::ModelId;
 
-use super::{Language, language, locale};
-
 /// `dialect`.
 #[derive(Args, Debug)]
 pub struct DialectArgs {
@@ -22,7 +20,4 @@ pub struct DialectArgs {
     /// Write the program for the other model into this file
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Language of what is listed [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }

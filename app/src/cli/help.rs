@@ -1,9 +1,6 @@
 //! Options of `help`.
 
 use clap::Args;
-use gsk_messages::Language;
-
-use super::{language, locale};
 
 /// `help`.
 #[derive(Args, Debug)]
@@ -17,7 +14,4 @@ pub struct HelpArgs {
     /// Print everything as one HTML page, to be read or printed
     #[arg(long, conflicts_with_all = ["topic", "list"])]
     pub document: bool,
-    /// Language of the texts [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }

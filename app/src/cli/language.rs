@@ -1,31 +1,51 @@
 //! `--lang`, and the language of the system where it is not given.
 
 use std::env;
-use std::ffi::OsStr;
+use std::ffi::OsString;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, Resettable, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gsk_runner::Language;
 
 /// The word of a language.
 pub(super) fn language() -> impl TypedValueParser<Value = Language> {
     let words = [("zh", "Chinese"), ("en", "English")];
-    PossibleValuesParser::new(words.map(|(word, help)| PossibleValue::new(word).help(help))).map(
-        |word| match word.as_str() {
-            "en" => Language::En,
-            _ => Language::Zh,
-        },
-    )
+    // The parser takes no other word.
+    PossibleValuesParser::new(words.map(|(word, help)| PossibleValue::new(word).help(help)))
+        .map(|word| of_word(&word).unwrap_or_default())
 }
 
-/// What `--lang` is on this system: `zh` on a Chinese one, else nothing, as if nobody had
-/// asked (COMMAND-8).
-pub(super) fn locale() -> Resettable<clap::builder::OsStr> {
+/// The language of a command without `--lang`: Chinese on a Chinese system, else none, as if
+/// nobody had asked (COMMAND-8).
+pub fn of_the_system() -> Option<Language> {
     // As everywhere: the first of them that is set decides, on Windows, too, where a shell
     // from elsewhere sets them; else what the system says.
     let variables = ["LC_ALL", "LC_MESSAGES", "LANG"].map(env::var);
     let set = variables.into_iter().flatten().find(|it| !it.is_empty());
     let chinese = set.or_else(system).is_some_and(|it| is_chinese(&it));
-    Resettable::from(chinese.then(|| OsStr::new("zh").into()))
+    chinese.then_some(Language::Zh)
+}
+
+/// The language of what is said of a command line that may be wrong: that of its `--lang`, else
+/// that of the system.
+pub fn language_of(words: &[OsString]) -> Option<Language> {
+    let mut words = words.iter().filter_map(|word| word.to_str());
+    let mut asked = None;
+    while let Some(word) = words.next() {
+        let value = match word {
+            "--lang" => words.next(),
+            word => word.strip_prefix("--lang="),
+        };
+        asked = value.and_then(of_word).or(asked);
+    }
+    asked.or_else(of_the_system)
+}
+
+fn of_word(word: &str) -> Option<Language> {
+    match word {
+        "zh" => Some(Language::Zh),
+        "en" => Some(Language::En),
+        _ => None,
+    }
 }
 
 #[cfg(any(unix, windows))]

@@ -3,9 +3,6 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use gsk_messages::Language;
-
-use super::{language, locale};
 
 /// `lesson`.
 #[derive(Debug, Subcommand)]
@@ -18,26 +15,12 @@ pub enum LessonCommand {
     Run(LessonRunArgs),
 }
 
-impl LessonCommand {
-    /// The language that is asked for.
-    pub const fn language(&self) -> Option<Language> {
-        match self {
-            Self::List(args) => args.lang,
-            Self::Check(args) => args.lang,
-            Self::Run(args) => args.lang,
-        }
-    }
-}
-
 /// `lesson list`.
 #[derive(Args, Debug)]
 pub struct LessonListArgs {
     /// Data folder whose `lessons` hold those of a teacher
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
-    /// Language of titles and messages [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// `lesson check`.
@@ -46,9 +29,6 @@ pub struct LessonCheckArgs {
     /// The file (RON)
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// Language of titles and messages [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// `lesson run`.
@@ -60,7 +40,4 @@ pub struct LessonRunArgs {
     /// Data folder whose `lessons` hold those of a teacher
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
-    /// Language of titles and messages [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }

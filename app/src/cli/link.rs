@@ -2,8 +2,7 @@
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::{Language, language, locale};
-use crate::setup_args::SetupArgs;
+use crate::setup_args::{self, SetupArgs};
 
 /// `link`.
 #[derive(Args, Debug)]
@@ -11,9 +10,6 @@ pub struct LinkArgs {
     /// What is done with the board.
     #[command(subcommand)]
     pub command: LinkCommand,
-    /// Language of messages [default: zh on a Chinese system, else en]
-    #[arg(long, global = true, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// What is done with a board.
@@ -46,29 +42,29 @@ pub struct LinkBoardArgs {
 /// `link test`.
 #[derive(Args, Debug)]
 pub struct LinkTestArgs {
-    /// Which board.
-    #[command(flatten)]
-    pub board: LinkBoardArgs,
     /// Write settings that differ into the board
     #[arg(long)]
     pub write_settings: bool,
     /// MOVES Z there and back by so many mm, with ten holds; drives unpowered, or the way clear
-    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = crate::setup_args::travel)]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = setup_args::travel)]
     pub travel: Option<f64>,
     /// Feed of that move, mm/min
-    #[arg(long, default_value = "600", value_name = "F", requires = "travel", allow_hyphen_values = true, value_parser = crate::setup_args::feed)]
+    #[arg(long, default_value = "600", value_name = "F", requires = "travel", allow_hyphen_values = true, value_parser = setup_args::feed)]
     pub feed: f64,
+    /// Which board.
+    #[command(flatten)]
+    pub board: LinkBoardArgs,
 }
 
 /// `link monitor`.
 #[derive(Args, Debug)]
 pub struct LinkMonitorArgs {
-    /// Which board.
-    #[command(flatten)]
-    pub board: LinkBoardArgs,
     /// Stop after so many seconds
     #[arg(long, value_name = "S")]
     pub seconds: Option<u64>,
+    /// Which board.
+    #[command(flatten)]
+    pub board: LinkBoardArgs,
 }
 
 /// `link twin`.

@@ -5,16 +5,16 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 
-use super::{Language, PictureArgs, language, locale};
+use super::PictureArgs;
 use crate::job::{JobArgs, PartArgs};
 use crate::patience::Patience;
-use crate::setup_args::SetupArgs;
+use crate::setup_args::{self, SetupArgs};
 
 /// When `check` and `plot` give a program up.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct PatienceArgs {
     /// Give a program up after so much time of this computer, for instance 90s, 10m
-    #[arg(long, default_value = "60s", value_name = "TIME", value_parser = crate::setup_args::duration_ms)]
+    #[arg(long, default_value = "60s", value_name = "TIME", value_parser = setup_args::duration_ms)]
     pub give_up: u64,
     /// Give a program up after so many moves
     #[arg(long, default_value_t = 200_000_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
@@ -36,11 +36,8 @@ pub struct LookArgs {
     /// G28 goes to the machine zero: with this option it is drawn, and the program
     /// goes on, where it truly lies. A program that begins with G50 needs --start as
     /// well: where its tool stands there.
-    #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = crate::setup_args::pair)]
+    #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = setup_args::pair)]
     pub work_zero: Option<(f64, f64)>,
-    /// Language of alarms, warnings and report [default: zh on a Chinese system, else English with the Chinese texts of the screen]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
     /// When to give up.
     #[command(flatten)]
     pub patience: PatienceArgs,
@@ -52,9 +49,6 @@ pub struct CheckArgs {
     /// The programs; of a folder those in it and below it
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// Options of control and lathe.
-    #[command(flatten)]
-    pub setup: SetupArgs,
     /// How to look at them.
     #[command(flatten)]
     pub look: LookArgs,
@@ -76,6 +70,9 @@ pub struct CheckArgs {
         value_name = "FORMAT"
     )]
     pub format: Format,
+    /// Options of control and lathe.
+    #[command(flatten)]
+    pub setup: SetupArgs,
 }
 
 impl CheckArgs {
@@ -108,9 +105,6 @@ pub struct PlotArgs {
     /// The program
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// Options of control and lathe.
-    #[command(flatten)]
-    pub setup: SetupArgs,
     /// How to look at it.
     #[command(flatten)]
     pub look: LookArgs,
@@ -126,4 +120,7 @@ pub struct PlotArgs {
     /// How it is drawn.
     #[command(flatten)]
     pub picture: PictureArgs,
+    /// Options of control and lathe.
+    #[command(flatten)]
+    pub setup: SetupArgs,
 }

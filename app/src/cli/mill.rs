@@ -3,9 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use gsk_messages::Language;
 
-use super::{language, locale};
+use crate::setup_args::WordError;
 
 /// `mill`.
 #[derive(Debug, Subcommand)]
@@ -40,9 +39,6 @@ pub struct GearArgs {
     /// Teeth on the screw or the table, on the motor
     #[arg(long, value_name = "ZM,ZD", default_value = "1,1", value_parser = teeth)]
     pub teeth: (u32, u32),
-    /// Language of what is said [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// `mill pitch`.
@@ -76,9 +72,6 @@ pub struct PitchArgs {
     /// 1260: a turn of a rotary axis, degrees; whether the table comes out even
     #[arg(long, value_name = "DEGREES")]
     pub turn: Option<f64>,
-    /// Language of what is said [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// `mill backlash`.
@@ -90,9 +83,6 @@ pub struct BacklashArgs {
     /// 011.6 = 1: an eighth of it
     #[arg(long)]
     pub eighth: bool,
-    /// Language of what is said [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// `mill keys`.
@@ -101,15 +91,12 @@ pub struct MillKeysArgs {
     /// Diagnosis numbers with their bits: 016=01001000
     #[arg(value_name = "N=BITS", value_parser = shown_keys)]
     pub shown: Vec<(u16, u8)>,
-    /// Language of what is said [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
-fn shown_keys(word: &str) -> Result<(u16, u8), String> {
-    let form = || "write a number and its eight bits: 016=01001000".to_owned();
-    let (number, shown) = word.split_once('=').ok_or_else(form)?;
-    Ok((number.parse().map_err(|_| form())?, bits(shown)?))
+fn shown_keys(word: &str) -> Result<(u16, u8), WordError> {
+    let (number, shown) = word.split_once('=').ok_or(WordError::NoKeys)?;
+    let number = number.parse().map_err(|_| WordError::NoKeys)?;
+    Ok((number, bits(shown)?))
 }
 
 /// `mill homing`.
@@ -122,41 +109,38 @@ pub struct HomingArgs {
     /// One of them, instead of the file or over it (may be repeated)
     #[arg(long = "param", value_name = "N=V")]
     pub values: Vec<String>,
-    /// Language of what is said [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// Letters of the axes that a mill may have.
 pub const AXES_OF_MILLS: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
 
-fn axis(word: &str) -> Result<char, String> {
+fn axis(word: &str) -> Result<char, WordError> {
     let letter = word.to_ascii_uppercase().parse().ok();
     let known = letter.filter(|letter| AXES_OF_MILLS.contains(letter));
-    known.ok_or_else(|| "an axis is X, Y, Z, A, B or C".to_owned())
+    known.ok_or(WordError::NoAxis)
 }
 
-fn bits(word: &str) -> Result<u8, String> {
+fn bits(word: &str) -> Result<u8, WordError> {
     let digits = word.len() == 8 && word.bytes().all(|byte| matches!(byte, b'0' | b'1'));
     let value = digits.then(|| u8::from_str_radix(word, 2).ok()).flatten();
-    value.ok_or_else(|| "write eight bits, each 0 or 1".to_owned())
+    value.ok_or(WordError::NoBits)
 }
 
-fn two<T: core::str::FromStr>(word: &str, between: char) -> Result<(T, T), String> {
-    let form = || format!("write two whole numbers with {between} between them");
-    let (one, other) = word.split_once(between).ok_or_else(form)?;
-    let read = |text: &str| text.trim().parse().map_err(|_| form());
+fn two<T: core::str::FromStr>(word: &str, between: char) -> Result<(T, T), WordError> {
+    let wrong = || WordError::NotTwo(between);
+    let (one, other) = word.split_once(between).ok_or_else(wrong)?;
+    let read = |text: &str| text.trim().parse().map_err(|_| wrong());
     Ok((read(one)?, read(other)?))
 }
 
-fn teeth(word: &str) -> Result<(u32, u32), String> {
+fn teeth(word: &str) -> Result<(u32, u32), WordError> {
     two(word, ',')
 }
 
-fn window(word: &str) -> Result<(i64, i64), String> {
+fn window(word: &str) -> Result<(i64, i64), WordError> {
     two(word, ',')
 }
 
-fn value(word: &str) -> Result<(i64, i64), String> {
+fn value(word: &str) -> Result<(i64, i64), WordError> {
     two(word, '=')
 }

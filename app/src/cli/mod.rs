@@ -1,6 +1,7 @@
 //! The command line: what `gsk980td --help` says, and nothing else. The window and the
 //! short commands stand here, each longer one in a file of its own.
 
+pub mod chinese;
 mod dialect;
 mod help;
 mod ladder;
@@ -29,8 +30,8 @@ use tracing::level_filters::LevelFilter;
 pub use dialect::DialectArgs;
 pub use help::HelpArgs;
 pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};
-pub use language::is_chinese;
-use language::{language, locale};
+use language::language;
+pub use language::{is_chinese, language_of, of_the_system};
 pub use lesson::{LessonCheckArgs, LessonCommand, LessonListArgs, LessonRunArgs};
 pub use link::{
     LinkArgs, LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs, LinkTwinArgs, TwinBoard,
@@ -53,7 +54,7 @@ pub use transfer::{
     TransferSendArgs, TransferSendTextArgs, TransferWaitArgs,
 };
 
-use crate::setup_args::SetupArgs;
+use crate::setup_args::{self, SetupArgs};
 use later::Later;
 
 const EXAMPLES: &str = "\
@@ -82,6 +83,11 @@ pub struct Cli {
     /// in the window, into `log` of the data folder; off for commands, else on standard error]
     #[arg(long, global = true, value_name = "LEVEL", value_parser = crate::log::level)]
     pub log: Option<LevelFilter>,
+    /// Language of what is said; the panel itself is always as printed [default: zh on a Chinese
+    /// system, else English with the Chinese texts of the screen; the window as it was, `lsp` as
+    /// the editor says]
+    #[arg(long, global = true, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
     /// Options of the window.
     #[command(flatten)]
     pub window: WindowArgs,
@@ -99,14 +105,11 @@ pub struct WindowArgs {
     /// Ask the three questions of the first start (language, what for, which lathe) again, or
     /// do not ask them now [default: asked once, unless this start names a program, a lathe, a
     /// control model or a port]
-    #[arg(long, value_name = "on|off", num_args = 0..=1, require_equals = true, default_missing_value = "on", value_parser = crate::setup_args::switch)]
+    #[arg(long, value_name = "on|off", num_args = 0..=1, require_equals = true, default_missing_value = "on", value_parser = setup_args::switch)]
     pub first_start: Option<bool>,
     /// Print the time to the first frame and frames a second on standard error
     #[arg(long)]
     pub figures: bool,
-    /// Language of menus and messages; the panel itself is always as printed
-    #[arg(long, value_parser = language(), value_name = "LANG")]
-    pub lang: Option<Language>,
     /// The machine's ladder instead of the standard one (instruction list)
     #[arg(long, value_name = "FILE")]
     pub ladder: Option<PathBuf>,
@@ -124,11 +127,11 @@ pub struct WindowArgs {
     pub machine: Option<PathBuf>,
     /// Macro B: formulas, IF, WHILE, GOTO and calls with arguments (G65 P) in programs; the data
     /// folder keeps it [default: as it was, off at first]
-    #[arg(long, value_name = "on|off", value_parser = crate::setup_args::switch)]
+    #[arg(long, value_name = "on|off", value_parser = setup_args::switch)]
     pub macro_b: Option<bool>,
     /// The control model; each has a memory of its own in the data folder, which keeps the choice
     /// [default: as it was, gsk980td at first]
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::any_model())]
+    #[arg(long, value_name = "MODEL", value_parser = setup_args::any_model())]
     pub model: Option<ModelId>,
     /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
     #[arg(long, value_name = "PORT")]
@@ -178,11 +181,11 @@ pub enum Command {
     /// with a column that says what acts in `check` and `plot`.
     Parameters(Later<ParametersArgs>),
     /// Print the alarm table: number, text, meaning, cause, cure
-    Alarms(Later<ExplainedArgs>),
+    Alarms(Later<TableArgs>),
     /// Print the PLC signal table
     Signals(Later<TableArgs>),
     /// Print the faults of the simulated lathe: name for `fault NAME on`, what it does
-    Faults(Later<ExplainedArgs>),
+    Faults(Later<TableArgs>),
     /// Check, print or scan a ladder (instruction list)
     #[command(subcommand)]
     Ladder(LadderCommand),
@@ -255,9 +258,6 @@ pub struct OperateArgs {
     /// The script
     #[arg(value_name = "SCRIPT")]
     pub script: PathBuf,
-    /// Options of control and lathe.
-    #[command(flatten)]
-    pub setup: SetupArgs,
     /// Program to open before the script starts
     #[arg(long, value_name = "FILE")]
     pub program: Option<PathBuf>,
@@ -267,9 +267,9 @@ pub struct OperateArgs {
     /// Write what happened as a script with the time of every key
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
-    /// Language of what is said of the script [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
+    /// Options of control and lathe.
+    #[command(flatten)]
+    pub setup: SetupArgs,
 }
 
 /// `screen`.
@@ -297,17 +297,6 @@ pub struct TableArgs {
     pub json: bool,
 }
 
-/// A table with explanations.
-#[derive(Args, Debug)]
-pub struct ExplainedArgs {
-    /// The table.
-    #[command(flatten)]
-    pub table: TableArgs,
-    /// Language of the explanations [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
-}
-
 /// `parameters`.
 #[derive(Args, Debug)]
 pub struct ParametersArgs {
@@ -315,7 +304,7 @@ pub struct ParametersArgs {
     #[command(flatten)]
     pub table: TableArgs,
     /// The control model
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::any_model(), default_value = "gsk980td")]
+    #[arg(long, value_name = "MODEL", value_parser = setup_args::any_model(), default_value = "gsk980td")]
     pub model: ModelId,
 }
 
@@ -333,7 +322,24 @@ mod tests {
     fn the_window_is_the_default() {
         let cli = Cli::try_parse_from(["gsk980td", "--lang", "en"]).expect("window");
         assert!(cli.command.is_none());
-        assert_eq!(cli.window.lang, Some(Language::En));
+        assert_eq!(cli.lang, Some(Language::En));
+    }
+
+    #[test]
+    fn options_of_a_mill_alone_stand_under_its_heading() {
+        let mut program = Cli::command();
+        program.build();
+        let arguments = program
+            .get_subcommands()
+            .flat_map(clap::Command::get_arguments);
+        let mut of_mills = 0;
+        for argument in arguments {
+            let heading = argument.get_help_heading().unwrap_or_default();
+            let of_a_mill = argument.get_id().as_str().starts_with("mill_");
+            assert_eq!(heading.starts_with("Mill"), of_a_mill, "{argument}");
+            of_mills += usize::from(of_a_mill);
+        }
+        assert!(of_mills > 9);
     }
 
     #[test]

@@ -7,8 +7,6 @@ use clap::{Args, Subcommand, ValueEnum};
 use gsk_core::model::ModelId;
 use gsk_core::units::Axis;
 
-use super::{Language, language, locale};
-
 /// What is done with pitch error tables.
 #[derive(Debug, Subcommand)]
 pub enum PitchCommand {
@@ -22,16 +20,6 @@ pub enum PitchCommand {
     Import(PitchImportArgs),
     /// Print the table of the control with its corrections
     Show(PitchShowArgs),
-}
-
-impl PitchCommand {
-    /// The language that is asked for.
-    pub const fn lang(&self) -> Option<Language> {
-        match self {
-            Self::Import(args) => args.lang,
-            Self::Show(args) => args.lang,
-        }
-    }
 }
 
 /// The letter of an axis.
@@ -75,9 +63,6 @@ pub struct PitchImportArgs {
     /// Print as JSON
     #[arg(long)]
     pub json: bool,
-    /// Language of what is said [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// `pitch show`.
@@ -95,9 +80,6 @@ pub struct PitchShowArgs {
     /// How the table is written
     #[arg(long, value_enum, default_value_t = PitchFormat::Human)]
     pub format: PitchFormat,
-    /// Language of what is said [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// How a pitch error table is written.

@@ -7,8 +7,6 @@ use clap::{Args, Subcommand, ValueEnum};
 use gsk_core::model::ModelId;
 use gsk_project::Section;
 
-use super::{Language, language, locale};
-
 /// What is done with a project.
 #[derive(Debug, Subcommand)]
 pub enum ProjectCommand {
@@ -31,18 +29,6 @@ pub enum ProjectCommand {
     Diff(ProjectDiffArgs),
 }
 
-impl ProjectCommand {
-    /// The language that is asked for.
-    pub const fn lang(&self) -> Option<Language> {
-        match self {
-            Self::New(args) => args.lang,
-            Self::Export(args) => args.lang,
-            Self::Import(args) => args.lang,
-            Self::Diff(args) => args.lang,
-        }
-    }
-}
-
 /// `project new`.
 #[derive(Args, Debug)]
 pub struct ProjectNewArgs {
@@ -55,9 +41,6 @@ pub struct ProjectNewArgs {
     /// The lathe from a RON file, which becomes the machine file of the project
     #[arg(long, value_name = "FILE")]
     pub machine: Option<PathBuf>,
-    /// Language of the remarks in the files, and of what is said [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// `project export`.
@@ -75,9 +58,6 @@ pub struct ProjectExportArgs {
     /// The lathe from a RON file, which becomes the machine file of the project
     #[arg(long, value_name = "FILE")]
     pub machine: Option<PathBuf>,
-    /// Language of the remarks in the files, and of what is said [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// `project import`.
@@ -98,9 +78,6 @@ pub struct ProjectImportArgs {
     /// Only say what would be taken over
     #[arg(long)]
     pub dry_run: bool,
-    /// Language of what is said [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// `project diff`.
@@ -124,9 +101,6 @@ pub struct ProjectDiffArgs {
     /// How the list is written
     #[arg(long, value_enum, default_value_t = DiffFormat::Human)]
     pub format: DiffFormat,
-    /// Language of the list [default: zh on a Chinese system, else en]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// How differences are written.

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Language, PictureArgs, language, locale};
+use super::PictureArgs;
 use crate::job::PartArgs;
-use crate::setup_args::SetupArgs;
+use crate::setup_args::{self, SetupArgs};
 
 /// `run`.
 #[derive(Args, Debug)]
@@ -24,9 +24,6 @@ pub struct RunArgs {
     /// Execute what comes in through the serial line instead (DNC): a file, a serial port, or `-` for standard input; files are then subprograms
     #[arg(long, value_name = "SOURCE")]
     pub dnc: Option<PathBuf>,
-    /// Options of control and lathe.
-    #[command(flatten)]
-    pub setup: SetupArgs,
     /// A pulse board at this port moves the slides: REAL MOTION. M00 and the next part wait for Enter at the terminal; without one M00 ends the run [default: the simulated lathe, also where the machine file names a port]
     #[arg(long, value_name = "PORT")]
     pub link: Option<String>,
@@ -37,7 +34,7 @@ pub struct RunArgs {
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub parts: u32,
     /// Stop after so much machine time, for instance 90s, 30m, 2h
-    #[arg(long, default_value = "24h", value_name = "TIME", value_parser = crate::setup_args::duration_ms)]
+    #[arg(long, default_value = "24h", value_name = "TIME", value_parser = setup_args::duration_ms)]
     pub limit: u64,
     /// Say what each block leaves in force, what each move does, and why each pass of a cycle is where it is
     #[arg(long)]
@@ -63,7 +60,7 @@ pub struct RunArgs {
     /// Print the result as one JSON object
     #[arg(long)]
     pub json: bool,
-    /// Language of alarms, warnings and report [default: zh on a Chinese system, else English with the Chinese texts of the screen]
-    #[arg(long, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
+    /// Options of control and lathe.
+    #[command(flatten)]
+    pub setup: SetupArgs,
 }

@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 use gsk_transfer::{FileName, LineEnd, Partition};
 
-use super::{Language, language, locale};
-use crate::setup_args::SetupArgs;
+use crate::setup_args::{SetupArgs, WordError};
 
 /// Where the control's serial port is.
 #[derive(Args, Clone, Debug, Default)]
@@ -50,9 +49,6 @@ pub struct TransferArgs {
     /// What is done with the files.
     #[command(subcommand)]
     pub command: TransferCommand,
-    /// Language of messages [default: zh on a Chinese system, else en]
-    #[arg(long, global = true, value_parser = language(), value_name = "LANG", default_value = locale(), hide_default_value = true)]
-    pub lang: Option<Language>,
 }
 
 /// What is done with files at the serial port.
@@ -107,10 +103,10 @@ pub enum ExistingFile {
 }
 
 /// A partition of the control.
-fn partition(word: &str) -> Result<Partition, String> {
+fn partition(word: &str) -> Result<Partition, WordError> {
     let mut all = Partition::ALL.into_iter();
     let found = all.find(|partition| partition.name().eq_ignore_ascii_case(word));
-    found.ok_or_else(|| Partition::ALL.map(Partition::name).join(", "))
+    found.ok_or(WordError::NoPartition)
 }
 
 /// A name of a file at the control.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use gsk_core::command::ExecutedMove;
 use gsk_core::preview::Progress;
 use gsk_core::setup::Setup;
+use gsk_messages::Language;
 use gsk_runner::curves::RapidRates;
 use gsk_runner::moves;
 use gsk_runner::report::{self, PartReport, Report};
@@ -18,9 +19,9 @@ use crate::job::{self, write_section};
 use crate::loading;
 
 /// Checks programs.
-pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
+pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, CommandError> {
     if args.setup.model().is_mill() {
-        return mill::check(args);
+        return mill::check(args, language);
     }
     let (files, mut wrong) = folders::programs(&args.files);
     if args.moves.is_some() && files.len() > 1 {
@@ -35,7 +36,7 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
     {
         return Err(error.into());
     }
-    let setup = loading::setup(&args.setup, args.look.work_zero, args.look.lang)?;
+    let setup = loading::setup(&args.setup, args.look.work_zero, language)?;
     let read = Read {
         files: (files.iter().map(PathBuf::as_path))
             .chain(args.setup.read_files())
@@ -47,33 +48,32 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
     keep_apart(&read, &written)?;
     if let (Some(path), [file]) = (&args.moves, &files[..]) {
         let report = into_file(path, moves::write_move, |on_move| {
-            check_file(&setup, file, args, true, on_move)
+            check_file(&setup, file, (args, language), true, on_move)
         })?;
         let aside = output::is_standard(Some(path));
-        return print(&[Ok(report)], args.format(), aside, args.look.lang);
+        return print(&[Ok(report)], args.format(), aside, language);
     }
     let mut results = all(&files, &|file, alone| {
-        check_file(&setup, file, args, alone, &mut |_| {})
+        check_file(&setup, file, (args, language), alone, &mut |_| {})
     });
     results.extend(wrong.into_iter().map(|error| Err(error.into())));
-    print(&results, args.format(), false, args.look.lang)
+    print(&results, args.format(), false, language)
 }
 
 fn check_file(
     setup: &Setup,
     file: &Path,
-    args: &CheckArgs,
+    (args, language): (&CheckArgs, Option<Language>),
     alone: bool,
     on_move: &mut dyn FnMut(&ExecutedMove),
 ) -> Result<Report, CommandError> {
-    let look = args.look;
     let mut setup = setup.clone();
-    loading::open(&mut setup, &[file.to_owned()])?.print(look.lang);
-    let mut watch = output::watch(&setup.memory.programs, look.patience.begin(), alone);
+    loading::open(&mut setup, &[file.to_owned()])?.print(language);
+    let mut watch = output::watch(&setup.memory.programs, args.look.patience.begin(), alone);
     let name = file.display().to_string();
     let mut goes_on = |progress: &Progress| watch.goes_on(progress);
     if !args.part.wanted() {
-        let report = report::check(&name, &setup, look.lang, on_move, &mut goes_on);
+        let report = report::check(&name, &setup, language, on_move, &mut goes_on);
         return Ok(report);
     }
     let chosen = job::choose(&args.part.job, Some(file), &setup)?;
@@ -83,7 +83,7 @@ fn check_file(
         machining.moved(executed, rates);
         on_move(executed);
     };
-    let mut report = report::check(&name, &setup, look.lang, &mut take, &mut goes_on);
+    let mut report = report::check(&name, &setup, language, &mut take, &mut goes_on);
     if let Some(path) = &args.part.section {
         write_section(path, &machining)?;
     }
@@ -91,7 +91,7 @@ fn check_file(
         &machining,
         chosen.name(),
         args.part.measure,
-        look.lang,
+        language,
     ));
     Ok(report)
 }

@@ -1,6 +1,6 @@
 //! `dialect`: a program as another control model reads it.
 
-use gsk_messages::{Message, say};
+use gsk_messages::{Language, Message, say};
 use gsk_runner::{dialect, report};
 
 use super::{ALARM, CommandError, FINE, output};
@@ -10,7 +10,7 @@ use crate::files::{decode, program_file};
 
 /// Lists what means something else, or writes the program for the other model and lists
 /// what is left. Exit code 1 if anything is.
-pub fn dialect(args: &DialectArgs) -> Result<u8, CommandError> {
+pub fn dialect(args: &DialectArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let file = program_file::read(&args.file)?;
     let (from, to) = (args.from.record(), args.to.record());
     let mut findings = dialect::compare(&file.text, from, to);
@@ -25,7 +25,7 @@ pub fn dialect(args: &DialectArgs) -> Result<u8, CommandError> {
         place.write(&decode::encode(&rewritten, file.encoding))?;
         findings.retain(|finding| !finding.is_rewritten());
     }
-    let said = |message: &Message| report::said(message, args.lang);
+    let said = |message: &Message| report::said(message, language);
     let mut out = String::new();
     for finding in &findings {
         let text = said(&finding.text(from, to));

@@ -1,12 +1,12 @@
 //! `help`: what a command does, and what a symbol of the control means.
 
-use clap::CommandFactory;
+use clap::{Command, CommandFactory};
 use gsk_help::{Topic, article, ask, called, document, topics};
 use gsk_messages::{Language, say};
 use gsk_panel::glyphs::text_columns;
 
 use super::{CommandError, FINE, output};
-use crate::cli::{Cli, HelpArgs};
+use crate::cli::{Cli, HelpArgs, chinese};
 
 /// So many articles are printed whole; of more there is a list.
 const WHOLE: usize = 4;
@@ -17,8 +17,8 @@ const LISTED: usize = 40;
 ///
 /// # Errors
 /// Nothing is known of it.
-pub fn help(args: &HelpArgs) -> Result<u8, CommandError> {
-    let language = args.lang.unwrap_or(Language::En);
+pub fn help(args: &HelpArgs, spoken: Option<Language>) -> Result<u8, CommandError> {
+    let language = spoken.unwrap_or(Language::En);
     if args.list {
         output::print(&headings(&topics().iter().collect::<Vec<_>>(), language));
         return Ok(FINE);
@@ -27,10 +27,20 @@ pub fn help(args: &HelpArgs) -> Result<u8, CommandError> {
         output::print(&document(language));
         return Ok(FINE);
     }
-    let mut program = Cli::command();
+    let mut program = match language {
+        Language::Zh => chinese::command(),
+        Language::En => Cli::command(),
+    };
     program.build();
+    let of_command = |command: &Command| {
+        let help = command.clone().render_long_help().to_string();
+        match language {
+            Language::Zh => chinese::said(&help),
+            Language::En => help,
+        }
+    };
     let Some(first) = args.topic.first() else {
-        output::print(&program.render_long_help().to_string());
+        output::print(&of_command(&program));
         return Ok(FINE);
     };
     let mut command = program.find_subcommand(first);
@@ -38,7 +48,7 @@ pub fn help(args: &HelpArgs) -> Result<u8, CommandError> {
         command = command.and_then(|command| command.find_subcommand(below));
     }
     if let Some(command) = command.filter(|it| !it.is_hide_set()) {
-        output::print(&command.clone().render_long_help().to_string());
+        output::print(&of_command(command));
         return Ok(FINE);
     }
     let question = args.topic.join(" ");

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use gsk_core::plc::{Ladder, Plc};
+use gsk_core::plc::{CompileError, Ladder, Plc};
 use gsk_core::setup::{STANDARD_LADDER, standard_ladder};
 use gsk_messages::say;
 
@@ -33,26 +33,27 @@ fn compile(path: Option<&Path>) -> Result<Result<Arc<Ladder>, NoLadder>, Command
     let file = program_file::read(path)?;
     let name = path.display().to_string();
     Ok(Ladder::compile(&file.text).map(Arc::new).map_err(|errors| {
-        NoLadder(
-            errors
-                .errors
-                .iter()
-                .map(|error| error.in_file(&name))
-                .collect(),
-        )
+        let errors = errors.errors.iter();
+        NoLadder(errors.map(|error| at_line(&name, error)).collect())
     }))
+}
+
+/// `door.il:123: E03 …`, the form that editors can jump to.
+fn at_line(name: &str, found: &CompileError) -> String {
+    let said = output::worded(&found.message);
+    format!("{name}:{}: {} {said}", found.line, found.code)
 }
 
 fn check(args: &LadderArgs) -> Result<u8, CommandError> {
     let name = args.file.as_ref().map_or_else(
-        || say::ladder_list_standard().to_string(),
+        || output::worded(&say::ladder_list_standard()),
         |path| path.display().to_string(),
     );
     match compile(args.file.as_deref())? {
         Ok(ladder) => {
             let mut out = String::new();
             for warning in ladder.warnings() {
-                out.push_str(&(warning.in_file(&name) + "\n"));
+                out.push_str(&(at_line(&name, warning) + "\n"));
             }
             output::print(&out);
             output::say(&say::ladder_list_summary(
@@ -110,7 +111,7 @@ fn run(args: &LadderRunArgs) -> Result<u8, CommandError> {
         }
         plc.slot();
         if let Some(fault) = plc.fault() {
-            complain!("gsk980td: {fault}");
+            output::complain_of(&fault.message());
             return Ok(ALARM);
         }
     }
@@ -131,10 +132,12 @@ fn after(plc: &Plc) -> String {
             .filter(|(number, bit)| byte(*number) >> bit & 1 == 1)
             .map(|(number, bit)| format!("{area}{number}.{bit}"))
             .collect();
-        out.push_str(&format!("{}\n", say::ladder_list_on(area, on.join(" "))));
+        let on = say::ladder_list_on(area, on.join(" "));
+        out.push_str(&format!("{}\n", output::worded(&on)));
     }
     for (number, text) in plc.active_messages() {
-        out.push_str(&format!("{}\n", say::ladder_list_message(number, text)));
+        let said = say::ladder_list_message(number, text);
+        out.push_str(&format!("{}\n", output::worded(&said)));
     }
     out
 }

@@ -17,8 +17,7 @@ use crate::platform;
 ///
 /// # Errors
 /// There is no such lesson, or its file breaks a rule.
-pub fn lesson(command: &LessonCommand) -> Result<u8, CommandError> {
-    let language = command.language();
+pub fn lesson(command: &LessonCommand, language: Option<Language>) -> Result<u8, CommandError> {
     match command {
         LessonCommand::List(args) => Ok(list(args.data.as_deref(), language)),
         LessonCommand::Check(args) => {

@@ -21,6 +21,7 @@ mod settings;
 mod streams;
 
 use gsk_core::setup::Setup;
+use gsk_messages::Language;
 use gsk_runner::mill::MillSetup;
 
 use super::{CommandError, FINE};
@@ -42,7 +43,7 @@ pub struct Control {
 ///
 /// # Errors
 /// Options that cannot be had, and messages that are none of the protocol.
-pub fn lsp(args: &LspArgs) -> Result<u8, CommandError> {
+pub fn lsp(args: &LspArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let control = if args.setup.model().is_mill() {
         let (mill, setup) = loading::mill(&args.setup)?;
         Control {
@@ -50,11 +51,11 @@ pub fn lsp(args: &LspArgs) -> Result<u8, CommandError> {
             mill: Some(mill),
         }
     } else {
-        let setup = loading::setup(&args.setup, None, args.lang)?;
+        let setup = loading::setup(&args.setup, None, language)?;
         Control { setup, mill: None }
     };
     let (connection, streams) = streams::open();
-    let ended = server::serve(&connection, control, args.lang);
+    let ended = server::serve(&connection, control, language);
     drop(connection);
     let streams = streams.end();
     let ended = ended.map_err(|error| CommandError::Editor(error.to_string()))?;

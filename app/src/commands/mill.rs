@@ -27,7 +27,7 @@ fn refuse(option: &'static str) -> CommandError {
 }
 
 /// Checks programs.
-pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
+pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, CommandError> {
     if args.part.wanted() {
         return Err(refuse("--part"));
     }
@@ -52,44 +52,43 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
     keep_apart(&read, &results(&[&args.moves]))?;
     if let (Some(path), [file]) = (&args.moves, &files[..]) {
         let report = into_file(path, mill::write_move, |on_move| {
-            check_file(&setup, file, args, true, on_move)
+            check_file(&setup, file, (args, language), true, on_move)
         })?;
         let aside = output::is_standard(Some(path));
-        return print(&[Ok(report)], args.format(), aside, args.look.lang);
+        return print(&[Ok(report)], args.format(), aside, language);
     }
     let mut results = all(&files, &|file, alone| {
-        check_file(&setup, file, args, alone, &mut |_| {})
+        check_file(&setup, file, (args, language), alone, &mut |_| {})
     });
     results.extend(wrong.into_iter().map(|error| Err(error.into())));
-    print(&results, args.format(), false, args.look.lang)
+    print(&results, args.format(), false, language)
 }
 
 fn check_file(
     setup: &MillSetup,
     file: &Path,
-    args: &CheckArgs,
+    (args, language): (&CheckArgs, Option<Language>),
     alone: bool,
     on_move: &mut dyn FnMut(&Move),
 ) -> Result<Report, CommandError> {
-    let look = args.look;
     let (_, mut programs) = loading::mill(&args.setup)?;
-    loading::open(&mut programs, &[file.to_owned()])?.print(look.lang);
+    loading::open(&mut programs, &[file.to_owned()])?.print(language);
     let programs = &programs.memory.programs;
-    let mut watch = output::watch(programs, look.patience.begin(), alone);
+    let mut watch = output::watch(programs, args.look.patience.begin(), alone);
     let name = file.display().to_string();
     let mut goes_on = |progress: &Progress| watch.goes_on(progress);
     Ok(mill::check(
         &name,
         setup,
         programs,
-        look.lang,
+        language,
         on_move,
         &mut goes_on,
     ))
 }
 
 /// Draws a program from four sides. What comes before an alarm is drawn, too.
-pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
+pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandError> {
     check_name(&args.output)?;
     let format = Format::of(&args.output)?;
     let refused = [
@@ -101,7 +100,6 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
     if let Some((_, option)) = refused.into_iter().find(|(given, _)| *given) {
         return Err(refuse(option));
     }
-    let language = args.look.lang;
     let main = args.file.as_path();
     let read = Read {
         files: vec![main],

@@ -16,15 +16,15 @@ use crate::files::program_file;
 use crate::loading::LoadError;
 
 /// What is worked out when a mill is set up.
-pub fn work_out(command: &MillCommand) -> Result<u8, CommandError> {
+pub fn work_out(command: &MillCommand, language: Option<Language>) -> Result<u8, CommandError> {
     match command {
-        MillCommand::Gear(args) => gear(args),
-        MillCommand::Pitch(args) => pitch(args),
-        MillCommand::Keys(args) => keys(args),
+        MillCommand::Gear(args) => gear(args, language),
+        MillCommand::Pitch(args) => pitch(args, language),
+        MillCommand::Keys(args) => keys(args, language),
         MillCommand::Homing(args) if args.params.is_some() || !args.values.is_empty() => {
-            homing_of(args)
+            homing_of(args, language)
         }
-        MillCommand::Homing(args) => {
+        MillCommand::Homing(_) => {
             let steps = [
                 say::mill_homing_absolute(),
                 say::mill_homing_d1(),
@@ -35,20 +35,20 @@ pub fn work_out(command: &MillCommand) -> Result<u8, CommandError> {
                 say::mill_homing_ways(),
             ];
             for said in steps {
-                say_line(&said, args.lang);
+                say_line(&said, language);
             }
             Ok(FINE)
         }
         MillCommand::Backlash(args) => {
             let rate = backlash_rate(args.bits, args.eighth);
-            say_line(&say::mill_backlash(rate), args.lang);
+            say_line(&say::mill_backlash(rate), language);
             Ok(FINE)
         }
     }
 }
 
 /// How the axes go to machine zero with the parameters of a machine.
-fn homing_of(args: &HomingArgs) -> Result<u8, CommandError> {
+fn homing_of(args: &HomingArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let mut values = ParameterValues::default();
     if let Some(path) = &args.params {
         let file = program_file::read(path).map_err(LoadError::from)?;
@@ -64,7 +64,7 @@ fn homing_of(args: &HomingArgs) -> Result<u8, CommandError> {
         values.take(word).map_err(wrong)?;
     }
     for said in homing(&values) {
-        say_line(&said, args.lang);
+        say_line(&said, language);
     }
     Ok(FINE)
 }
@@ -77,7 +77,7 @@ fn say_line(said: &Message, language: Option<Language>) {
     output::print(&(report::said(said, language) + "\n"));
 }
 
-fn gear(args: &GearArgs) -> Result<u8, CommandError> {
+fn gear(args: &GearArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let (screw, motor) = args.teeth;
     let teeth = Teeth { screw, motor };
     let found = match (args.lead, args.pulses) {
@@ -91,11 +91,11 @@ fn gear(args: &GearArgs) -> Result<u8, CommandError> {
     let found = found.map_err(wrong)?;
     let ratio = f64::from(found.multiplier) / f64::from(found.divider);
     let said = say::mill_gear(found.multiplier, found.divider, format!("{ratio:.6}"));
-    say_line(&said, args.lang);
+    say_line(&said, language);
     Ok(FINE)
 }
 
-fn pitch(args: &PitchArgs) -> Result<u8, CommandError> {
+fn pitch(args: &PitchArgs, language: Option<Language>) -> Result<u8, CommandError> {
     // Farther than any axis reaches.
     const FARTHEST: f64 = 1e12;
     let thousandths = |mm: f64| (mm * 1000.0).round().clamp(-FARTHEST, FARTHEST) as i64;
@@ -108,22 +108,22 @@ fn pitch(args: &PitchArgs) -> Result<u8, CommandError> {
     };
     let axis = args.axis.or(axis);
     if let Some(axis) = axis {
-        say_line(&say::mill_pitch_axis(axis), args.lang);
+        say_line(&say::mill_pitch_axis(axis), language);
     }
     for (number, value) in table.values() {
         let said = say::mill_pitch_row(number, table.label(number), value);
-        say_line(&said, args.lang);
+        say_line(&said, language);
     }
     if let Some(backlash) = backlash {
-        say_line(&say::mill_pitch_of_file(backlash), args.lang);
+        say_line(&say::mill_pitch_of_file(backlash), language);
     }
     for position in &args.positions {
         let commanded = table.commanded(thousandths(*position));
-        say_line(&say::mill_pitch_pulses(position, commanded), args.lang);
+        say_line(&say::mill_pitch_pulses(position, commanded), language);
     }
     if let Some(turn) = args.turn {
         let end = table.end_of_turn(thousandths(turn)).map_err(wrong)?;
-        say_line(&say::mill_pitch_end(end), args.lang);
+        say_line(&say::mill_pitch_end(end), language);
     }
     if let Some(path) = &args.export {
         keep_apart_from(args.ren.as_deref(), path)?;
@@ -222,11 +222,11 @@ fn in_renishaw_form(
     out
 }
 
-fn keys(args: &MillKeysArgs) -> Result<u8, CommandError> {
+fn keys(args: &MillKeysArgs, language: Option<Language>) -> Result<u8, CommandError> {
     if args.shown.is_empty() {
         for (number, keys) in KEYS {
             let said = say::mill_keys_pressed(format!("{number:03}"), keys.join("  "));
-            say_line(&said, args.lang);
+            say_line(&said, language);
         }
         return Ok(FINE);
     }
@@ -238,7 +238,7 @@ fn keys(args: &MillKeysArgs) -> Result<u8, CommandError> {
             true => say::mill_keys_none(written),
             false => say::mill_keys_pressed(written, keys.join("  ")),
         };
-        say_line(&said, args.lang);
+        say_line(&said, language);
     }
     Ok(FINE)
 }

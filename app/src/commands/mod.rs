@@ -26,9 +26,8 @@ use std::process::ExitCode;
 
 pub use error::CommandError;
 use gsk_messages::say;
-use gsk_runner::report;
 
-use crate::cli::{Cli, Command};
+use crate::cli::{Cli, Command, of_the_system};
 use crate::guard::holder;
 use crate::{log, output};
 
@@ -69,48 +68,37 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         (Some(_), Some(level)) => log::on_terminal(level),
         _ => None,
     };
+    let told = cli.lang.or_else(of_the_system);
     let language = match &cli.command {
-        None => cli.window.lang,
-        Some(Command::Check(args)) => args.look.lang,
-        Some(Command::Plot(args)) => args.look.lang,
-        Some(Command::Run(args)) => args.lang,
-        Some(Command::Operate(args)) => args.lang,
-        Some(Command::Alarms(args) | Command::Faults(args)) => args.lang,
-        Some(Command::Dialect(args)) => args.lang,
-        Some(Command::Help(args)) => args.lang,
-        Some(Command::Pitch(command)) => command.lang(),
-        Some(Command::Project(command)) => command.lang(),
-        Some(Command::Lsp(args)) => args.lang,
-        Some(Command::Lesson(command)) => command.language(),
-        Some(Command::Transfer(args)) => args.lang,
-        Some(Command::Link(args)) => args.lang,
-        Some(_) => None,
+        // The window remembers its own, an editor tells its own.
+        None | Some(Command::Lsp(_)) => cli.lang,
+        Some(_) => told,
     };
-    if let Some(language) = language {
-        output::speak(language);
+    if let Some(told) = told {
+        output::speak(told);
     }
     let result = match cli.command {
-        None => window::open(cli.window, cli.log),
-        Some(Command::Run(args)) => run::run(&args),
-        Some(Command::Check(args)) => check::check(&args),
-        Some(Command::Plot(args)) => plot::plot(&args),
-        Some(Command::Dialect(args)) => dialect::dialect(&args),
-        Some(Command::Operate(args)) => operate::operate(&args),
-        Some(Command::Lesson(command)) => lesson::lesson(&command),
+        None => window::open(cli.window, language, cli.log),
+        Some(Command::Run(args)) => run::run(&args, language),
+        Some(Command::Check(args)) => check::check(&args, language),
+        Some(Command::Plot(args)) => plot::plot(&args, language),
+        Some(Command::Dialect(args)) => dialect::dialect(&args, language),
+        Some(Command::Operate(args)) => operate::operate(&args, language),
+        Some(Command::Lesson(command)) => lesson::lesson(&command, language),
         Some(Command::Screen(args)) => screen::screen(&args),
-        Some(Command::Keys(args)) => tables::keys(&args),
-        Some(Command::Parameters(args)) => tables::parameters(&args),
-        Some(Command::Alarms(args)) => tables::alarms(&args),
-        Some(Command::Signals(args)) => tables::signals(&args),
-        Some(Command::Faults(args)) => tables::faults(&args),
+        Some(Command::Keys(args)) => tables::keys(&args, language),
+        Some(Command::Parameters(args)) => tables::parameters(&args, language),
+        Some(Command::Alarms(args)) => tables::alarms(&args, language),
+        Some(Command::Signals(args)) => tables::signals(&args, language),
+        Some(Command::Faults(args)) => tables::faults(&args, language),
         Some(Command::Ladder(command)) => ladder::ladder(&command),
-        Some(Command::Mill(command)) => mill_setup::work_out(&command),
+        Some(Command::Mill(command)) => mill_setup::work_out(&command, language),
         Some(Command::Link(args)) => link::link(&args.command),
-        Some(Command::Pitch(command)) => pitch::pitch(&command),
-        Some(Command::Project(command)) => project::project(&command),
+        Some(Command::Pitch(command)) => pitch::pitch(&command, language),
+        Some(Command::Project(command)) => project::project(&command, language),
         Some(Command::Transfer(args)) => transfer::transfer(&args.command),
-        Some(Command::Help(args)) => help::help(&args),
-        Some(Command::Lsp(args)) => lsp::lsp(&args),
+        Some(Command::Help(args)) => help::help(&args, language),
+        Some(Command::Lsp(args)) => lsp::lsp(&args, language),
         Some(Command::Notices) => Ok(notices()),
         Some(Command::Completions(args)) => Ok(manual::completions(&args)),
         Some(Command::Man(args)) => manual::man(&args),
@@ -118,12 +106,12 @@ pub fn carry_out(cli: Cli) -> ExitCode {
     };
     let code = result.unwrap_or_else(|said| {
         tracing::error!("{said}");
-        complain!("gsk980td: {}", report::said(&said.message(), language));
+        output::complain_of(&said.message());
         USAGE
     });
     match output::lost() {
         Some(error) => {
-            complain!("gsk980td: {}", say::command_standard_output_lost(error));
+            output::complain_of(&say::command_standard_output_lost(error));
             ExitCode::from(code.max(USAGE))
         }
         None => ExitCode::from(code),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
-use gsk_messages::{Message, say};
+use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::SerialFile;
 use gsk_panel::script::{Action, Script};
@@ -28,7 +28,7 @@ use crate::picture::check_png;
 use crate::{loading, retained, transfer};
 
 /// Runs a script. Exit code 1 if an expectation is not met.
-pub fn operate(args: &OperateArgs) -> Result<u8, CommandError> {
+pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, CommandError> {
     args.setup.refuse_mill().map_err(LoadError::from)?;
     let path = &args.script;
     if args.link.is_some() {
@@ -48,7 +48,7 @@ pub fn operate(args: &OperateArgs) -> Result<u8, CommandError> {
     let restored = retained::bring_back(data.as_ref(), &mut setup);
     loading::apply(&mut setup, &args.setup)?;
     if let Some(program) = &args.program {
-        loading::open(&mut setup, core::slice::from_ref(program))?.print(args.lang);
+        loading::open(&mut setup, core::slice::from_ref(program))?.print(language);
     }
 
     keep_script_apart(args, &script, &folder_of(path))?;

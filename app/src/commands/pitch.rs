@@ -22,10 +22,10 @@ use crate::project::{self, Target, Who};
 const LAST: u8 = 255;
 
 /// Carries out a command about pitch errors.
-pub fn pitch(command: &PitchCommand) -> Result<u8, CommandError> {
+pub fn pitch(command: &PitchCommand, language: Option<Language>) -> Result<u8, CommandError> {
     match command {
-        PitchCommand::Import(args) => import(args),
-        PitchCommand::Show(args) => show(args),
+        PitchCommand::Import(args) => import(args, language),
+        PitchCommand::Show(args) => show(args, language),
     }
 }
 
@@ -33,7 +33,7 @@ fn say(message: &Message, language: Option<Language>) {
     output::print(&format!("{}\n", said(message, language)));
 }
 
-fn import(args: &PitchImportArgs) -> Result<u8, CommandError> {
+fn import(args: &PitchImportArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let axis = args.axis;
     let at_file = |rule: Message| CommandError::Pitch(say::pitch_file(args.file.display(), rule));
     let imported = pitch::read_file(&args.file).map_err(CommandError::Pitch)?;
@@ -59,10 +59,10 @@ fn import(args: &PitchImportArgs) -> Result<u8, CommandError> {
     let differences = pitch::differences(&found.proposal().changes, opened.state());
     let taken = opened.take_over(differences, args.dry_run)?;
     for complaint in &taken.complaints {
-        complain!("gsk980td: {}", said(complaint, args.lang));
+        complain!("gsk980td: {}", said(complaint, language));
     }
     if !taken.denied.is_empty() {
-        tell_denied(&taken, args.lang);
+        tell_denied(&taken, language);
         return Ok(ALARM);
     }
     if args.json {
@@ -76,28 +76,28 @@ fn import(args: &PitchImportArgs) -> Result<u8, CommandError> {
     if let Found::Measured(measured, fit, plan) = &found {
         say(
             &fitted(measured.readings.len(), measured.runs(), fit),
-            args.lang,
+            language,
         );
         say(
             &say::commission_plan(plan.before.0, plan.after.0, plan.interval.0),
-            args.lang,
+            language,
         );
     }
     if args.dry_run {
         compare(axis, &own, &found);
     }
-    list(&taken.differences, &taken.old, &taken.new, args.lang);
+    list(&taken.differences, &taken.old, &taken.new, language);
     for note in &found.proposal().notes {
-        say(note, args.lang);
+        say(note, language);
     }
     let (count, shown) = (taken.differences.len(), taken.folder.display());
     match &taken.backup {
         Some(backup) => {
-            say(&say::project_applied(shown, count), args.lang);
-            say(&say::project_backup(backup.display()), args.lang);
+            say(&say::project_applied(shown, count), language);
+            say(&say::project_backup(backup.display()), language);
         }
-        None if count > 0 => say(&say::pitch_nothing_written(), args.lang),
-        None => say(&say::commission_no_changes(), args.lang),
+        None if count > 0 => say(&say::pitch_nothing_written(), language),
+        None => say(&say::commission_no_changes(), language),
     }
     Ok(FINE)
 }
@@ -171,11 +171,11 @@ fn rows(axis: Axis, memory: &Memory) -> Vec<(u8, Travel, Deviation)> {
         .collect()
 }
 
-fn show(args: &PitchShowArgs) -> Result<u8, CommandError> {
+fn show(args: &PitchShowArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let folder: PathBuf = directory(args.data.as_ref())?;
     let held = project::of_data(&folder, args.model)?;
     for complaint in held.complaints() {
-        complain!("gsk980td: {}", said(complaint, args.lang));
+        complain!("gsk980td: {}", said(complaint, language));
     }
     let axes = [Axis::X, Axis::Z];
     let axes = axes
@@ -188,7 +188,7 @@ fn show(args: &PitchShowArgs) -> Result<u8, CommandError> {
         return Ok(FINE);
     }
     for axis in axes {
-        show_axis(axis, memory, args);
+        show_axis(axis, memory, args.format, language);
     }
     Ok(if held.complaints().is_empty() {
         FINE
@@ -197,13 +197,13 @@ fn show(args: &PitchShowArgs) -> Result<u8, CommandError> {
     })
 }
 
-fn show_axis(axis: Axis, memory: &Memory, args: &PitchShowArgs) {
+fn show_axis(axis: Axis, memory: &Memory, format: PitchFormat, language: Option<Language>) {
     let parameters = &memory.parameters;
     let interval = interval_of(axis, parameters).unwrap_or(Travel(0.0));
     let positions = points(axis, parameters).into_iter().map(|(_, at)| at);
     let curve = correction(axis, parameters, &memory.pitch, positions);
     let rows = rows(axis, memory);
-    match args.format {
+    match format {
         PitchFormat::Csv => output::print(&write_csv(&curve)),
         PitchFormat::Ren => {
             let backlash = Deviation(parameters.backlash(axis) * 1000.0);
@@ -221,9 +221,9 @@ fn show_axis(axis: Axis, memory: &Memory, args: &PitchShowArgs) {
                 parameters.pitch_factor(),
                 state,
             );
-            say(&head, args.lang);
+            say(&head, language);
             if rows.is_empty() {
-                say(&say::pitch_show_flat(), args.lang);
+                say(&say::pitch_show_flat(), language);
             }
             for (point, end, value) in rows {
                 let sum = curve.at(end).0;

@@ -15,16 +15,15 @@ use crate::picture::{NameError, check_name};
 use crate::{job, loading};
 
 /// Draws a program. What comes before an alarm is drawn, too.
-pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
+pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandError> {
     if args.setup.model().is_mill() {
-        return mill::plot(args);
+        return mill::plot(args, language);
     }
     check_name(&args.output)?;
     let format = Format::of(&args.output)?;
     if args.solid && format != Format::Png {
         return Err(NameError::NoLines(args.output.clone()).into());
     }
-    let language = args.look.lang;
     let main = args.file.as_path();
     let read = Read {
         files: core::iter::once(main)
@@ -34,7 +33,7 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
         data: args.setup.data.as_deref(),
     };
     keep_apart(&read, &[&args.output])?;
-    let mut setup = loading::setup(&args.setup, args.look.work_zero, args.look.lang)?;
+    let mut setup = loading::setup(&args.setup, args.look.work_zero, language)?;
     loading::open(&mut setup, std::slice::from_ref(&args.file))?.print(language);
     let target = output::reserve(&args.output)?;
     let rates = RapidRates::of(&setup.memory);

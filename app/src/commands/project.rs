@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use gsk_core::model::ModelId;
 use gsk_messages::{Language, Message, say};
 use gsk_project::{
     Difference, Section, Set, State, Value, details, diff, export, label, refused, sentence, unit,
@@ -20,12 +21,12 @@ use crate::project::{self, ProjectError, Taken, Taking, Who, Written};
 use crate::retained::project::Held;
 
 /// Carries out a command about projects.
-pub fn project(command: &ProjectCommand) -> Result<u8, CommandError> {
+pub fn project(command: &ProjectCommand, language: Option<Language>) -> Result<u8, CommandError> {
     match command {
-        ProjectCommand::New(args) => new(args),
-        ProjectCommand::Export(args) => write_control(args),
-        ProjectCommand::Import(args) => take_over(args),
-        ProjectCommand::Diff(args) => compare(args),
+        ProjectCommand::New(args) => new(args, language),
+        ProjectCommand::Export(args) => write_control(args, language),
+        ProjectCommand::Import(args) => take_over(args, language),
+        ProjectCommand::Diff(args) => compare(args, language),
     }
 }
 
@@ -33,16 +34,16 @@ fn say(message: &Message, language: Option<Language>) {
     output::print(&format!("{}\n", said(message, language)));
 }
 
-fn new(args: &ProjectNewArgs) -> Result<u8, CommandError> {
+fn new(args: &ProjectNewArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let machine = args.machine.as_ref();
     let setup = project::delivered(args.model.unwrap_or_default(), machine);
     let state = State::of(&setup).with_texts(machine_of(machine)?);
     if project::is_project(&args.folder) {
         return Err(ProjectError::Other(args.folder.clone()).into());
     }
-    let files = export(&state, args.lang.unwrap_or(Language::En));
+    let files = export(&state, language.unwrap_or(Language::En));
     let written = project::write(&args.folder, &state, &files, &Default::default())?;
-    tell_written(written, &args.folder, args.lang);
+    tell_written(written, &args.folder, language);
     Ok(FINE)
 }
 
@@ -74,15 +75,15 @@ fn complain_of(held: &Held, language: Option<Language>) {
     }
 }
 
-fn write_control(args: &ProjectExportArgs) -> Result<u8, CommandError> {
+fn write_control(args: &ProjectExportArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let held = project::of_data(&directory(args.data.as_ref())?, args.model)?;
-    complain_of(&held, args.lang);
-    let mut files = export(&held.state, args.lang.unwrap_or(Language::En));
+    complain_of(&held, language);
+    let mut files = export(&held.state, language.unwrap_or(Language::En));
     if let Some((key, text)) = machine_of(args.machine.as_ref())? {
         files.insert(key.name(), text.to_string());
     }
     let written = project::write(&args.folder, &held.state, &files, held.encodings())?;
-    tell_written(written, &args.folder, args.lang);
+    tell_written(written, &args.folder, language);
     // What was damaged may be as delivered in the folder.
     Ok(if held.complaints().is_empty() {
         FINE
@@ -97,7 +98,7 @@ fn wanted(differences: Vec<Difference>, only: &[Section]) -> Vec<Difference> {
     wanted
 }
 
-fn take_over(args: &ProjectImportArgs) -> Result<u8, CommandError> {
+fn take_over(args: &ProjectImportArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let directory = directory(args.data.as_ref())?;
     let only = &args.only;
     let taking = Taking {
@@ -113,24 +114,21 @@ fn take_over(args: &ProjectImportArgs) -> Result<u8, CommandError> {
     let wanted = |it: &Difference| only.is_empty() || only.contains(&it.section());
     let taken = project::take_over(&taking, &wanted)?;
     for complaint in &taken.complaints {
-        complain!("gsk980td: {}", said(complaint, args.lang));
+        complain!("gsk980td: {}", said(complaint, language));
     }
     if !taken.denied.is_empty() {
-        tell_denied(&taken, args.lang);
+        tell_denied(&taken, language);
         return Ok(ALARM);
     }
-    list(&taken.differences, &taken.old, &taken.new, args.lang);
+    list(&taken.differences, &taken.old, &taken.new, language);
     let (count, shown) = (taken.differences.len(), taken.folder.display());
     match &taken.backup {
         Some(backup) => {
-            say(&say::project_applied(shown, count), args.lang);
-            say(&say::project_backup(backup.display()), args.lang);
+            say(&say::project_applied(shown, count), language);
+            say(&say::project_backup(backup.display()), language);
         }
-        None if count > 0 => say(&say::project_would_apply(shown, count), args.lang),
-        None => say(
-            &say::project_apply_nothing(args.folder.display()),
-            args.lang,
-        ),
+        None if count > 0 => say(&say::project_would_apply(shown, count), language),
+        None => say(&say::project_apply_nothing(args.folder.display()), language),
     }
     Ok(FINE)
 }
@@ -147,23 +145,27 @@ pub(super) fn tell_denied(taken: &Taken, language: Option<Language>) {
 }
 
 /// A project, or what a data directory holds.
-fn side(path: &Path, args: &ProjectDiffArgs) -> Result<State, CommandError> {
+fn side(
+    path: &Path,
+    model: Option<ModelId>,
+    language: Option<Language>,
+) -> Result<State, CommandError> {
     if project::is_project(path) {
         return Ok(project::read(path)?.0);
     }
-    let held = project::of_data(path, args.model).map_err(|error| match error {
+    let held = project::of_data(path, model).map_err(|error| match error {
         DataError::Missing { path } => ProjectError::NoProject(path),
         other => other.into(),
     })?;
-    complain_of(&held, args.lang);
+    complain_of(&held, language);
     Ok(held.state)
 }
 
-fn compare(args: &ProjectDiffArgs) -> Result<u8, CommandError> {
-    let old = side(&args.old, args)?;
+fn compare(args: &ProjectDiffArgs, language: Option<Language>) -> Result<u8, CommandError> {
+    let old = side(&args.old, args.model, language)?;
     let new = match &args.new {
-        Some(path) => side(path, args)?,
-        None => side(&directory(args.data.as_ref())?, args)?,
+        Some(path) => side(path, args.model, language)?,
+        None => side(&directory(args.data.as_ref())?, args.model, language)?,
     };
     let differences = wanted(diff(&old, &new), &args.only);
     match args.format {
@@ -172,10 +174,10 @@ fn compare(args: &ProjectDiffArgs) -> Result<u8, CommandError> {
             let text = serde_json::to_string_pretty(&rows.collect::<Vec<_>>())?;
             output::print(&format!("{text}\n"));
         }
-        DiffFormat::Human if differences.is_empty() => say(&say::project_same(), args.lang),
+        DiffFormat::Human if differences.is_empty() => say(&say::project_same(), language),
         DiffFormat::Human => {
-            list(&differences, &old, &new, args.lang);
-            say(&say::project_differs(differences.len()), args.lang);
+            list(&differences, &old, &new, language);
+            say(&say::project_differs(differences.len()), language);
         }
     }
     Ok(if differences.is_empty() { FINE } else { ALARM })

@@ -36,7 +36,7 @@ use crate::{job, kernel, loading, retained};
 const PROGRESS_MS: u64 = 4096;
 
 /// Runs a program.
-pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
+pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError> {
     args.setup.refuse_mill().map_err(LoadError::from)?;
     if let Some(path) = &args.plot {
         check_name(path)?;
@@ -56,7 +56,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
     let written = results(&[&args.moves, &args.positions, &args.plot, &args.part.section]);
     keep_apart(&read, &written)?;
     let person = attended(args)?;
-    let language = args.lang.unwrap_or(Language::En);
+    let language = spoken.unwrap_or(Language::En);
     let bare = match args.link {
         Some(_) => Setup::at_the_panel(),
         None => Setup::default(),
@@ -80,9 +80,9 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
         .map(|name| dnc::Partner::new(Source::of(name)));
     if partner.is_some() {
         loading::with_keys_for_dnc(&mut setup);
-        loading::store_files(&mut setup.memory.programs, &args.files)?.print(args.lang);
+        loading::store_files(&mut setup.memory.programs, &args.files)?.print(spoken);
     } else {
-        loading::open(&mut setup, &args.files)?.print(args.lang);
+        loading::open(&mut setup, &args.files)?.print(spoken);
     }
 
     let main = args.dnc.as_ref().or(args.files.first());
@@ -158,7 +158,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
         partner,
         board,
         &mut outputs,
-        args.lang,
+        spoken,
     )?;
     report.part = chosen.zip(outputs.live.as_ref()).map(|(chosen, live)| {
         PartReport::new(live.machining(), chosen.name(), args.part.measure, None)
@@ -191,7 +191,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
     let moves_on_screen = [&args.moves, &args.positions]
         .into_iter()
         .any(|path| output::is_standard(path.as_deref()));
-    output::report(&report, args.json, moves_on_screen, args.lang)?;
+    output::report(&report, args.json, moves_on_screen, spoken)?;
     let unknown = report
         .alarm
         .as_ref()

@@ -3,7 +3,7 @@
 use gsk_core::machine::FAULTS;
 use gsk_core::model::ModelId;
 use gsk_core::{alarm, memory};
-use gsk_messages::Language;
+use gsk_messages::{Language, Message, say};
 use gsk_milling::parameter_rows;
 use gsk_panel::keys::{Bit, KEYS, Role, STRIP};
 use gsk_panel::signals;
@@ -11,7 +11,7 @@ use gsk_runner::report::class_name;
 use serde_json::{Value, json};
 
 use super::{CommandError, FINE, output};
-use crate::cli::{ExplainedArgs, ParametersArgs, TableArgs};
+use crate::cli::{ParametersArgs, TableArgs};
 use crate::window::pc_name;
 
 /// A table: its heading, its rows, and the same as JSON.
@@ -93,10 +93,21 @@ fn bit(area: char, bit: Bit) -> String {
 }
 
 /// The keys of the panel, then the lamps of the strip.
-pub fn keys(args: &TableArgs) -> Result<u8, CommandError> {
-    let mut table = Table::new(&[
-        "ID", "LABEL", "PC KEY", "CONTACT", "LAMP", "中文", "ENGLISH",
-    ]);
+pub fn keys(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandError> {
+    let mut table = Table::new(&match language {
+        Some(Language::Zh) => [
+            "名称",
+            "键面",
+            "电脑键",
+            "触点",
+            "指示灯",
+            "中文",
+            "ENGLISH",
+        ],
+        Some(Language::En) | None => [
+            "ID", "LABEL", "PC KEY", "CONTACT", "LAMP", "中文", "ENGLISH",
+        ],
+    });
     for row in &KEYS {
         let contact = match row.role {
             Role::Machine(contact) => bit('X', contact),
@@ -131,20 +142,32 @@ pub fn keys(args: &TableArgs) -> Result<u8, CommandError> {
 }
 
 /// The parameters.
-pub fn parameters(args: &ParametersArgs) -> Result<u8, CommandError> {
+pub fn parameters(args: &ParametersArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let own = match args.model {
-        ModelId::Gsk980td => of_the_lathe(),
-        model if model.is_mill() => of_the_mill(),
-        model => of_a_model(model),
+        ModelId::Gsk980td => of_the_lathe(language),
+        model if model.is_mill() => of_the_mill(language),
+        model => of_a_model(model, language),
     };
     own.print(&args.table)
 }
 
 /// The parameters of the mill, with what acts in `check` and `plot`.
-fn of_the_mill() -> Table {
-    let mut table = Table::new(&[
-        "NUMBER", "SYMBOL", "AXES", "UNIT", "RANGE", "ACTS", "中文", "MEANING",
-    ]);
+fn of_the_mill(language: Option<Language>) -> Table {
+    let mut table = Table::new(&match language {
+        Some(Language::Zh) => [
+            "参数号",
+            "符号",
+            "各轴",
+            "单位",
+            "范围",
+            "有效",
+            "中文",
+            "ENGLISH",
+        ],
+        Some(Language::En) | None => [
+            "NUMBER", "SYMBOL", "AXES", "UNIT", "RANGE", "ACTS", "中文", "MEANING",
+        ],
+    });
     for row in parameter_rows() {
         let number = match row.bit {
             Some(bit) => format!("{:03}.{bit}", row.number),
@@ -152,13 +175,18 @@ fn of_the_mill() -> Table {
         };
         let json = json!({
             "number": row.number, "bit": row.bit, "symbol": row.symbol,
-            "each_axis": !row.axes.is_empty(), "axes": axes_in_words(row.axes), "unit": row.unit, "range": row.range,
+            "each_axis": !row.axes.is_empty(), "axes": axes_in_words(row.axes, None), "unit": row.unit, "range": row.range,
             "acts": row.acts, "zh": row.zh, "en": row.en,
         });
-        let axes = axes_in_words(row.axes);
-        let acts = if row.acts { "yes" } else { "no" };
+        let axes = axes_in_words(row.axes, language);
+        let acts = match (language, row.acts) {
+            (Some(Language::Zh), true) => "是",
+            (Some(Language::Zh), false) => "否",
+            (_, true) => "yes",
+            (_, false) => "no",
+        };
         let cells = [
-            &number, row.symbol, axes, row.unit, row.range, acts, row.zh, row.en,
+            &number, row.symbol, &axes, row.unit, row.range, acts, row.zh, row.en,
         ];
         table.push(cells.map(str::to_owned).to_vec(), json);
     }
@@ -166,18 +194,22 @@ fn of_the_mill() -> Table {
 }
 
 /// The numbers that the axes of a row have more.
-const fn axes_in_words(axes: &[u16]) -> &'static str {
-    match axes {
-        [] => "",
-        [4, 5] => "+40000 4th, +50000 5th",
-        [1, 2, 3] => "+10000 X to +30000 Z",
-        _ => "+10000 X to +50000 5th",
-    }
+fn axes_in_words(axes: &[u16], language: Option<Language>) -> String {
+    let said = match axes {
+        [] => return String::new(),
+        [4, 5] => say::table_axes_additional(),
+        [1, 2, 3] => say::table_axes_linear(),
+        _ => say::table_axes_all(),
+    };
+    said.text(language.unwrap_or(Language::En))
 }
 
 /// The parameters that only one of the other lathes has.
-fn of_a_model(model: ModelId) -> Table {
-    let mut table = Table::new(&["NUMBER", "UNIT", "RANGE", "FACTORY", "中文", "MEANING"]);
+fn of_a_model(model: ModelId, language: Option<Language>) -> Table {
+    let mut table = Table::new(&match language {
+        Some(Language::Zh) => ["参数号", "单位", "范围", "出厂值", "中文", "ENGLISH"],
+        Some(Language::En) | None => ["NUMBER", "UNIT", "RANGE", "FACTORY", "中文", "MEANING"],
+    });
     for (number, row) in &model.record().parameters {
         let (zh, en) = (row.name(Language::Zh), row.name(Language::En));
         let range = format!("{}..{}", row.range.0, row.range.1);
@@ -192,10 +224,21 @@ fn of_a_model(model: ModelId) -> Table {
     table
 }
 
-fn of_the_lathe() -> Table {
-    let mut table = Table::new(&[
-        "NUMBER", "SYMBOL", "UNIT", "RANGE", "FACTORY", "中文", "MEANING",
-    ]);
+fn of_the_lathe(language: Option<Language>) -> Table {
+    let mut table = Table::new(&match language {
+        Some(Language::Zh) => [
+            "参数号",
+            "符号",
+            "单位",
+            "范围",
+            "出厂值",
+            "中文",
+            "ENGLISH",
+        ],
+        Some(Language::En) | None => [
+            "NUMBER", "SYMBOL", "UNIT", "RANGE", "FACTORY", "中文", "MEANING",
+        ],
+    });
     for row in memory::rows() {
         let number = match row.bit {
             Some(bit) => format!("{:03}.{bit}", row.number),
@@ -227,8 +270,8 @@ fn of_the_lathe() -> Table {
 }
 
 /// The alarms, with cause and cure in a language.
-pub fn alarms(args: &ExplainedArgs) -> Result<u8, CommandError> {
-    let heading = match args.lang {
+pub fn alarms(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandError> {
+    let heading = match language {
         Some(Language::Zh) => ["类别", "报警号", "中文", "ENGLISH", "原因", "处理"],
         Some(Language::En) | None => ["CLASS", "NUMBER", "中文", "MEANING", "CAUSE", "CURE"],
     };
@@ -245,7 +288,7 @@ pub fn alarms(args: &ExplainedArgs) -> Result<u8, CommandError> {
             "en": row.meaning_en, "cause": row.cause_en, "cure": row.cleared_by_en,
         });
         let advice = row.advice.as_ref();
-        let [cause, cure] = match args.lang {
+        let [cause, cure] = match language {
             Some(Language::Zh) => [advice.map(|it| it.cause_zh), advice.map(|it| it.way_out_zh)]
                 .map(Option::unwrap_or_default),
             Some(Language::En) | None => [row.cause_en, row.cleared_by_en],
@@ -253,29 +296,38 @@ pub fn alarms(args: &ExplainedArgs) -> Result<u8, CommandError> {
         let cells = [class, &number, row.text_zh, row.meaning_en, cause, cure];
         table.push(cells.map(str::to_owned).to_vec(), json);
     }
-    table.print(&args.table)
+    table.print(args)
 }
 
 /// The signals of the PLC.
-pub fn signals(args: &TableArgs) -> Result<u8, CommandError> {
-    let mut table = Table::new(&[
-        "ADDRESS",
-        "SYMBOL",
-        "DIRECTION",
-        "ACTS IN",
-        "中文",
-        "ENGLISH",
-    ]);
+pub fn signals(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandError> {
+    let spoken = language.unwrap_or(Language::En);
+    let mut table = Table::new(&match spoken {
+        Language::Zh => ["地址", "符号", "方向", "作用处", "中文", "ENGLISH"],
+        Language::En => [
+            "ADDRESS",
+            "SYMBOL",
+            "DIRECTION",
+            "ACTS IN",
+            "中文",
+            "ENGLISH",
+        ],
+    });
     for row in signals::rows() {
         let json = json!({
             "address": row.address, "symbol": row.symbol, "direction": row.direction,
             "zh": row.text_zh, "en": row.text_en, "manual": row.manual, "acts": row.acts,
         });
+        let direction = match spoken {
+            Language::Zh => gsk_help::direction(row, spoken),
+            Language::En => row.direction.to_owned(),
+        };
+        let acts = acts_in(row.acts).map_or_else(|| row.acts.to_owned(), |it| it.text(spoken));
         let cells = [
             row.address,
             row.symbol,
-            row.direction,
-            row.acts,
+            &direction,
+            &acts,
             row.text_zh,
             row.text_en,
         ];
@@ -284,9 +336,28 @@ pub fn signals(args: &TableArgs) -> Result<u8, CommandError> {
     table.print(args)
 }
 
+/// Where a signal acts, as the table of signals writes it.
+fn acts_in(written: &str) -> Option<Message> {
+    Some(match written {
+        "control" => say::table_acts_control(),
+        "control ladder" => say::table_acts_control_ladder(),
+        "engine" => say::table_acts_engine(),
+        "free" => say::table_acts_free(),
+        "ladder" => say::table_acts_ladder(),
+        "ladder; kept for the edge, without function on this lathe" => say::table_acts_edge(),
+        "ladder; the control has no M01 and M02 (alarm 019)" => say::table_acts_no_option_stop(),
+        "none: this lathe has no Y axis" => say::table_acts_no_y(),
+        "none: this lathe has two axes" => say::table_acts_two_axes(),
+        written => {
+            let pin = "none: stands in one table of the manual only; the pin is ";
+            say::table_acts_one_table(written.strip_prefix(pin)?)
+        }
+    })
+}
+
 /// What can go wrong with the simulated lathe.
-pub fn faults(args: &ExplainedArgs) -> Result<u8, CommandError> {
-    let heading = match args.lang {
+pub fn faults(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandError> {
+    let heading = match language {
         Some(Language::Zh) => ["名称", "中文", "ENGLISH", "作用"],
         Some(Language::En) | None => ["NAME", "中文", "FAULT", "WHAT IT DOES"],
     };
@@ -298,11 +369,38 @@ pub fn faults(args: &ExplainedArgs) -> Result<u8, CommandError> {
         let json = json!({
             "name": row.name, "zh": zh, "en": en, "effect": effect, "effect_zh": effect_zh,
         });
-        let shown = match args.lang {
+        let shown = match language {
             Some(Language::Zh) => effect_zh,
             Some(Language::En) | None => effect,
         };
         table.push(vec![row.name.to_owned(), zh, en, shown], json);
     }
-    table.print(&args.table)
+    table.print(args)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_word_of_the_table_of_signals_is_known() {
+        for row in signals::rows() {
+            let said = acts_in(row.acts).map(|it| it.text(Language::En));
+            assert_eq!(said.as_deref(), Some(row.acts), "{}", row.address);
+            let direction = gsk_help::direction(row, Language::Zh);
+            let words = direction.replace("PLC", "").replace("CNC", "");
+            assert!(
+                !words.contains(|it: char| it.is_ascii_alphabetic()),
+                "{direction}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_numbers_of_the_axes_of_a_mill_are_known() {
+        for row in parameter_rows() {
+            let known: [&[u16]; 4] = [&[], &[4, 5], &[1, 2, 3], &[1, 2, 3, 4, 5]];
+            assert!(known.contains(&row.axes), "{}", row.number);
+        }
+    }
 }

@@ -11,12 +11,13 @@ use tracing::level_filters::LevelFilter;
 use web_time::Instant;
 
 use super::{CommandError, FINE, USAGE};
-use crate::cli::{SerialArgs, TextEnd, WindowArgs};
+use crate::cli::{SerialArgs, TextEnd, WindowArgs, of_the_system};
 use crate::dnc::{self, Source};
 use crate::files::data_dir::{self, DataDir, DataError};
 use crate::files::models;
 use crate::kernel::{Connection, Kernel};
 use crate::loading::LoadError;
+use crate::saying::of_system;
 use crate::serial::{End, SerialLine};
 use crate::setup_args::SetupArgs;
 use crate::window::app::{self, Start};
@@ -24,9 +25,14 @@ use crate::window::{Settings, refusal};
 use crate::{loading, log, platform, retained, transfer};
 
 /// Opens the window and returns when it is closed.
-pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandError> {
+pub fn open(
+    args: WindowArgs,
+    language: Option<Language>,
+    level: Option<LevelFilter>,
+) -> Result<u8, CommandError> {
     let begun = Instant::now();
-    let language = args.lang;
+    // What the window remembers is not known yet where it cannot be opened (COMMAND-16).
+    let told = language.or_else(of_the_system);
     if args.link.is_some() && args.first_start == Some(true) {
         return Err(CommandError::FirstStartAtBoard);
     }
@@ -43,7 +49,7 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
     asked.refuse_mill().map_err(LoadError::from)?;
     if !platform::has_display() {
         let said = without_display(args.program.as_deref());
-        complain!("gsk980td: {}", report::said(&said, language));
+        complain!("gsk980td: {}", report::said(&said, told));
         return Ok(USAGE);
     }
     platform::leave_console();
@@ -51,7 +57,7 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
         Some(path) => path.clone(),
         None => match data_dir::default_path() {
             Ok(path) => path,
-            Err(error) => return Ok(refused(&error, language)),
+            Err(error) => return Ok(refused(&error, told)),
         },
     };
     let asked = args.model;
@@ -60,17 +66,21 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
     let folder = models::folder(&path, model);
     let data = match DataDir::open(&folder) {
         Ok(data) => data,
-        Err(error) => return Ok(refused(&error, language)),
+        Err(error) => return Ok(refused(&error, told)),
     };
     // A log that cannot be written is no reason not to work.
     let _log = log::in_data(&folder, level.unwrap_or(LevelFilter::INFO)).unwrap_or_else(|error| {
-        complain!("gsk980td: {error}");
+        complain!("gsk980td: {}", report::said(&error.message(), told));
         None
     });
     if let Some(model) = asked {
-        keep_choice(&path, model, language);
+        keep_choice(&path, model, told);
     }
-    let opener = Opener { args, path };
+    let opener = Opener {
+        args,
+        language,
+        path,
+    };
     let start = Start {
         program: opener.args.program.clone(),
         figures: opener.args.figures.then_some(begun),
@@ -87,7 +97,7 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
     match app::run(start) {
         Ok(()) => Ok(FINE),
         Err(said) => {
-            complain!("gsk980td: {said}");
+            complain!("gsk980td: {}", report::said(&said, told));
             Ok(USAGE)
         }
     }
@@ -96,6 +106,8 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
 /// What every model is turned on with.
 struct Opener {
     args: WindowArgs,
+    /// The language that is asked for.
+    language: Option<Language>,
     /// The data directory.
     path: PathBuf,
 }
@@ -118,7 +130,7 @@ impl Opener {
         };
         let remembered = || stored.clone().unwrap_or_default();
         let settings = settings.cloned().unwrap_or_else(|| Settings {
-            language: args.lang.unwrap_or(remembered().language),
+            language: self.language.unwrap_or(remembered().language),
             first_start: fresh || remembered().first_start,
             ..remembered()
         });
@@ -189,7 +201,7 @@ impl Opener {
         let start = self
             .turn_on(data, model, Some(settings), false)
             .map_err(|error| error.message())?;
-        keep_choice(&self.path, model, self.args.lang);
+        keep_choice(&self.path, model, self.language);
         Ok(start)
     }
 }
@@ -222,7 +234,7 @@ pub fn serial_line(args: &SerialArgs) -> Result<Option<SerialLine>, CommandError
 fn keep_choice(path: &Path, model: ModelId, language: Option<Language>) {
     if let Err(error) = models::choose(path, model) {
         let file = path.join(models::CHOICE);
-        let said = say::file_not_written(file.display(), error);
+        let said = say::file_not_written(file.display(), of_system(&error));
         complain!("gsk980td: {}", report::said(&said, language));
     }
 }
@@ -273,6 +285,7 @@ mod tests {
     fn turned_on(folder: &Path, settings: Option<&Settings>, fresh: bool) -> Start {
         let opener = Opener {
             args: WindowArgs::default(),
+            language: None,
             path: folder.to_owned(),
         };
         let data = DataDir::open(folder).expect("a data directory");
@@ -301,7 +314,6 @@ mod tests {
         assert_eq!(start.stored.as_ref(), Some(&answered));
         assert!(!start.settings.first_start);
         drop(start);
-        std::fs::remove_dir_all(folder).expect("clean");
     }
 
     #[test]
@@ -344,6 +356,5 @@ mod tests {
             "{said:?}"
         );
         drop(start);
-        std::fs::remove_dir_all(folder).expect("clean");
     }
 }

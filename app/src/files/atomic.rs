@@ -109,7 +109,6 @@ mod tests {
         assert!(first.ends_with("a.ron.damaged"));
         write(&path, b"three").expect("third");
         assert!(set_aside(&path).expect("aside").ends_with("a.ron.damaged2"));
-        fs::remove_dir_all(folder).expect("clean");
     }
 
     #[test]
@@ -120,6 +119,5 @@ mod tests {
         }
         assert_eq!(remove_unfinished(&folder), ["O0003.CNC"]);
         assert_eq!(fs::read_dir(&folder).expect("list").count(), 2);
-        fs::remove_dir_all(folder).expect("clean");
     }
 }

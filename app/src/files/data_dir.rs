@@ -75,7 +75,9 @@ impl DataError {
     /// What is said of it.
     pub fn message(&self) -> Message {
         match self {
-            Self::Unusable { path, source } => say::data_dir_unusable(path.display(), source),
+            Self::Unusable { path, source } => {
+                say::data_dir_unusable(path.display(), saying::of_system(source))
+            }
             Self::InUse { path } => platform::in_use(path),
             Self::Missing { path } => say::data_dir_none(path.display()),
             Self::NoDefault => say::data_dir_no_default(),
@@ -230,7 +232,7 @@ impl DataDir {
                     .filter_map(|path| program_number(path.file_name()?.to_str()?)),
             ),
             Err(error) => {
-                let said = say::data_dir_programs_unreadable(error);
+                let said = say::data_dir_programs_unreadable(saying::of_system(&error));
                 complaints.push(Complaint::new(&folder, said));
             }
         }
@@ -380,7 +382,6 @@ mod tests {
             assert_eq!(data.commit(vec![as_program(7, None)]), []);
         }
         assert_eq!(data.programs(), (Vec::new(), Vec::new()));
-        fs::remove_dir_all(folder).expect("clean");
     }
 
     #[test]
@@ -401,7 +402,6 @@ mod tests {
         assert_eq!(copy, ladder);
         let said = said.said.to_string();
         assert!(said.contains("ladder.il.damaged"), "{said}");
-        fs::remove_dir_all(folder).expect("clean");
     }
 
     #[test]
@@ -420,7 +420,6 @@ mod tests {
         assert!(programs.is_empty());
         let said = complaints[0].said.to_string();
         assert!(said.contains("O0003.CNC.damaged"), "{said}");
-        fs::remove_dir_all(folder).expect("clean");
     }
 
     #[test]
@@ -436,7 +435,6 @@ mod tests {
         let again = DataDir::open(&folder).expect("open");
         assert!(again.interrupted().is_empty());
         drop(again);
-        fs::remove_dir_all(folder).expect("clean");
     }
 
     #[test]
@@ -454,6 +452,5 @@ mod tests {
             .expect_err("no folder")
             .to_string();
         assert!(error.contains("cannot be used"), "{error}");
-        fs::remove_dir_all(folder).expect("clean");
     }
 }

@@ -87,13 +87,12 @@ mod tests {
             fs::write(folder.join(name), text).expect("written");
         }
         let single = folder.join("b/job.ron");
-        let paths = [single.clone(), folder.join("empty"), folder.clone()];
+        let paths = [single.clone(), folder.join("empty"), folder.to_path_buf()];
         let (found, wrong) = programs(&paths);
         let expected = ["a.nc", "b/O0003", "b/d.tap", "c.CNC"].map(|name| folder.join(name));
         assert_eq!(found[0], single);
         assert_eq!(found[1..], expected);
         let said = wrong.iter().map(ToString::to_string).collect::<Vec<_>>();
         assert!(said.len() == 1 && said[0].contains("empty"), "{said:?}");
-        fs::remove_dir_all(folder).expect("clean");
     }
 }

@@ -17,6 +17,7 @@ use gsk_messages::{Message, say};
 use super::atomic::{self, Readers};
 use super::manifest::{Manifest, Mark, State};
 use crate::platform;
+use crate::saying::of_system;
 
 const MANIFEST: &str = "manifest.ron";
 const COPIES: &str = "copies";
@@ -154,7 +155,9 @@ impl Kept {
             Some(reason) if self.read_only => say::file_damaged(shown, reason, instead),
             Some(reason) => match atomic::set_aside(path) {
                 Ok(kept) => say::file_damaged_kept(shown, reason, kept.display(), instead),
-                Err(error) => say::file_damaged_not_renamed(shown, reason, error, instead),
+                Err(error) => {
+                    say::file_damaged_not_renamed(shown, reason, of_system(&error), instead)
+                }
             },
         };
         Complaint::new(path, said)
@@ -284,7 +287,7 @@ fn read_plain(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, Message> {
 }
 
 fn write(path: &Path, bytes: &[u8], readers: Readers) -> Result<(), Message> {
-    let said = |error| say::file_not_written(path.display(), error);
+    let said = |error: io::Error| say::file_not_written(path.display(), of_system(&error));
     if let Some(folder) = path.parent() {
         platform::make_folder(folder).map_err(said)?;
     }
@@ -294,7 +297,7 @@ fn write(path: &Path, bytes: &[u8], readers: Readers) -> Result<(), Message> {
 fn remove(path: &Path) -> Result<(), Message> {
     match platform::remove(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
-            Err(say::file_not_deleted(path.display(), error))
+            Err(say::file_not_deleted(path.display(), of_system(&error)))
         }
         _ => Ok(()),
     }
@@ -305,7 +308,7 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::files::test_folder;
+    use crate::files::{TestFolder, test_folder};
 
     const LARGEST: u64 = 1000;
 
@@ -317,7 +320,7 @@ mod tests {
         }
     }
 
-    fn folder_with(name: &str, files: &[(&str, &str)]) -> PathBuf {
+    fn folder_with(name: &str, files: &[(&str, &str)]) -> TestFolder {
         let folder = test_folder(name);
         let changes = files
             .iter()
@@ -357,7 +360,6 @@ mod tests {
             );
         }
         assert!(folder.join("a.ron.damaged2").exists());
-        fs::remove_dir_all(folder).unwrap();
     }
 
     #[test]
@@ -370,7 +372,6 @@ mod tests {
             assert!(found.damage.is_some());
         }
         assert_eq!(fs::read(folder.join("a.ron")).unwrap(), b"two");
-        fs::remove_dir_all(folder).unwrap();
     }
 
     #[test]
@@ -388,7 +389,6 @@ mod tests {
             assert_eq!(fs::read(folder.join(name)).unwrap(), b"2");
             assert_eq!(Kept::open(&folder, false).read(name, LARGEST).damage, None);
         }
-        fs::remove_dir_all(folder).unwrap();
     }
 
     #[test]
@@ -400,7 +400,6 @@ mod tests {
         assert!(said.contains("is damaged"), "{said}");
         fs::write(folder.join("a"), "2").unwrap();
         assert!(kept.read("a", LARGEST).damage.is_some());
-        fs::remove_dir_all(folder).unwrap();
     }
 
     /// A kill between the first manifest and the files leaves the old ones; what is
@@ -430,11 +429,10 @@ mod tests {
         );
         let changes = vec![change("a", "new"), deletion("b"), deletion("c")];
         assert_eq!(kept.commit(changes), []);
-        for place in [folder.clone(), folder.join(COPIES)] {
+        for place in [folder.to_path_buf(), folder.join(COPIES)] {
             assert_eq!(fs::read(place.join("a")).unwrap(), b"new");
             assert!(!place.join("b").exists() && !place.join("c").exists());
         }
         assert_eq!(Kept::open(&folder, false).names(), ["a"]);
-        fs::remove_dir_all(folder).unwrap();
     }
 }

@@ -86,6 +86,5 @@ mod tests {
             said.contains("wrong.ron: step 1, solution: line 1"),
             "{said}"
         );
-        std::fs::remove_dir_all(folder).expect("clean");
     }
 }

@@ -12,11 +12,43 @@ pub mod program_file;
 pub mod subprograms;
 pub mod time;
 
-/// An empty folder of its own for one test.
 #[cfg(test)]
-pub(crate) fn test_folder(name: &str) -> std::path::PathBuf {
-    let folder = std::env::temp_dir().join(format!("gsk980td-{name}-{}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("folder for a test");
-    folder
+pub(crate) use testing::{TestFolder, test_folder};
+
+#[cfg(test)]
+mod testing {
+    use std::fs;
+    use std::ops::Deref;
+    use std::path::{Path, PathBuf};
+
+    /// A folder that is gone with its test, however that ends.
+    pub struct TestFolder(PathBuf);
+
+    /// An empty folder of its own for one test.
+    pub fn test_folder(name: &str) -> TestFolder {
+        let folder = std::env::temp_dir().join(format!("gsk980td-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).expect("folder for a test");
+        TestFolder(folder)
+    }
+
+    impl Deref for TestFolder {
+        type Target = Path;
+
+        fn deref(&self) -> &Path {
+            &self.0
+        }
+    }
+
+    impl AsRef<Path> for TestFolder {
+        fn as_ref(&self) -> &Path {
+            self
+        }
+    }
+
+    impl Drop for TestFolder {
+        fn drop(&mut self) {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
 }

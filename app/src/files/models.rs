@@ -74,12 +74,12 @@ mod tests {
             std::fs::write(directory.join(CHOICE), strange).expect("write");
             assert_eq!(chosen(&directory), ModelId::Gsk980td, "{strange:?}");
         }
-        assert_eq!(folder(&directory, ModelId::Gsk980td), directory);
+        assert_eq!(folder(&directory, ModelId::Gsk980td), *directory);
         assert!(folder(&directory, ModelId::Ncb08).ends_with("models/ncb08"));
         for model in ModelId::ALL {
             assert_eq!(
                 super::directory(&folder(&directory, model), model),
-                directory
+                *directory
             );
         }
     }

@@ -7,6 +7,7 @@ use gsk_messages::{Message, say};
 
 use super::decode::{self, DecodeError, Encoding};
 use crate::platform;
+use crate::saying::of_system;
 
 /// The largest program file that is read.
 pub const LARGEST_BYTES: u64 = 256 * 1024 * 1024;
@@ -84,7 +85,7 @@ fn plain_reason(error: &io::Error) -> Message {
     match error.kind() {
         io::ErrorKind::NotFound => say::file_not_there(),
         io::ErrorKind::PermissionDenied => say::file_no_permission(),
-        _ => say::as_written(error),
+        _ => of_system(error),
     }
 }
 
@@ -161,6 +162,5 @@ mod tests {
         std::fs::write(&path, "Ｏ０００１\nG00 X1\n").expect("write");
         let read = read(&path).expect("program");
         assert_eq!(read.notices.len(), 1);
-        std::fs::remove_dir_all(folder).expect("clean");
     }
 }

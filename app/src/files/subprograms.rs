@@ -309,6 +309,5 @@ mod tests {
                 (3, Some("groove.txt".as_ref()))
             ]
         );
-        fs::remove_dir_all(folder).expect("clean");
     }
 }

@@ -13,7 +13,7 @@ use crate::ending::{ENDED, Ending};
 use crate::pace::{Pace, Speed};
 use crate::platform::{self, Turning};
 use crate::retained::Keeper;
-use crate::{log, transfer};
+use crate::{log, output, transfer};
 
 /// Held keys are let go when the window has said nothing for so long: no motion
 /// depends on a release that may never come.
@@ -66,7 +66,7 @@ impl KernelThread {
         // The queue may be full: the kernel empties it.
         let _ = self.console.commands.send(Command::Quit);
         if !turning.finish() {
-            complain!("gsk980td: {}", say::kernel_thread_failed());
+            output::complain_of(&say::kernel_thread_failed());
         }
     }
 }

@@ -12,6 +12,7 @@ use serialport::FlowControl;
 use web_time::{Duration, Instant};
 
 use crate::platform::{self, Serial};
+use crate::saying::{of_port, of_system};
 
 /// How long a read may wait for the first byte, and a write for room.
 const WAIT: Duration = Duration::from_millis(2);
@@ -83,12 +84,12 @@ impl PortError {
     /// What is said of it.
     pub fn message(&self) -> Message {
         match self {
-            Self::Forbidden { path, error } => say::port_forbidden(path, error),
-            Self::NotFound { path, error } => say::port_not_found(path, error),
-            Self::NoDevice { path, error } => say::port_no_device(path, error),
-            Self::Refused { path, error } => say::port_refused(path, error),
-            Self::Unreachable { path, error } => say::port_unreachable(path, error),
-            Self::NotOffered { address, error } => say::port_not_offered(address, error),
+            Self::Forbidden { path, error } => say::port_forbidden(path, of_port(error)),
+            Self::NotFound { path, error } => say::port_not_found(path, of_port(error)),
+            Self::NoDevice { path, error } => say::port_no_device(path, of_port(error)),
+            Self::Refused { path, error } => say::port_refused(path, of_port(error)),
+            Self::Unreachable { path, error } => say::port_unreachable(path, of_system(error)),
+            Self::NotOffered { address, error } => say::port_not_offered(address, of_system(error)),
             Self::Clone(error) => say::port_not_shared(error),
             Self::NoTerminal(error) => say::port_terminal_refused(error),
             Self::NoName => say::port_terminal_nameless(),
@@ -351,7 +352,7 @@ pub fn gone(error: &io::Error) -> Message {
     if pulled {
         say::port_gone()
     } else {
-        say::port_failed(error)
+        say::port_failed(of_system(error))
     }
 }
 

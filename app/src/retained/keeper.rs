@@ -10,6 +10,7 @@ use super::snapshot::Snapshot;
 use super::writer::Writer;
 use super::{Restored, Standing};
 use crate::files::data_dir::DataDir;
+use crate::output;
 use crate::platform::{self, Turning};
 
 /// Looks between two savings of what changes all the time in a run: counters and
@@ -127,7 +128,7 @@ impl Keeper {
             turning.finish();
         }
         for complaint in self.complaints() {
-            complain!("gsk980td: {complaint}");
+            output::complain_of(&complaint);
         }
     }
 }

@@ -35,7 +35,6 @@ fn a_loaded_ladder_is_kept_even_if_power_goes_at_once() {
     let mut next = Setup::default();
     assert!(load(&data, &mut next).complaints.is_empty());
     assert_eq!(*next.ladder.compiled(), ladder);
-    std::fs::remove_dir_all(folder).expect("clean");
 }
 
 #[test]
@@ -47,7 +46,6 @@ fn without_another_ladder_none_is_written() {
     let keeper = Keeper::start(Arc::clone(&data), &restored, &emulator).expect("thread");
     keeper.finish(&emulator);
     assert_eq!(data.ladder(), Loaded::Missing);
-    std::fs::remove_dir_all(folder).expect("clean");
 }
 
 #[test]
@@ -86,7 +84,6 @@ fn what_is_set_back_or_deleted_is_so_on_the_disk_too() {
         Parameters::default().value(24)
     );
     assert!(setup.memory.programs.stored(7).is_none());
-    std::fs::remove_dir_all(folder).expect("clean");
 }
 
 #[test]
@@ -104,7 +101,6 @@ fn a_damaged_file_is_alarm_069_and_a_broken_off_writing_101() {
     let detail = |number| said(number).map(Alarm::detail_en);
     assert!(detail(69).is_some_and(|detail| detail.contains("offsets.ron")));
     assert!(detail(101).is_some_and(|detail| detail.contains("O0003")));
-    std::fs::remove_dir_all(folder).expect("clean");
 }
 
 #[test]
@@ -136,7 +132,6 @@ fn what_is_typed_is_on_the_disk_before_its_page_is_left() {
         .stored(12)
         .map(|program| program.text().to_owned());
     assert!(text.is_some_and(|text| text.contains("G0X17")));
-    std::fs::remove_dir_all(folder).expect("clean");
 }
 
 #[test]
@@ -201,7 +196,6 @@ fn every_damage_of_every_file_is_noticed_and_mended() {
         }
         std::fs::write(&path, good).expect("write");
     }
-    std::fs::remove_dir_all(folder).expect("clean");
 }
 
 #[test]
@@ -224,7 +218,6 @@ fn a_program_without_room_in_the_memory_stays_on_the_disk() {
         .expect("list")
         .count();
     assert_eq!(left, 90);
-    std::fs::remove_dir_all(folder).expect("clean");
 }
 
 /// Method A: 014.0, 014.1 = 0; 取消 and the letter of the axis set the zero.
@@ -250,7 +243,6 @@ fn a_machine_zero_set_by_hand_outlasts_the_process() {
     let next = Emulator::new(next);
     let referenced = next.simulation.cnc.reference_without_switch();
     assert!(referenced.z && !referenced.x);
-    std::fs::remove_dir_all(folder).expect("clean");
 }
 
 /// Before its first zero return the control counts from where it was switched on; the
@@ -273,5 +265,4 @@ fn slides_without_a_reference_stand_there_after_the_next_start() {
     let (next, _) = start();
     assert_eq!(next.simulation.lathe.slides(), stood);
     assert_eq!(next.simulation.cnc.position_machine(), Point::default());
-    std::fs::remove_dir_all(folder).expect("clean");
 }

@@ -19,7 +19,7 @@ use crate::files::models;
 use crate::kernel::{self, Console, Kernel, KernelThread, Outside};
 use crate::project::{self, Taking, Who};
 use crate::retained::{Keeper, Restored};
-use crate::{platform, transfer};
+use crate::{output, platform, transfer};
 
 /// Size of the window before the monitor is known, points: the LCD at two pixels a dot.
 const SIZE: [f32; 2] = [1280.0, 806.0];
@@ -243,8 +243,8 @@ impl App {
                 self.window.say(said);
             }
             Err(failed) => {
-                complain!("gsk980td: {said}");
-                complain!("gsk980td: {failed}");
+                output::complain_of(&said);
+                output::complain_of(&failed);
                 self.window.kernel_gone();
             }
         }

@@ -4,6 +4,8 @@
 use gsk_messages::say;
 use web_time::{Duration, Instant};
 
+use crate::output;
+
 /// How often a line is printed.
 const PERIOD: Duration = Duration::from_secs(5);
 
@@ -34,7 +36,7 @@ impl Figures {
         if pieces > 0 && !self.path {
             self.path = true;
             let after = self.begun.elapsed().as_millis();
-            complain!("gsk980td: {}", say::window_first_path(after, pieces));
+            output::complain_of(&say::window_first_path(after, pieces));
         }
     }
 
@@ -43,7 +45,7 @@ impl Figures {
         let now = Instant::now();
         let Some(since) = self.since else {
             let after = self.begun.elapsed().as_millis();
-            complain!("gsk980td: {}", say::window_first_frame(after));
+            output::complain_of(&say::window_first_frame(after));
             self.since = Some(now);
             return;
         };
@@ -56,7 +58,7 @@ impl Figures {
         let a_frame = self.busy / self.frames;
         let frames = f64::from(self.frames) / passed.as_secs_f64();
         let rate = say::window_frame_rate(frames, a_frame.as_secs_f64() * 1000.0);
-        complain!("gsk980td: {rate}");
+        output::complain_of(&rate);
         self.since = Some(now);
         self.frames = 0;
         self.busy = Duration::ZERO;

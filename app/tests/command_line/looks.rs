@@ -420,3 +420,63 @@ fn a_chinese_system_is_answered_in_chinese() {
     assert_eq!(said(&chinese, &asked("en")), en);
     assert_eq!(said(&[("LC_MESSAGES", "zh_TW"), ("LANG", "C")], &shaft), zh);
 }
+
+#[test]
+fn help_and_mistakes_are_told_in_the_language_of_the_line_or_the_system() {
+    let call = |line: &str, locale: &str| {
+        let output = executable()
+            .args(line.split(' '))
+            .env("LC_ALL", locale)
+            .output()
+            .unwrap();
+        let [out, err] = [output.stdout, output.stderr].map(|it| String::from_utf8(it).unwrap());
+        (output.status.code(), out, err)
+    };
+    for (line, locale, chinese) in [
+        ("plot", "C", false),
+        ("plot --lang zh", "C", true),
+        ("plot", "zh_CN.UTF-8", true),
+        ("plot --lang=en", "zh_CN.UTF-8", false),
+    ] {
+        let words = match chinese {
+            true => [
+                "用法:  gsk980td plot",
+                "画出切去四分之一",
+                "缺少以下参数",
+                "<文件>",
+            ],
+            false => [
+                "Usage: gsk980td plot",
+                "lit solid",
+                "were not provided",
+                "<FILE>",
+            ],
+        };
+        let (code, out, err) = call(&format!("{line} --help"), locale);
+        assert_eq!((code, &*err), (Some(0), ""));
+        assert!(out.contains(words[0]) && out.contains(words[1]), "{out}");
+        assert!(!out.contains('\u{1b}'), "{out}");
+        let (code, out, err) = call(line, locale);
+        assert_eq!((code, &*out), (Some(2), ""));
+        assert!(err.contains(words[2]) && err.contains(words[3]), "{err}");
+        let topic = line.replace("plot", "help plot");
+        let (code, out, _) = call(&topic, locale);
+        assert_eq!(code, Some(0));
+        assert!(out.contains(words[1]), "{out}");
+    }
+    let (code, _, err) = call("--program no-such.nc", "zh_CN.UTF-8");
+    assert_eq!(code, Some(2));
+    assert!(err.contains("没有该文件"), "{err}");
+    let (code, _, err) = call("shaft.CNC", "zh_CN.UTF-8");
+    assert_eq!(code, Some(2));
+    assert!(
+        err.contains("窗口用 `--program shaft.CNC` 打开程序"),
+        "{err}"
+    );
+    let (code, out, _) = call("signals X0.2", "zh_CN.UTF-8");
+    assert_eq!(code, Some(0));
+    assert!(
+        out.starts_with("地址") && out.contains("机床 → PLC  梯形图"),
+        "{out}"
+    );
+}

@@ -37,6 +37,15 @@ impl SoftLimits {
         }
     }
 
+    /// Whether all limits are farther from a point than this way, mm: nothing that begins
+    /// and ends within it can overrun them.
+    pub(crate) fn are_far(&self, point: Point, way: f64) -> bool {
+        point.x + way <= self.plus.x
+            && point.x - way >= self.minus.x
+            && point.z + way <= self.plus.z
+            && point.z - way >= self.minus.z
+    }
+
     /// The limits X+, X-, Z+, Z- that an axis that is watched is beyond while it goes
     /// on outwards, or would come to rest further beyond than the tolerance.
     pub(crate) fn overrun(
@@ -85,6 +94,24 @@ mod tests {
             LIMITS.overrun(at, Point::new(0.0, 22.0), PerAxis::new(true, false)),
             NONE
         );
+    }
+
+    #[test]
+    fn what_stops_far_from_all_limits_overruns_none() {
+        let ways = [0.0, 0.5, 3.0, 12.0];
+        let places = [-21.0, -9.9, 0.0, 7.2, 10.0, 19.5];
+        for (x, z) in places.iter().flat_map(|x| places.map(|z| (*x, z))) {
+            let at = Point::new(x, z);
+            for way in ways.iter().filter(|way| LIMITS.are_far(at, **way)) {
+                for side in [Point::new(*way, 0.0), Point::new(0.0, *way)] {
+                    assert_eq!(LIMITS.overrun(at, at + side, BOTH), NONE, "{at:?} {way}");
+                    assert_eq!(LIMITS.overrun(at, at - side, BOTH), NONE, "{at:?} {way}");
+                }
+            }
+        }
+        assert!(LIMITS.are_far(Point::new(7.0, 17.0), 3.0));
+        assert!(!LIMITS.are_far(Point::new(7.1, 0.0), 3.0));
+        assert!(!LIMITS.are_far(Point::new(0.0, -17.1), 3.0));
     }
 
     #[test]

@@ -74,7 +74,7 @@ pub(crate) struct BoardContacts {
 }
 
 /// What the control tells the machine.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Outputs {
     /// Outputs: Y0–Y3 to the machine (1 = sink closed), lamps above.
     pub y: [u8; 20],
@@ -84,9 +84,10 @@ pub struct Outputs {
     pub spindle_volts: f64,
     /// Drive enable nEN.
     pub enable: PerAxis<bool>,
-    /// What the pulse board is to do.
+    /// What the pulse board is to do. Boxed: hardly any machine has one, and outputs are
+    /// handed on every millisecond.
     #[serde(skip)]
-    pub(crate) board: Option<BoardOrders>,
+    pub(crate) board: Option<Box<BoardOrders>>,
 }
 
 impl Outputs {

@@ -136,8 +136,9 @@ impl Lathe {
         }
     }
 
-    /// One millisecond.
-    pub fn tick(&mut self, outputs: &Outputs) -> Inputs {
+    /// One millisecond. What the contacts and sensors say after it is written over what
+    /// they said before: copied a moment after it is put together, it would have to wait.
+    pub fn tick(&mut self, outputs: &Outputs, inputs: &mut Inputs) {
         let on = |pin: Pin| outputs.output(usize::from(pin.0), pin.1);
         self.axes.x.follow(outputs.pulses.x, outputs.enable.x);
         self.axes.z.follow(outputs.pulses.z, outputs.enable.z);
@@ -168,16 +169,21 @@ impl Lathe {
             step,
             gear: self.gears.gear(),
         });
-        let mut inputs = self.inputs();
+        self.say(inputs);
         let bouncing = self.faults.has(Fault::InputBounce);
         self.disturbance.bounce(&mut inputs.x, bouncing);
         let noisy = self.faults.has(Fault::EncoderNoise);
         inputs.encoder += self.disturbance.noise(noisy);
-        inputs
     }
 
     /// What the contacts and sensors say now.
     pub fn inputs(&self) -> Inputs {
+        let mut inputs = Inputs::default();
+        self.say(&mut inputs);
+        inputs
+    }
+
+    fn say(&self, inputs: &mut Inputs) {
         let (encoder, mut encoder_index, mut spindle_index) = self.spindle.encoder();
         if self.faults.has(Fault::SpindleIndexLost) {
             encoder_index = self.lost_index;
@@ -198,19 +204,17 @@ impl Lathe {
         };
         let x = zero_signal(Axis::X, Fault::IndexX);
         let z = zero_signal(Axis::Z, Fault::IndexZ);
-        Inputs {
-            x: self.contacts(&switches),
-            index_pulse: PerAxis::new(x.0, z.0),
-            index_latch: PerAxis::new(x.1, z.1),
-            drive_alarm: PerAxis::new(self.alarm_signal(Axis::X), self.alarm_signal(Axis::Z)),
-            drive_ready: PerAxis::new(self.ready_signal(Axis::X), self.ready_signal(Axis::Z)),
-            encoder,
-            encoder_index,
-            spindle_index,
-            handwheel: self.handwheel,
-            over_limit: PerAxis::new(switches.x.over_limit, switches.z.over_limit),
-            board: None,
-        }
+        self.contacts(&switches, &mut inputs.x);
+        inputs.index_pulse = PerAxis::new(x.0, z.0);
+        inputs.index_latch = PerAxis::new(x.1, z.1);
+        inputs.drive_alarm = PerAxis::new(self.alarm_signal(Axis::X), self.alarm_signal(Axis::Z));
+        inputs.drive_ready = PerAxis::new(self.ready_signal(Axis::X), self.ready_signal(Axis::Z));
+        inputs.encoder = encoder;
+        inputs.encoder_index = encoder_index;
+        inputs.spindle_index = spindle_index;
+        inputs.handwheel = self.handwheel;
+        inputs.over_limit = PerAxis::new(switches.x.over_limit, switches.z.over_limit);
+        inputs.board = None;
     }
 
     /// What the switches along a slide say, with the faults of both.
@@ -266,11 +270,11 @@ impl Lathe {
         answering(self.turret.station()) | answering(self.stuck_station)
     }
 
-    fn contacts(&self, slides: &PerAxis<SlideSwitches>) -> [u8; X_BYTES] {
+    fn contacts(&self, slides: &PerAxis<SlideSwitches>, x: &mut [u8; X_BYTES]) {
         let wiring = &self.wiring;
-        let mut x = [0u8; X_BYTES];
-        // All are open at first.
-        let mut set = |pin: Pin, level: bool| x[usize::from(pin.0)] |= u8::from(level) << pin.1;
+        // X0 in the low byte, X1 in the high one: no others are wired. All are open at first.
+        let mut closed = 0u16;
+        let mut set = |pin: Pin, level: bool| closed |= u16::from(level) << (pin.0 * 8 + pin.1);
         let switches = self.station_switches();
         let station_at = |number: u8| (switches >> (number - 1) & 1 == 1) == wiring.in_station;
         // T01–T04 have their pins to themselves.
@@ -323,12 +327,13 @@ impl Lathe {
                 .door
                 .is_some_and(|closed| self.faults.has(Fault::DoorOpen) != closed),
         );
+        *x = [0; X_BYTES];
+        [x[0], x[1]] = closed.to_le_bytes();
         if self.forced != [0; X_BYTES] {
             for (byte, (mask, value)) in x.iter_mut().zip(self.forced.iter().zip(&self.forced_to)) {
                 *byte = (*byte & !mask) | (value & mask);
             }
         }
-        x
     }
 
     /// The loop of the emergency button and the limit switches, which the release

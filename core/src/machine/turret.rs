@@ -52,7 +52,14 @@ impl Turret {
         }
         let nearest = (self.place + self.pitch / 2) / self.pitch;
         let off = self.place.abs_diff(nearest * self.pitch);
-        (off <= self.window).then(|| (nearest % u32::from(self.stations)) as u8 + 1)
+        let stations = u32::from(self.stations);
+        // After the last one comes the first, and only there is a division wanted.
+        let station = if nearest < stations {
+            nearest
+        } else {
+            nearest % stations
+        };
+        (off <= self.window).then_some(station as u8 + 1)
     }
 
     /// Whether the post is clamped.

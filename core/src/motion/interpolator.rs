@@ -132,6 +132,22 @@ impl Interpolator {
         }
     }
 
+    /// A way from [`commanded`](Self::commanded) that a cut does not leave if it brakes
+    /// now, mm; it takes less to work out than where it comes to rest. Of other motions it
+    /// is not known.
+    pub(crate) fn stops_within(&self, limits: &MotionLimits) -> Option<f64> {
+        // An arc with unequal ends runs a little more than its length says.
+        const UNEQUAL_ENDS: f64 = 0.1;
+        match &self.motion {
+            Motion::Led { .. } => Some(0.0),
+            Motion::Cut { ramp, .. } => {
+                let braking = limits.cutting_law().braking_distance(ramp.speed);
+                Some(braking.min(ramp.remaining) + UNEQUAL_ENDS)
+            }
+            _ => None,
+        }
+    }
+
     /// Where the axes would come to rest if they braked now.
     pub(crate) fn stopping_point(&self, limits: &MotionLimits) -> Point {
         match &self.motion {

@@ -40,7 +40,7 @@ impl OutputTimers {
 
     /// Whether no time runs.
     pub(crate) fn is_idle(&self) -> bool {
-        self.0 == [0; OUTPUTS]
+        self.0.iter().fold(0, |any, left| any | left) == 0
     }
 }
 

@@ -2,9 +2,7 @@
 
 use std::sync::{Arc, LazyLock};
 
-use gsk_plc::{Area, Declared, Ladder};
-
-use crate::interpreter::MachineCodes;
+use gsk_plc::{Area, ByteAddress, Declared, Ladder, MCode};
 
 /// The standard ladder, as instruction list.
 pub const STANDARD_LADDER: &str = include_str!("../../../assets/ladder/standard.il");
@@ -38,11 +36,11 @@ impl MachineLadder {
     }
 
     /// The M codes that it carries out beside the control's own.
-    pub(crate) fn machine_codes(&self) -> MachineCodes {
-        MachineCodes::of(match self {
+    pub(crate) fn m_codes(&self) -> &[MCode] {
+        match self {
             Self::Standard => &declared().m_codes,
             Self::Own(ladder) => ladder.m_codes(),
-        })
+        }
     }
 
     /// A byte of K where the retained store is blank.
@@ -51,7 +49,7 @@ impl MachineLadder {
             Self::Standard => &declared().start_values,
             Self::Own(ladder) => ladder.start_values(),
         };
-        let of_byte = |at: gsk_plc::ByteAddress| at.area == Area::K && at.byte == byte;
+        let of_byte = |at: ByteAddress| at.area == Area::K && at.byte == byte;
         let last = values.iter().rfind(|value| of_byte(value.address));
         last.map_or(0, |last| u8::try_from(last.value).unwrap_or(u8::MAX))
     }
@@ -107,6 +105,6 @@ mod tests {
             assert_eq!(value, plc.memory().k(byte), "K{byte}");
             assert_eq!(value, own.start_value_of_k(byte), "K{byte}");
         }
-        assert_eq!(MachineLadder::Standard.machine_codes(), own.machine_codes());
+        assert_eq!(MachineLadder::Standard.m_codes(), own.m_codes());
     }
 }

@@ -22,6 +22,10 @@ impl Cnc {
         {
             return true;
         }
+        let locks = [g.axis_interlock, g.plus_interlock, g.minus_interlock];
+        if locks.iter().all(|lock| !lock.x && !lock.z) {
+            return false;
+        }
         let commanded = self.drives.interpolator.distance_to_go();
         [Axis::X, Axis::Z]
             .into_iter()

@@ -71,8 +71,15 @@ impl Cnc {
         if !watched.x && !watched.z {
             return;
         }
-        let over = self
-            .drives
+        let drives = &self.drives;
+        let far = |point, way| drives.soft_limits.are_far(point, way);
+        let stops_within = drives.interpolator.stops_within(&drives.limits);
+        if stops_within.is_some_and(|way| far(drives.interpolator.commanded(), way))
+            && far(self.slide(), 0.0)
+        {
+            return;
+        }
+        let over = drives
             .soft_limits
             .overrun(self.slide(), self.stopping_point(), watched);
         if over.into_iter().any(|over| over) {

@@ -1,0 +1,475 @@
+//! The command line in Chinese: what clap says of it, with the texts of
+//! `assets/tables/command-line.tsv`. A row has the English text as it stands at commands and
+//! options (`text`), the word of a value (`value`), or a sentence of clap's own with `{}` for
+//! what differs (`clap`). The table is read when somebody is told something in Chinese: no
+//! other start pays for it.
+
+use std::collections::BTreeMap;
+use std::error::Error as _;
+use std::ffi::OsString;
+
+use clap::builder::{PossibleValue, Str, StyledStr};
+use clap::{Arg, Command, CommandFactory, Error};
+use gsk_messages::{Language, Message};
+use gsk_runner::picture::NoSize;
+use gsk_transfer::NameError;
+
+use super::Cli;
+use crate::setup_args::WordError;
+
+static TABLE: &str = include_str!("../../../assets/tables/command-line.tsv");
+
+/// Texts of the table by the English ones.
+type Texts = BTreeMap<&'static str, &'static str>;
+
+/// The table.
+struct Table {
+    texts: Texts,
+    values: Texts,
+    clap: Texts,
+}
+
+impl Table {
+    fn read() -> Self {
+        let of = |wanted: &str| {
+            let rows = TABLE.lines().skip(1).filter_map(|line| {
+                let (kind, texts) = line.split_once('\t')?;
+                texts.split_once('\t').filter(|_| kind == wanted)
+            });
+            rows.collect()
+        };
+        Self {
+            texts: of("text"),
+            values: of("value"),
+            clap: of("clap"),
+        }
+    }
+
+    /// A text of a command or an option, line by line; a line without a row stays as it is.
+    fn text(&self, english: &StyledStr) -> String {
+        let said = |line: &str| {
+            let text = line.trim_start();
+            let indent = &line[..line.len() - text.len()];
+            format!("{indent}{}", self.texts.get(text).unwrap_or(&text))
+        };
+        let english = english.to_string();
+        english.lines().map(said).collect::<Vec<_>>().join("\n")
+    }
+
+    /// What clap has written, its own sentences in Chinese.
+    fn clap(&self, rendered: &str) -> String {
+        let mut said = String::new();
+        for line in rendered.lines() {
+            let line = self.clap.iter().fold(line.to_owned(), |line, (en, zh)| {
+                replaced(&line, en, zh).unwrap_or(line)
+            });
+            said.push_str(&line);
+            said.push('\n');
+        }
+        said
+    }
+
+    /// A command and those below it.
+    fn command(&self, command: Command) -> Command {
+        let about = command.get_about().map(|text| self.text(text));
+        let long_about = command.get_long_about().map(|text| self.text(text));
+        let after = command.get_after_help().map(|text| self.text(text));
+        let mut command = command
+            .mut_subcommands(|below| self.command(below))
+            .mut_args(|argument| self.argument(argument))
+            .subcommand_value_name(self.values.get("COMMAND").copied());
+        if let Some(text) = about {
+            command = command.about(text);
+        }
+        if let Some(text) = long_about {
+            command = command.long_about(text);
+        }
+        match after {
+            Some(text) => command.after_help(text),
+            None => command,
+        }
+    }
+
+    fn argument(&self, argument: Arg) -> Arg {
+        let short = argument.get_help().map(|text| self.text(text));
+        let long = argument.get_long_help().map(|text| self.text(text));
+        let heading = argument.get_help_heading();
+        let heading = heading.and_then(|text| self.texts.get(text).copied());
+        let names = argument.get_value_names().unwrap_or_default().iter();
+        let names: Vec<Str> = names
+            .map(|name| {
+                self.values
+                    .get(name.as_str())
+                    .map_or(name.clone(), Str::from)
+            })
+            .collect();
+        let values = argument.get_possible_values();
+        let shown = !values.is_empty() && argument.get_action().takes_values();
+        let mut argument = argument.hide_possible_values(true);
+        if !names.is_empty() {
+            argument = argument.value_names(names);
+        }
+        if let Some(heading) = heading {
+            argument = argument.help_heading(heading);
+        }
+        let Some(short) = short else {
+            return argument;
+        };
+        let long = long.unwrap_or_else(|| short.clone());
+        // clap's own words for them could be broken over two lines.
+        if shown {
+            let names = values.iter().map(PossibleValue::get_name);
+            let names = names.collect::<Vec<_>>().join(", ");
+            let lines = values.iter().map(|value| self.possible(value));
+            let list = lines.collect::<String>();
+            argument
+                .help(format!("{short} [可用值: {names}]"))
+                .long_help(format!("{long}\n\n可用值:{list}"))
+        } else {
+            argument.help(short).long_help(long)
+        }
+    }
+
+    /// A line of the list of values.
+    fn possible(&self, value: &PossibleValue) -> String {
+        let name = value.get_name();
+        match value.get_help() {
+            Some(help) => format!("\n- {name}: {}", self.text(help)),
+            None => format!("\n- {name}"),
+        }
+    }
+}
+
+/// A line with a sentence of clap's in Chinese; none where it does not have that sentence.
+fn replaced(line: &str, english: &str, chinese: &str) -> Option<String> {
+    let mut parts = english.split("{}");
+    let first = parts.next()?;
+    let begin = line.find(first)?;
+    let mut at = begin + first.len();
+    let mut values = Vec::new();
+    for part in parts {
+        let length = match part.is_empty() {
+            true => line.len() - at,
+            false => line[at..].find(part)?,
+        };
+        values.push(&line[at..at + length]);
+        at += length + part.len();
+    }
+    let mut said = line[..begin].to_owned();
+    let mut values = values.into_iter();
+    for (number, part) in chinese.split("{}").enumerate() {
+        if number > 0 {
+            said.push_str(values.next()?);
+        }
+        said.push_str(part);
+    }
+    said.push_str(&line[at..]);
+    Some(said)
+}
+
+/// Why a value cannot be read, where the program says it itself.
+fn reason(error: &Error) -> Option<(String, Message)> {
+    let source = error.source()?;
+    let word = || source.downcast_ref().map(WordError::message);
+    let name = || source.downcast_ref().map(NameError::message);
+    let size = || source.downcast_ref().map(NoSize::message);
+    let message = word().or_else(name).or_else(size)?;
+    Some((source.to_string(), message))
+}
+
+/// All commands, their texts in Chinese.
+pub fn command() -> Command {
+    let mut command = Cli::command();
+    // Options are built when their command is called.
+    command.build();
+    Table::read().command(command)
+}
+
+/// What clap has written of [`command`], its own sentences in Chinese.
+pub fn said(rendered: &str) -> String {
+    Table::read().clap(rendered)
+}
+
+/// The same about a command line: help that was asked for, or what is wrong with it, with
+/// `hint`. None where there is nothing to be said.
+pub fn told(words: &[OsString], hint: fn(Error, Language) -> Error) -> Option<Error> {
+    let error = command().try_get_matches_from_mut(words).err()?;
+    let error = hint(error, Language::Zh);
+    let mut rendered = error.render().ansi().to_string();
+    if let Some((english, message)) = reason(&error) {
+        rendered = rendered.replacen(&english, &message.text(Language::Zh), 1);
+    }
+    // A help of its own, so that clap shows it where it would have shown the other one, in
+    // colours where the terminal has them.
+    let text = StyledStr::from(said(&rendered));
+    let mut shown = Command::new("gsk980td").override_help(text);
+    match error.use_stderr() {
+        true => {
+            shown = shown.arg_required_else_help(true);
+            shown.try_get_matches_from(["gsk980td"]).err()
+        }
+        false => shown.try_get_matches_from(["gsk980td", "--help"]).err(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    /// What is called the same in both languages: names, and lines of scripts.
+    const NAMES: [&str; 11] = [
+        "CR",
+        "CR LF",
+        "FluidNC",
+        "GSK980MDi",
+        "GSK980TD",
+        "Grbl 1.1h",
+        "LF",
+        "NC-B08",
+        "grblHAL",
+        "press AUTO",
+        "华兴 31/32",
+    ];
+
+    /// Every command that somebody calls, with its words.
+    fn commands(command: &Command, words: &str, out: &mut Vec<(String, Command)>) {
+        out.push((words.to_owned(), command.clone()));
+        for below in command.get_subcommands().filter(|it| !it.is_hide_set()) {
+            let words = format!("{words} {}", below.get_name());
+            commands(below, words.trim(), out);
+        }
+    }
+
+    fn all(mut program: Command) -> Vec<(String, Command)> {
+        program.build();
+        let mut out = Vec::new();
+        commands(&program, "", &mut out);
+        out
+    }
+
+    /// Lines of what is said of a command and its options.
+    fn lines(command: &Command) -> BTreeSet<String> {
+        let mut texts = vec![
+            command.get_about(),
+            command.get_long_about(),
+            command.get_after_help(),
+        ];
+        let mut lines = BTreeSet::new();
+        let shown = command.get_arguments().filter(|it| !it.is_hide_set());
+        let arguments: Vec<&Arg> = shown.collect();
+        let values: Vec<_> = arguments
+            .iter()
+            .filter(|it| it.get_action().takes_values())
+            .flat_map(|it| it.get_possible_values())
+            .collect();
+        texts.extend(values.iter().map(|it| it.get_help()));
+        for argument in arguments {
+            texts.extend([argument.get_help(), argument.get_long_help()]);
+            lines.extend(argument.get_help_heading().map(str::to_owned));
+        }
+        for text in texts.into_iter().flatten() {
+            let text = text.to_string();
+            lines.extend(text.lines().map(|line| line.trim().to_owned()));
+        }
+        lines.remove("");
+        lines
+    }
+
+    #[test]
+    fn every_command_and_option_is_said_in_chinese_and_no_text_is_left_over() {
+        let table = Table::read();
+        let forms = gsk_panel::script::FORMS;
+        let example = ["press CS", "wait idle 10m", "expect alarm none"];
+        let same = |line: &str| {
+            NAMES.contains(&line) || example.contains(&line) || forms.iter().any(|it| it.1 == line)
+        };
+        let mut used = BTreeSet::new();
+        let mut names = BTreeSet::from(["COMMAND".to_owned()]);
+        let mut missing = BTreeSet::new();
+        for (words, command) in all(Cli::command()) {
+            for line in lines(&command).into_iter().filter(|line| !same(line)) {
+                if !table.texts.contains_key(&*line) {
+                    missing.insert(format!("{words}: {line}"));
+                }
+                used.insert(line);
+            }
+            let shown = command.get_arguments().filter(|it| !it.is_hide_set());
+            for argument in shown.filter(|it| it.get_action().takes_values()) {
+                for name in argument.get_value_names().unwrap_or_default() {
+                    let capital = |letter: char| !letter.is_ascii_uppercase();
+                    let word = name.split(capital).any(|word| word.len() > 2);
+                    if word && !table.values.contains_key(name.as_str()) {
+                        missing.insert(format!("{words}: {name}"));
+                    }
+                    names.insert(name.to_string());
+                }
+            }
+        }
+        assert!(missing.is_empty(), "{missing:#?}");
+        let text = table.texts.keys().filter(|row| !used.contains(**row));
+        let value = table.values.keys().filter(|row| !names.contains(**row));
+        let left: Vec<_> = text.chain(value).collect();
+        assert!(left.is_empty(), "{left:#?}");
+    }
+
+    #[test]
+    fn the_table_is_in_order_and_says_something_else() {
+        let rows: Vec<&str> = TABLE.lines().skip(1).collect();
+        assert!(rows.is_sorted_by(|a, b| a < b));
+        for row in rows {
+            let fields: Vec<&str> = row.split('\t').collect();
+            let [kind, en, zh] = fields[..] else {
+                panic!("{row}");
+            };
+            assert!(["clap", "text", "value"].contains(&kind), "{row}");
+            assert!(!en.is_empty() && en != zh, "{row}");
+            assert_eq!(en.matches("{}").count(), zh.matches("{}").count(), "{row}");
+            assert!(!zh.is_ascii(), "{row}");
+        }
+    }
+
+    /// English words of clap's that are left in a text; of the line of a script none are.
+    fn english(text: &str) -> Option<&str> {
+        let words = [
+            "Usage",
+            "Options",
+            "Arguments",
+            "Commands",
+            "default:",
+            "possible",
+            "error:",
+            "tip:",
+            "For more",
+            "OPTIONS",
+            "COMMAND]",
+            "Print",
+            "subcommand",
+            "argument",
+            "required",
+            "invalid",
+            "unexpected",
+            "provided",
+        ];
+        text.lines()
+            .find(|line| words.iter().any(|word| line.contains(word)))
+    }
+
+    #[test]
+    fn help_is_chinese_from_the_first_line_to_the_last() {
+        for (words, command) in all(command()) {
+            for help in [
+                command.clone().render_help(),
+                command.clone().render_long_help(),
+            ] {
+                let help = said(&help.to_string());
+                assert_eq!(english(&help), None, "{words}:\n{help}");
+                assert!(help.contains("用法:"), "{help}");
+            }
+        }
+    }
+
+    fn wrong(line: &str) -> [String; 2] {
+        let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
+        let english = Cli::command().try_get_matches_from(&words);
+        let chinese = told(&words, |error, _| error).expect(line);
+        [english.expect_err(line), chinese].map(|it| it.to_string())
+    }
+
+    #[test]
+    fn every_sentence_of_claps_is_told_in_chinese() {
+        let table = Table::read();
+        let mut met = BTreeSet::new();
+        for line in [
+            "gsk980td check",
+            "gsk980td check --frmat x",
+            "gsk980td check a --json=1",
+            "gsk980td check a --format x",
+            "gsk980td check a --format githob",
+            "gsk980td check a --json --json",
+            "gsk980td check a --json --format human",
+            "gsk980td check a --format",
+            "gsk980td check a -- --x --y -z --wrong=5 --format=x --json --lang=zh --part --most-moves=0",
+            "gsk980td check a --most-moves=0",
+            "gsk980td check a --most-moves=99999999999999999999",
+            "gsk980td check a --most-moves=x",
+            "gsk980td check a --most-moves=",
+            "gsk980td check a --frmat",
+            "gsk980td check a --m",
+            "gsk980td check a --jobs",
+            "gsk980td chek a",
+            "gsk980td s",
+            "gsk980td sc",
+            "gsk980td pro",
+            "gsk980td --first-start on",
+            "gsk980td nothing-like-it",
+            "gsk980td --data x check a",
+            "gsk980td plot a -o b.png --solid --whole",
+            "gsk980td plot a -o b.png --solid --whole --labels",
+            "gsk980td help --list --document x",
+            "gsk980td link",
+            "gsk980td link --log off",
+            "gsk980td check a --zzz",
+            "gsk980td link lst",
+            "gsk980td mill gear --counts 5 --lead x",
+            "gsk980td mill gear --counts 5 --lead=",
+            "gsk980td mill gear --counts 5 --lead 5 --increment",
+            "gsk980td ladder check a b",
+            "gsk980td run a --parts",
+            "gsk980td project new a --model gsk980",
+        ] {
+            let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
+            if Cli::command().try_get_matches_from(&words).is_ok() {
+                continue;
+            }
+            let [en, zh] = wrong(line);
+            let of = table.clap.iter();
+            let of = of.filter(|(row, zh)| en.lines().any(|it| replaced(it, row, zh).is_some()));
+            met.extend(of.map(|(row, _)| *row));
+            assert_eq!(english(&zh), None, "{line}:\n{en}\n{zh}");
+        }
+        for (_, mut command) in all(Cli::command()) {
+            let help = format!("{}{}", command.render_help(), command.render_long_help());
+            let of = table.clap.iter();
+            let of = of.filter(|(row, zh)| help.lines().any(|it| replaced(it, row, zh).is_some()));
+            met.extend(of.map(|(row, _)| *row));
+        }
+        let left: Vec<_> = table
+            .clap
+            .keys()
+            .filter(|row| !met.contains(**row))
+            .collect();
+        assert!(left.is_empty(), "{left:#?}");
+    }
+
+    #[test]
+    fn a_reason_of_the_programs_own_is_told_in_chinese() {
+        for (line, wanted) in [
+            ("gsk980td check a --start 5", "写成 X,Z, 例如 300,300"),
+            ("gsk980td plot a -o b.png --size 5", "图片"),
+            ("gsk980td transfer delete a.b.c", "名称"),
+            ("gsk980td mill backlash 2", "写八位"),
+            ("gsk980td check a --log loud", "不是日志级别"),
+            ("gsk980td transfer list --partition x", "分区为"),
+        ] {
+            let [_, zh] = wrong(line);
+            assert!(zh.contains("错误:") && zh.contains(wanted), "{zh}");
+        }
+    }
+
+    #[test]
+    fn a_sentence_is_replaced_within_its_line() {
+        let zh = replaced(
+            "  x: invalid value 'a' for '--b <C>': d",
+            "invalid value '{}' for '{}'",
+            "'{}' 给 '{}'",
+        );
+        assert_eq!(zh.as_deref(), Some("  x: 'a' 给 '--b <C>': d"));
+        assert_eq!(replaced("nothing", "some {}", "{}"), None);
+        assert_eq!(
+            replaced("only: 3 is not in 1..2", "{} is not in {}", "{} 超出 {}").as_deref(),
+            Some("only: 3 超出 1..2")
+        );
+    }
+}
