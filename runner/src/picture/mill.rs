@@ -11,41 +11,26 @@
 //!   +--------+ +-----------+
 //! ```
 
-use gsk_messages::{Language, say};
+mod panes;
+mod parts;
+
+use gsk_messages::Language;
 use gsk_milling::{Further, Move, MoveKind};
 
 use super::canvas::{Align, Canvas};
-use super::clip::clipped;
 use super::drawing::Look;
 use super::extent::Size;
-use super::legend::{EDGE, GAP, SAMPLE, width};
-use super::numbers::Area;
-use super::pens::Pen;
 use super::pieces::Made;
 use super::{Format, PictureError, png_file, svg};
 use crate::mill::Times;
-use crate::words::clock;
+use parts::{Part, Place};
 
 /// Points that a drawing holds.
 const MOST: usize = 3_000_000;
 /// An arc is drawn in chords of so many radians.
 const CHORD: f64 = 0.06;
-/// Units above the views, of a row of the legend, and between views.
-const TOP: f64 = 44.0;
-const ROW: f64 = 22.0;
-const BETWEEN: f64 = 30.0;
-/// From the edge of a picture to a view: its figures stand there.
-const SIDE: f64 = 60.0;
-const BELOW: f64 = 36.0;
 /// Chords up to which a path is drawn with smooth edges.
 const MOST_SMOOTH: usize = 30_000;
-
-/// Lines of a view.
-const FRAME: Pen = Pen {
-    color: [0xB0; 3],
-    width: 1.0,
-    dash: &[],
-};
 
 /// A line that is made one way.
 #[derive(Clone, Debug)]
@@ -230,259 +215,6 @@ fn corners(made: &Move) -> Vec<[f64; 3]> {
     (1..=chords).map(at).collect()
 }
 
-/// A direction from which the path is seen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum View {
-    Xy,
-    Xz,
-    Yz,
-    Isometric,
-}
-
-impl View {
-    const ALL: [Self; 4] = [Self::Xy, Self::Isometric, Self::Xz, Self::Yz];
-
-    /// Where a point lies, mm: to the right, up.
-    fn see(self, [x, y, z]: [f64; 3]) -> (f64, f64) {
-        // Half of the root of three.
-        const COS_30: f64 = 0.866_025_403_784_438_6;
-        match self {
-            Self::Xy => (x, y),
-            Self::Xz => (x, z),
-            Self::Yz => (y, z),
-            Self::Isometric => ((x - y) * COS_30, (x + y) * 0.5 + z),
-        }
-    }
-
-    fn name(self, language: Language) -> String {
-        match self {
-            Self::Xy => "XY".to_owned(),
-            Self::Xz => "XZ".to_owned(),
-            Self::Yz => "YZ".to_owned(),
-            Self::Isometric => say::picture_mill_isometric().text(language),
-        }
-    }
-
-    /// What lies to the right and up.
-    const fn axes(self) -> Option<[usize; 2]> {
-        match self {
-            Self::Xy => Some([0, 1]),
-            Self::Xz => Some([0, 2]),
-            Self::Yz => Some([1, 2]),
-            Self::Isometric => None,
-        }
-    }
-}
-
-/// What a picture is made of, units.
-#[derive(Clone, Debug)]
-enum Part {
-    Line(Pen, Vec<(f64, f64)>),
-    Text {
-        at: (f64, f64),
-        words: String,
-        align: Place,
-    },
-}
-
-/// Where a text stands about its point.
-#[derive(Clone, Copy, Debug)]
-enum Place {
-    Left,
-    Center,
-    Right,
-}
-
-/// A view in its frame.
-struct Pane {
-    view: View,
-    frame: Area,
-    /// mm at the left and at the bottom of the frame, and units of a mm.
-    left: f64,
-    bottom: f64,
-    scale: f64,
-}
-
-impl Pane {
-    fn place(&self, point: [f64; 3]) -> (f64, f64) {
-        let (right, up) = self.view.see(point);
-        let x = self.frame.0 + (right - self.left) * self.scale;
-        (x, self.frame.3 - (up - self.bottom) * self.scale)
-    }
-}
-
-/// How far a view reaches, mm: least and greatest to the right and up.
-fn reach(view: View, cube: &Cube) -> [f64; 4] {
-    let seen = cube.corners().map(|corner| view.see(corner));
-    seen.iter().fold(
-        [f64::MAX, f64::MIN, f64::MAX, f64::MIN],
-        |[a, b, c, d], (right, up)| [a.min(*right), b.max(*right), c.min(*up), d.max(*up)],
-    )
-}
-
-/// The four views: those along an axis at one scale, fitted into four equal fields.
-fn panes(cube: &Cube, (wide, tall): (f64, f64), top: f64) -> [Pane; 4] {
-    let room = (
-        (wide - 2.0 * SIDE - BETWEEN - EDGE).max(80.0) / 2.0,
-        (tall - top - 2.0 * BELOW - BETWEEN).max(80.0) / 2.0,
-    );
-    let fits = |view: View| {
-        let [left, right, bottom, up] = reach(view, cube);
-        (room.0 / (right - left)).min(room.1 / (up - bottom))
-    };
-    let flat = View::ALL
-        .into_iter()
-        .filter(|view| *view != View::Isometric);
-    let flat = flat.map(fits).fold(f64::MAX, f64::min);
-    core::array::from_fn(|index| {
-        let view = View::ALL[index];
-        let (column, row) = (index % 2, index / 2);
-        let left = SIDE + column as f64 * (room.0 + SIDE);
-        let upper = top + row as f64 * (room.1 + BELOW);
-        let frame = (left, upper, left + room.0, upper + room.1);
-        let scale = if view == View::Isometric {
-            fits(view)
-        } else {
-            flat
-        };
-        let [least, most, bottom, up] = reach(view, cube);
-        Pane {
-            view,
-            frame,
-            left: (least + most - room.0 / scale) / 2.0,
-            bottom: (bottom + up - room.1 / scale) / 2.0,
-            scale,
-        }
-    })
-}
-
-/// The whole picture.
-fn parts(drawing: &MillDrawing, language: Language) -> Vec<Part> {
-    let (wide, tall) = drawing.look.size.units();
-    let cube = drawing.cube();
-    let (mut parts, top) = head(drawing, wide, language);
-    for pane in panes(&cube, (wide, tall), top) {
-        let (left, upper, right, lower) = pane.frame;
-        let frame = [
-            (left, upper),
-            (right, upper),
-            (right, lower),
-            (left, lower),
-            (left, upper),
-        ];
-        parts.push(Part::Line(FRAME, frame.to_vec()));
-        parts.push(Part::Text {
-            at: (left + 8.0, upper + 18.0),
-            words: pane.view.name(language),
-            align: Place::Left,
-        });
-        figures(&pane, &drawing.reach(), &mut parts);
-        for rapid in [true, false] {
-            let strokes = drawing.strokes.iter();
-            for stroke in strokes.filter(|it| (it.made == Made::Rapid) == rapid) {
-                let points = stroke.points.iter().map(|point| pane.place(*point));
-                clipped(points, pane.frame, |part| {
-                    parts.push(Part::Line(Pen::of(stroke.made), part.to_vec()));
-                });
-            }
-        }
-    }
-    parts
-}
-
-/// Title, time and a line for each tool; the height that they take.
-fn head(drawing: &MillDrawing, wide: f64, language: Language) -> (Vec<Part>, f64) {
-    let times = &drawing.times;
-    let whole = times.all.rapid + times.all.feed + times.all.thread + times.all.dwell;
-    let cutting = times.all.feed + times.all.thread;
-    let summary = say::picture_time(clock(whole), clock(cutting)).text(language);
-    let mut parts = vec![
-        Part::Text {
-            at: (EDGE, 24.0),
-            words: drawing.title.clone(),
-            align: Place::Left,
-        },
-        Part::Text {
-            at: (wide - EDGE, 24.0),
-            words: summary,
-            align: Place::Right,
-        },
-    ];
-    let (mut x, mut y) = (EDGE, TOP);
-    for (tool, seconds) in times.cutting() {
-        let Some(index) = drawing.tools.iter().position(|known| *known == tool) else {
-            continue;
-        };
-        let words = say::picture_mill_tool(tool, clock(seconds)).text(language);
-        let entry = SAMPLE + GAP + width(&words) + BETWEEN;
-        if x + entry > wide - EDGE && x > EDGE {
-            (x, y) = (EDGE, y + ROW);
-        }
-        let made = Made::Cut(u8::try_from(index).unwrap_or(u8::MAX));
-        parts.push(Part::Line(Pen::of(made), vec![(x, y), (x + SAMPLE, y)]));
-        parts.push(Part::Text {
-            at: (x + SAMPLE + GAP, y + 5.0),
-            words,
-            align: Place::Left,
-        });
-        x += entry;
-    }
-    // The path is that of X, Y and Z: what turns is told.
-    for (further, least, greatest) in &drawing.further {
-        let unit = if further.rotary { "°" } else { " mm" };
-        let (least, greatest) = (figure(*least), figure(*greatest));
-        let words = format!("{} {least} … {greatest}{unit}", further.letter);
-        let entry = width(&words) + BETWEEN;
-        if x + entry > wide - EDGE && x > EDGE {
-            (x, y) = (EDGE, y + ROW);
-        }
-        parts.push(Part::Text {
-            at: (x, y + 5.0),
-            words,
-            align: Place::Left,
-        });
-        x += entry;
-    }
-    (parts, y + ROW)
-}
-
-/// The ends of the path along the axes of a view, mm.
-fn figures(pane: &Pane, cube: &Cube, parts: &mut Vec<Part>) {
-    let Some([right, up]) = pane.view.axes() else {
-        return;
-    };
-    let (left, upper, _, lower) = pane.frame;
-    for (axis, level) in [(right, cube.low[right]), (right, cube.high[right])] {
-        let mut point = cube.low;
-        point[axis] = level;
-        let (x, _) = pane.place(point);
-        parts.push(Part::Text {
-            at: (x, lower + 16.0),
-            words: figure(level),
-            align: Place::Center,
-        });
-    }
-    for level in [cube.low[up], cube.high[up]] {
-        let mut point = cube.low;
-        point[up] = level;
-        let (_, y) = pane.place(point);
-        parts.push(Part::Text {
-            at: (left - 6.0, y.clamp(upper + 10.0, lower) + 4.0),
-            words: figure(level),
-            align: Place::Right,
-        });
-    }
-}
-
-fn figure(value: f64) -> String {
-    let rounded = (value * 10.0).round() / 10.0;
-    if rounded == 0.0 {
-        "0".to_owned()
-    } else {
-        rounded.to_string()
-    }
-}
-
 /// The bytes of a picture file.
 ///
 /// # Errors
@@ -492,7 +224,7 @@ pub fn encode(
     drawing: &MillDrawing,
     language: Language,
 ) -> Result<Vec<u8>, PictureError> {
-    let parts = parts(drawing, language);
+    let parts = parts::parts(drawing, language);
     match format {
         Format::Svg => Ok(to_svg(&parts, drawing.look.size).into_bytes()),
         Format::Png => {
@@ -617,7 +349,7 @@ mod tests {
     #[test]
     fn views_along_an_axis_have_one_scale() {
         let drawing = drawing("G00 X0 Y0 Z0\nG01 X100 F100\nY10\nZ-5\nM30\n");
-        let panes = panes(&drawing.cube(), (1280.0, 800.0), 60.0);
+        let panes = panes::panes(&drawing.cube(), (1280.0, 800.0), 60.0);
         assert_eq!(panes[0].scale, panes[2].scale);
         assert_eq!(panes[0].scale, panes[3].scale);
         // X lies to the right, Y up, in the frame.

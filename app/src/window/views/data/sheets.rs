@@ -136,7 +136,6 @@ impl Sheets {
                         .auto_shrink([false, false])
                         .show(ui, |ui| {
                             self.pages(ui, language);
-                            focus::follow(ui);
                         });
                 });
         } else {
@@ -160,11 +159,8 @@ impl Sheets {
     }
 
     fn pages(&mut self, ui: &mut Ui, language: Language) {
-        entries(ui, language, &mut self.page);
-        ui.separator();
-        for page in [Page::Offsets, Page::Pitch, Page::Variables] {
-            entry(ui, language, &mut self.page, page);
-        }
+        let others = [Page::Offsets, Page::Pitch, Page::Variables];
+        entries(ui, language, &mut self.page, &others);
     }
 
     /// What was written, and the button that takes the last of it back.
@@ -272,7 +268,11 @@ fn choose(ui: &mut Ui, language: Language, page: &mut Page) {
         .width(ui.available_width().min(PAGES * 2.0))
         .height(ui.available_height())
         .selected_text(words.as_str())
-        .show_ui(ui, |ui| entries(ui, language, page));
+        .show_ui(ui, |ui| {
+            if entries(ui, language, page, &[]) {
+                ui.close();
+            }
+        });
     let name = say::data_all_parameters().text(language);
     shown.response.widget_info(|| WidgetInfo {
         current_text_value: Some(words.clone()),
@@ -280,25 +280,43 @@ fn choose(ui: &mut Ui, language: Language, page: &mut Page) {
     });
 }
 
-/// The pages of parameters, to be chosen from.
-fn entries(ui: &mut Ui, language: Language, page: &mut Page) {
-    ui.weak(say::data_by_number().text(language));
-    for kind in Kind::ALL {
-        entry(ui, language, page, Page::Numbers(kind));
+/// The pages of parameters and others, to be chosen from. Says whether Enter was pressed at
+/// one.
+fn entries(ui: &mut Ui, language: Language, page: &mut Page, others: &[Page]) -> bool {
+    let numbers = Kind::ALL.into_iter().map(Page::Numbers);
+    let groups = ParameterGroup::ALL.into_iter().map(Page::Group);
+    let pages = numbers.chain(groups).chain(others.iter().copied());
+    let pages: Vec<Page> = pages.collect();
+    let chosen = pages.iter().position(|own| own == page);
+    let name = say::window_view_data().text(language);
+    let list = focus::List::begin(ui, "pages", &name, pages.len(), chosen);
+    if let Some(own) = list.moved().and_then(|at| pages.get(at)) {
+        *page = *own;
     }
-    ui.add_space(4.0);
-    ui.weak(say::data_by_function().text(language));
-    for group in ParameterGroup::ALL {
-        entry(ui, language, page, Page::Group(group));
+    for (at, own) in pages.iter().enumerate() {
+        match at {
+            0 => {
+                ui.weak(say::data_by_number().text(language));
+            }
+            at if at == Kind::ALL.len() => {
+                ui.add_space(4.0);
+                ui.weak(say::data_by_function().text(language));
+            }
+            at if at == pages.len() - others.len() => {
+                ui.separator();
+            }
+            _ => {}
+        }
+        let name = own.name().text(language);
+        let is_chosen = page == own;
+        let entry = Button::selectable(is_chosen, name.as_str()).wrap();
+        let entry = ui.add(entry.sense(focus::ROW));
+        entry.widget_info(|| WidgetInfo::selected(Role::ListBoxOption, true, is_chosen, &name));
+        if list.row(ui, at, &entry) {
+            *page = *own;
+        }
     }
-}
-
-fn entry(ui: &mut Ui, language: Language, page: &mut Page, own: Page) {
-    let name = own.name().text(language);
-    let button = Button::selectable(*page == own, name).wrap();
-    if ui.add(button).clicked() {
-        *page = own;
-    }
+    list.entered().is_some()
 }
 
 /// Why not all of them would be taken now.

@@ -1,0 +1,128 @@
+//! The four views of a mill's path, each in its frame.
+
+use gsk_messages::{Language, say};
+
+use super::super::legend::EDGE;
+use super::super::numbers::Area;
+use super::Cube;
+
+/// Units between views.
+const BETWEEN: f64 = 30.0;
+/// From the edge of a picture to a view: its figures stand there.
+const SIDE: f64 = 60.0;
+const BELOW: f64 = 36.0;
+
+/// A direction from which the path is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// From above.
+    Xy,
+    /// From the front.
+    Xz,
+    /// From the right.
+    Yz,
+    /// From above, the front and the left.
+    Isometric,
+}
+
+impl View {
+    const ALL: [Self; 4] = [Self::Xy, Self::Isometric, Self::Xz, Self::Yz];
+
+    /// Where a point lies, mm: to the right, up.
+    fn see(self, [x, y, z]: [f64; 3]) -> (f64, f64) {
+        // Half of the root of three.
+        const COS_30: f64 = 0.866_025_403_784_438_6;
+        match self {
+            Self::Xy => (x, y),
+            Self::Xz => (x, z),
+            Self::Yz => (y, z),
+            Self::Isometric => ((x - y) * COS_30, (x + y) * 0.5 + z),
+        }
+    }
+
+    /// What it is called.
+    pub fn name(self, language: Language) -> String {
+        match self {
+            Self::Xy => "XY".to_owned(),
+            Self::Xz => "XZ".to_owned(),
+            Self::Yz => "YZ".to_owned(),
+            Self::Isometric => say::picture_mill_isometric().text(language),
+        }
+    }
+
+    /// What lies to the right and up.
+    pub const fn axes(self) -> Option<[usize; 2]> {
+        match self {
+            Self::Xy => Some([0, 1]),
+            Self::Xz => Some([0, 2]),
+            Self::Yz => Some([1, 2]),
+            Self::Isometric => None,
+        }
+    }
+}
+
+/// A view in its frame.
+pub struct Pane {
+    /// From where it is seen.
+    pub view: View,
+    /// Its frame, units.
+    pub frame: Area,
+    /// mm at the left and at the bottom of the frame, and units of a mm.
+    left: f64,
+    bottom: f64,
+    pub(super) scale: f64,
+}
+
+impl Pane {
+    /// Where a point lies in the picture, units.
+    pub fn place(&self, point: [f64; 3]) -> (f64, f64) {
+        let (right, up) = self.view.see(point);
+        let x = self.frame.0 + (right - self.left) * self.scale;
+        (x, self.frame.3 - (up - self.bottom) * self.scale)
+    }
+}
+
+/// How far a view reaches, mm: least and greatest to the right and up.
+fn reach(view: View, cube: &Cube) -> [f64; 4] {
+    let seen = cube.corners().map(|corner| view.see(corner));
+    seen.iter().fold(
+        [f64::MAX, f64::MIN, f64::MAX, f64::MIN],
+        |[a, b, c, d], (right, up)| [a.min(*right), b.max(*right), c.min(*up), d.max(*up)],
+    )
+}
+
+/// The four views: those along an axis at one scale, fitted into four equal fields.
+pub fn panes(cube: &Cube, (wide, tall): (f64, f64), top: f64) -> [Pane; 4] {
+    let room = (
+        (wide - 2.0 * SIDE - BETWEEN - EDGE).max(80.0) / 2.0,
+        (tall - top - 2.0 * BELOW - BETWEEN).max(80.0) / 2.0,
+    );
+    let fits = |view: View| {
+        let [left, right, bottom, up] = reach(view, cube);
+        (room.0 / (right - left)).min(room.1 / (up - bottom))
+    };
+    let flat = View::ALL
+        .into_iter()
+        .filter(|view| *view != View::Isometric);
+    let flat = flat.map(fits).fold(f64::MAX, f64::min);
+    core::array::from_fn(|index| {
+        let view = View::ALL[index];
+        let (column, row) = (index % 2, index / 2);
+        let left = SIDE + column as f64 * (room.0 + SIDE);
+        let upper = top + row as f64 * (room.1 + BELOW);
+        let frame = (left, upper, left + room.0, upper + room.1);
+        let scale = if view == View::Isometric {
+            fits(view)
+        } else {
+            flat
+        };
+        let [least, most, bottom, up] = reach(view, cube);
+        Pane {
+            view,
+            frame,
+            left: (least + most - room.0 / scale) / 2.0,
+            bottom: (bottom + up - room.1 / scale) / 2.0,
+            scale,
+        }
+    })
+}
