@@ -15,6 +15,7 @@ on a display and a session bus of its own:
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -247,6 +248,7 @@ def main():
     finally:
         window.terminate()
         window.wait()
+        shutil.rmtree(data, ignore_errors=True)
     print("open, run, stop, read the alarm: by screen reader and by keyboard")
 
 

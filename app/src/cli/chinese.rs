@@ -451,7 +451,7 @@ mod tests {
             ("gsk980td transfer delete a.b.c", "名称"),
             ("gsk980td mill backlash 2", "写八位"),
             ("gsk980td check a --log loud", "不是日志级别"),
-            ("gsk980td transfer list --partition x", "分区为"),
+            ("gsk980td transfer list --partition x", "分区只能是"),
         ] {
             let [_, zh] = wrong(line);
             assert!(zh.contains("错误:") && zh.contains(wanted), "{zh}");
