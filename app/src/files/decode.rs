@@ -238,6 +238,13 @@ const fn is_binary(byte: u8) -> bool {
     matches!(byte, 0..=8 | 0x0E..=0x10 | 0x15..=0x19 | 0x1B..=0x1F)
 }
 
+/// Whether a text has control characters other than tabulators and ends of lines: hardly
+/// any has, and this is quickly seen.
+fn has_control(text: &[u8]) -> bool {
+    let control = |byte: u8| byte < b' ' && byte != b'\n' && byte != b'\r' && byte != b'\t';
+    (text.iter()).fold(false, |any, byte| any | control(*byte))
+}
+
 /// Whether a text has any; all bytes are looked at together.
 fn has_binary(text: &[u8]) -> bool {
     (text.iter()).fold(false, |any, byte| any | is_binary(*byte))
@@ -246,6 +253,9 @@ fn has_binary(text: &[u8]) -> bool {
 /// The last gate: text without binary characters; an end mark of DOS and what
 /// follows it is dropped.
 fn plain(mut text: String, encoding: Encoding) -> Result<Decoded, DecodeError> {
+    if !has_control(text.as_bytes()) {
+        return Ok(Decoded { text, encoding });
+    }
     if has_binary(text.as_bytes())
         && let Some(at) = text.bytes().position(is_binary)
     {
