@@ -64,6 +64,7 @@ pub(super) struct Trail {
 }
 
 impl Trail {
+    #[inline(always)]
     pub(super) fn of(piece: &Piece, way: &Way, rho: f64) -> Self {
         let (p, q) = (piece.start + way.start.last(), piece.end + way.end.first());
         let path = match &piece.circle {
@@ -89,11 +90,13 @@ impl Trail {
 /// Moves that the check looks back on.
 const MOVES_BEFORE: usize = 3;
 
-/// The last moves that were run, as long as the corners between them were regular.
+/// The last moves that were run, as long as the corners between them were regular, and the
+/// one that is being checked. It is put together in its place: a copy of it would cost more
+/// than the check.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Trails {
     kept: Vec<Trail>,
-    /// Where the next one goes: once there are enough, that is the oldest.
+    /// Where the next one goes: once there are enough, over the oldest.
     next: usize,
 }
 
@@ -104,14 +107,9 @@ impl Trails {
         self.next = 0;
     }
 
-    /// All of them, in no order.
-    pub(super) fn all(&self) -> &[Trail] {
-        &self.kept
-    }
-
     /// The last one.
     pub(super) fn last(&self) -> Option<&Trail> {
-        let last = (self.next + MOVES_BEFORE - 1) % MOVES_BEFORE;
+        let last = (self.next + MOVES_BEFORE) % (MOVES_BEFORE + 1);
         self.kept.get(last)
     }
 
@@ -119,16 +117,30 @@ impl Trails {
     pub(super) fn keep_last(&mut self) {
         if let Some(last) = self.last().copied() {
             self.clear();
-            self.push(last);
+            self.lay(last);
+            self.keep();
         }
     }
 
-    pub(super) fn push(&mut self, trail: Trail) {
+    /// Takes the trail of a move that is still to be checked.
+    #[inline(always)]
+    pub(super) fn lay(&mut self, trail: Trail) {
         match self.kept.get_mut(self.next) {
             Some(oldest) => *oldest = trail,
             None => self.kept.push(trail),
         }
-        self.next = (self.next + 1) % MOVES_BEFORE;
+    }
+
+    /// What was laid, and those before it, in no order.
+    pub(super) fn laid(&self) -> Option<(&Trail, impl Iterator<Item = &Trail> + Clone)> {
+        let (before, from) = self.kept.split_at_checked(self.next)?;
+        let (laid, after) = from.split_first()?;
+        Some((laid, before.iter().chain(after)))
+    }
+
+    /// What was laid has been run.
+    pub(super) const fn keep(&mut self) {
+        self.next = (self.next + 1) % (MOVES_BEFORE + 1);
     }
 }
 

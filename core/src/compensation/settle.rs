@@ -200,7 +200,6 @@ impl Compensation {
     ) -> Result<Way, Fault> {
         let way = interference::check(&moving.piece, start, end)?;
         let rho = moving.rho();
-        let trail = Trail::of(&moving.piece, &way, rho);
         let goes_on = self
             .before
             .last()
@@ -208,16 +207,20 @@ impl Compensation {
         if !goes_on {
             self.before.clear();
         }
+        self.before.lay(Trail::of(&moving.piece, &way, rho));
         let same_nose = self.stand.radius == moving.nose.radius;
         // Neither a vector of another nose nor one of another corner keeps clear.
-        if same_nose && !moving.square_start {
+        if same_nose
+            && !moving.square_start
+            && let Some((trail, before)) = self.before.laid()
+        {
             let (last, start) = (self.before.last(), moving.piece.start);
-            let before = self.before.all().iter().filter(|before| before.rho == rho);
+            let before = before.filter(|before| before.rho == rho);
             let surface = next.as_ref().and_then(|next| next.surface.as_ref());
             let surface =
                 surface.filter(|(piece, by)| *by == rho && are_same(moving.piece.end, piece.start));
             let next = surface.map(|(piece, _)| *piece);
-            if interference::cuts_into(&before, last, start, &way, &trail, next) {
+            if interference::cuts_into(&before, last, start, &way, trail, next) {
                 return Err(Fault::Interference);
             }
         }
@@ -226,7 +229,7 @@ impl Compensation {
             self.before.clear();
             return Ok(way);
         }
-        self.before.push(trail);
+        self.before.keep();
         Ok(way)
     }
 
