@@ -49,6 +49,22 @@ pub fn keep_keys(ui: &Ui, id: Id) {
     }
 }
 
+/// Takes keys that are pressed with nothing held out of the events: those that `take` says
+/// it has made use of.
+pub fn take_keys(ui: &Ui, mut take: impl FnMut(Key) -> bool) {
+    ui.input_mut(|input| {
+        input.events.retain(|event| match event {
+            Event::Key {
+                key,
+                pressed: true,
+                modifiers,
+                ..
+            } => modifiers.any() || !take(*key),
+            _ => true,
+        });
+    });
+}
+
 /// Whether the keys of the cursor belong to what has the focus, and not to the panel.
 pub fn keeps_keys(context: &Context) -> bool {
     let focused = context.memory(Memory::focused);

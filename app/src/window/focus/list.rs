@@ -6,7 +6,7 @@ use egui::{
     Ui, WidgetInfo, pos2, vec2,
 };
 
-use super::keep_keys;
+use super::{keep_keys, take_keys};
 
 /// Rows that a page has as long as none was drawn.
 const PAGE: usize = 10;
@@ -72,37 +72,23 @@ impl List {
             page => page,
         };
         let (mut at, mut entered) = (self.at, false);
-        ui.input_mut(|input| {
-            input.events.retain(|event| {
-                let egui::Event::Key {
-                    key,
-                    pressed: true,
-                    modifiers,
-                    ..
-                } = event
-                else {
-                    return true;
-                };
-                if modifiers.any() {
-                    return true;
+        take_keys(ui, |key| {
+            let to = match key {
+                Key::ArrowUp => at.saturating_sub(1),
+                Key::ArrowDown => at + 1,
+                Key::PageUp => at.saturating_sub(page),
+                Key::PageDown => at + page,
+                Key::Home => 0,
+                Key::End => count - 1,
+                Key::ArrowLeft | Key::ArrowRight => at,
+                Key::Enter | Key::Space => {
+                    entered = true;
+                    at
                 }
-                at = match key {
-                    Key::ArrowUp => at.saturating_sub(1),
-                    Key::ArrowDown => at + 1,
-                    Key::PageUp => at.saturating_sub(page),
-                    Key::PageDown => at + page,
-                    Key::Home => 0,
-                    Key::End => count - 1,
-                    Key::ArrowLeft | Key::ArrowRight => at,
-                    Key::Enter | Key::Space => {
-                        entered = true;
-                        at
-                    }
-                    _ => return true,
-                };
-                at = at.min(count - 1);
-                false
-            });
+                _ => return false,
+            };
+            at = to.min(count - 1);
+            true
         });
         self.moved = at != self.at;
         self.at = at;

@@ -1,7 +1,7 @@
 //! The bars between panes: dragged with mouse or finger, a double click puts one back. With
 //! the focus they are moved by the keys of the cursor, Enter puts one back (WINDOW-27).
 
-use egui::{Color32, CursorIcon, Event, Key, Role, Sense, Ui, WidgetInfo};
+use egui::{Color32, CursorIcon, Key, Role, Sense, Ui, WidgetInfo};
 
 use crate::window::focus;
 
@@ -63,28 +63,14 @@ fn by_keys(ui: &Ui, splitter: &Splitter, layouts: &mut Layouts) {
         false => (Key::ArrowUp, Key::ArrowDown),
     };
     let (mut moved, mut again) = (0.0, false);
-    ui.input_mut(|input| {
-        input.events.retain(|event| {
-            let Event::Key {
-                key,
-                pressed: true,
-                modifiers,
-                ..
-            } = event
-            else {
-                return true;
-            };
-            if modifiers.any() {
-                return true;
-            }
-            match *key {
-                Key::Enter | Key::Space => again = true,
-                key if key == back => moved -= STEP,
-                key if key == forth => moved += STEP,
-                key => return !focus::is_cursor(key),
-            }
-            false
-        });
+    focus::take_keys(ui, |key| {
+        match key {
+            Key::Enter | Key::Space => again = true,
+            key if key == back => moved -= STEP,
+            key if key == forth => moved += STEP,
+            key => return focus::is_cursor(key),
+        }
+        true
     });
     if again {
         layouts.set_share(splitter.split, None);
