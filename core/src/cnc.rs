@@ -147,6 +147,11 @@ impl Cnc {
         self.outputs()
     }
 
+    /// Whether the next tick looks at the contacts.
+    pub(crate) const fn samples_contacts_next(&self) -> bool {
+        (self.ticks + 1) % SAMPLE_TICKS == 1
+    }
+
     fn outputs(&self) -> Outputs {
         let mut outputs = Outputs {
             pulses: self.pulses(),

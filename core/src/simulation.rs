@@ -92,6 +92,9 @@ impl Simulation {
     pub fn tick(&mut self) {
         let outputs = self.cnc.tick(&self.inputs);
         self.lathe.tick(&outputs, &mut self.inputs);
+        if self.cnc.samples_contacts_next() || self.lathe.contacts_bounce() {
+            self.lathe.read_contacts(&mut self.inputs);
+        }
         self.board_orders = outputs.board;
     }
 

@@ -27,6 +27,22 @@ struct Servo {
     largest: f64,
 }
 
+/// A stretch of the motor's way, to the place before its end, on which the one-turn
+/// signal does not change.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct IndexStretch {
+    from: i64,
+    end: i64,
+    /// The signal stands.
+    on: bool,
+}
+
+impl IndexStretch {
+    const fn holds(&self, place: i64) -> bool {
+        self.from <= place && place < self.end
+    }
+}
+
 /// A slide with its drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct AxisDrive {
@@ -61,6 +77,10 @@ pub(super) struct AxisDrive {
     before: (i64, i64),
     /// It gives a one-turn signal.
     has_index: bool,
+    /// Where the motor was on its turn when it was last looked for: it stays there for
+    /// many ticks.
+    #[serde(default)]
+    index_stretch: IndexStretch,
     /// Errors of the screw, mm (X in radius): by how much the slide is beyond the place
     /// that the pulses say. Switches and ends are met by the pulses.
     #[serde(default)]
@@ -111,6 +131,7 @@ impl AxisDrive {
             dog: config.dog.map(|dog| (place(dog.from), place(dog.to))),
             before: (place(config.start), place(config.start)),
             has_index: config.one_turn_signal,
+            index_stretch: IndexStretch::default(),
             screw: config
                 .pitch_errors
                 .iter()
@@ -159,36 +180,45 @@ impl AxisDrive {
     pub fn follow(&mut self, command: Pulses, enabled: bool) {
         let way = self.towards_plus(command.0 - self.last);
         self.last = command.0;
-        self.before = (self.motor(), self.slide);
+        let before = self.motor();
+        self.before = (before, self.slide);
         if !enabled || self.tripped {
             self.tripped &= enabled;
-            self.commanded = self.motor();
+            self.commanded = before;
             self.behind = 0.0;
             return;
         }
         if way == 0 && self.behind == 0.0 {
             return;
         }
-        self.commanded += way;
-        match &self.servo {
+        match self.servo {
             // A stepper that is blocked loses its steps.
-            None if self.blocked => self.commanded -= way,
-            None => {}
+            None if self.blocked => {}
+            None => self.commanded += way,
             Some(servo) => {
-                let settled = way as f64 / TICK_S * servo.lag_s;
-                self.behind = if self.blocked {
-                    self.behind + way as f64
-                } else {
-                    settled + (self.behind - settled) * servo.tick_decay
-                };
-                if way == 0 && self.behind.abs() < 1e-3 {
-                    self.behind = 0.0;
-                }
-                self.tripped = self.behind.abs() > servo.largest;
+                self.commanded += way;
+                self.fall_behind(&servo, way);
             }
         }
         let motor = self.meet_ends();
-        self.slide = self.slide.clamp(motor, motor + self.play);
+        self.slide = motor.max(self.slide.min(motor + self.play));
+        if self.has_index && !self.index_stretch.holds(motor) {
+            self.index_stretch = self.stretch_around(motor);
+        }
+    }
+
+    /// A servo after a tick in which its command went this way.
+    fn fall_behind(&mut self, servo: &Servo, way: i64) {
+        let settled = way as f64 / TICK_S * servo.lag_s;
+        self.behind = if self.blocked {
+            self.behind + way as f64
+        } else {
+            settled + (self.behind - settled) * servo.tick_decay
+        };
+        if way == 0 && self.behind.abs() < 1e-3 {
+            self.behind = 0.0;
+        }
+        self.tripped = self.behind.abs() > servo.largest;
     }
 
     /// A motor that would push the slide past its end stands: a servo falls behind
@@ -274,23 +304,35 @@ impl AxisDrive {
 
     /// The one-turn signal, whose rising edge is at zero going positive, and the command
     /// count at which it changed in the last tick.
+    #[inline]
     pub fn index(&self) -> (bool, Option<Pulses>) {
         if !self.has_index {
             return (false, None);
         }
         let (from, to) = (self.before.0, self.motor());
-        let (on_turn, width) = (to.rem_euclid(self.turn), self.index_width());
-        let on = on_turn < width;
-        // The stretch between two boundaries that the motor is on.
-        let (first, next) = if on { (0, width) } else { (width, self.turn) };
-        let stretch = to - on_turn + first..to - on_turn + next;
-        if stretch.contains(&from) {
-            return (on, None);
+        let stretch = &self.index_stretch;
+        if stretch.holds(from) && stretch.holds(to) {
+            return (stretch.on, None);
         }
-        (on, self.index_change((from, to)))
+        let change = self.index_change((from, to));
+        (self.stretch_around(to).on, change)
+    }
+
+    /// The stretch between two changes of the one-turn signal around a place.
+    #[cold]
+    const fn stretch_around(&self, place: i64) -> IndexStretch {
+        let (on_turn, width) = (place.rem_euclid(self.turn), self.index_width());
+        let on = on_turn < width;
+        let (first, next) = if on { (0, width) } else { (width, self.turn) };
+        IndexStretch {
+            from: place - on_turn + first,
+            end: place - on_turn + next,
+            on,
+        }
     }
 
     /// The command count at the first change of the one-turn signal on a way.
+    #[cold]
     fn index_change(&self, way: (i64, i64)) -> Option<Pulses> {
         let starts = [0, self.index_width()];
         self.first_change(way, |place| {

@@ -48,14 +48,6 @@ pub struct Lathe {
     real_slides: bool,
 }
 
-/// What the switches along a slide say.
-#[derive(Clone, Copy)]
-struct SlideSwitches {
-    /// The deceleration switch is pressed.
-    dog: bool,
-    over_limit: Option<OverLimit>,
-}
-
 impl Lathe {
     /// Builds and wires the lathe to fit the parameters found now.
     pub fn new(config: LatheConfig, parameters: &Parameters) -> Self {
@@ -136,8 +128,9 @@ impl Lathe {
         }
     }
 
-    /// One millisecond. What the contacts and sensors say after it is written over what
-    /// they said before: copied a moment after it is put together, it would have to wait.
+    /// One millisecond. What the sensors say after it is written over what they said
+    /// before: copied a moment after it is put together, it would have to wait. The
+    /// contacts are asked apart ([`Self::read_contacts`]).
     pub fn tick(&mut self, outputs: &Outputs, inputs: &mut Inputs) {
         let on = |pin: Pin| outputs.output(usize::from(pin.0), pin.1);
         self.axes.x.follow(outputs.pulses.x, outputs.enable.x);
@@ -169,67 +162,96 @@ impl Lathe {
             step,
             gear: self.gears.gear(),
         });
-        self.say(inputs);
-        let bouncing = self.faults.has(Fault::InputBounce);
-        self.disturbance.bounce(&mut inputs.x, bouncing);
+        self.sense(inputs);
         let noisy = self.faults.has(Fault::EncoderNoise);
         inputs.encoder += self.disturbance.noise(noisy);
+    }
+
+    /// What the contacts say after a tick: to be asked when the control samples them next,
+    /// and every millisecond while they bounce.
+    pub fn read_contacts(&mut self, inputs: &mut Inputs) {
+        self.contacts(&mut inputs.x);
+        let bouncing = self.contacts_bounce();
+        self.disturbance.bounce(&mut inputs.x, bouncing);
+    }
+
+    /// Whether contacts bounce.
+    pub(crate) fn contacts_bounce(&self) -> bool {
+        self.faults.has(Fault::InputBounce)
     }
 
     /// What the contacts and sensors say now.
     pub fn inputs(&self) -> Inputs {
         let mut inputs = Inputs::default();
-        self.say(&mut inputs);
+        self.sense(&mut inputs);
+        self.contacts(&mut inputs.x);
         inputs
     }
 
-    fn say(&self, inputs: &mut Inputs) {
+    fn sense(&self, inputs: &mut Inputs) {
         let (encoder, mut encoder_index, mut spindle_index) = self.spindle.encoder();
         if self.faults.has(Fault::SpindleIndexLost) {
             encoder_index = self.lost_index;
             spindle_index = false;
         }
-        let switches = PerAxis::new(
-            self.switches(Axis::X, Fault::DogX, Fault::LimitX),
-            self.switches(Axis::Z, Fault::DogZ, Fault::LimitZ),
-        );
-        let zero_signal = |axis: Axis, lost: Fault| {
-            if *self.wiring.one_switch.get(axis) {
-                (switches.get(axis).dog, self.axes.get(axis).dog_latch())
-            } else if self.faults.has(lost) {
-                (false, None)
-            } else {
-                self.axes.get(axis).index()
-            }
-        };
-        let x = zero_signal(Axis::X, Fault::IndexX);
-        let z = zero_signal(Axis::Z, Fault::IndexZ);
-        self.contacts(&switches, &mut inputs.x);
-        inputs.index_pulse = PerAxis::new(x.0, z.0);
-        inputs.index_latch = PerAxis::new(x.1, z.1);
-        inputs.drive_alarm = PerAxis::new(self.alarm_signal(Axis::X), self.alarm_signal(Axis::Z));
-        inputs.drive_ready = PerAxis::new(self.ready_signal(Axis::X), self.ready_signal(Axis::Z));
+        self.sense_axis(Axis::X, inputs);
+        self.sense_axis(Axis::Z, inputs);
         inputs.encoder = encoder;
         inputs.encoder_index = encoder_index;
         inputs.spindle_index = spindle_index;
         inputs.handwheel = self.handwheel;
-        inputs.over_limit = PerAxis::new(switches.x.over_limit, switches.z.over_limit);
-        inputs.board = None;
+        if inputs.board.is_some() {
+            inputs.board = None;
+        }
     }
 
-    /// What the switches along a slide say, with the faults of both.
-    fn switches(&self, axis: Axis, dog_stuck: Fault, limit_stuck: Fault) -> SlideSwitches {
-        let slide = self.axes.get(axis);
-        let over_limit = if self.real_slides {
-            None
-        } else {
-            let stuck = self.faults.has(limit_stuck).then_some(OverLimit::Stuck);
-            slide.over_limit().or(stuck)
+    #[inline(always)] // What differs between the axes is known then.
+    fn sense_axis(&self, axis: Axis, inputs: &mut Inputs) {
+        let (pulse, latch) = self.zero_signal(axis);
+        *inputs.index_pulse.get_mut(axis) = pulse;
+        *inputs.index_latch.get_mut(axis) = latch;
+        let failed = self.drive_failed(axis);
+        *inputs.drive_alarm.get_mut(axis) = self.alarm_signal(axis, failed);
+        *inputs.drive_ready.get_mut(axis) = self.ready_signal(axis, failed);
+        *inputs.over_limit.get_mut(axis) = self.limit_switch(axis);
+    }
+
+    /// The zero signal of an axis, and the count at which it changed in the last tick.
+    #[inline(always)]
+    fn zero_signal(&self, axis: Axis) -> (bool, Option<Pulses>) {
+        let lost = match axis {
+            Axis::X => Fault::IndexX,
+            Axis::Z => Fault::IndexZ,
         };
-        SlideSwitches {
-            dog: (!self.real_slides && slide.on_dog()) || self.faults.has(dog_stuck),
-            over_limit,
+        if *self.wiring.one_switch.get(axis) {
+            (self.on_dog(axis), self.axes.get(axis).dog_latch())
+        } else if self.faults.has(lost) {
+            (false, None)
+        } else {
+            self.axes.get(axis).index()
         }
+    }
+
+    /// The deceleration switch of a slide is pressed, or stuck.
+    fn on_dog(&self, axis: Axis) -> bool {
+        let stuck = match axis {
+            Axis::X => Fault::DogX,
+            Axis::Z => Fault::DogZ,
+        };
+        (!self.real_slides && self.axes.get(axis).on_dog()) || self.faults.has(stuck)
+    }
+
+    /// The limit switch of a slide that is tripped, or stuck.
+    fn limit_switch(&self, axis: Axis) -> Option<OverLimit> {
+        if self.real_slides {
+            return None;
+        }
+        let stuck = match axis {
+            Axis::X => Fault::LimitX,
+            Axis::Z => Fault::LimitZ,
+        };
+        let stuck = || self.faults.has(stuck).then_some(OverLimit::Stuck);
+        self.axes.get(axis).over_limit().or_else(stuck)
     }
 
     /// Whether a drive has switched itself off.
@@ -242,17 +264,17 @@ impl Lathe {
     }
 
     /// The alarm line of a drive; one that is not wired stays at rest.
-    fn alarm_signal(&self, axis: Axis) -> bool {
+    fn alarm_signal(&self, axis: Axis, failed: bool) -> bool {
         let wired = match axis {
             Axis::X => self.config.x.alarm_line,
             Axis::Z => self.config.z.alarm_line,
         };
-        (wired && self.drive_failed(axis)) == *self.wiring.drive_alarm.get(axis)
+        (wired && failed) == *self.wiring.drive_alarm.get(axis)
     }
 
     /// The ready line of a drive: enabled, and not switched off by itself.
-    fn ready_signal(&self, axis: Axis) -> bool {
-        let ready = *self.enable.get(axis) && !self.drive_failed(axis);
+    fn ready_signal(&self, axis: Axis, failed: bool) -> bool {
+        let ready = *self.enable.get(axis) && !failed;
         ready == self.wiring.drive_ready
     }
 
@@ -270,7 +292,7 @@ impl Lathe {
         answering(self.turret.station()) | answering(self.stuck_station)
     }
 
-    fn contacts(&self, slides: &PerAxis<SlideSwitches>, x: &mut [u8; X_BYTES]) {
+    fn contacts(&self, x: &mut [u8; X_BYTES]) {
         let wiring = &self.wiring;
         // X0 in the low byte, X1 in the high one: no others are wired. All are open at first.
         let mut closed = 0u16;
@@ -304,13 +326,9 @@ impl Lathe {
             pins::STATIONS[7],
             shared(wiring.x1_2, 8, in_position(wiring.x1_2, 2, first)),
         );
-        set(pins::DECELERATION_X, slides.x.dog == wiring.on_dog);
-        set(pins::DECELERATION_Z, slides.z.dog == wiring.on_dog);
-        let over = slides.x.over_limit.or(slides.z.over_limit).is_some();
-        set(
-            pins::EMERGENCY_STOP,
-            self.loop_closed(over || self.limit_switch_stuck()),
-        );
+        set(pins::DECELERATION_X, self.on_dog(Axis::X) == wiring.on_dog);
+        set(pins::DECELERATION_Z, self.on_dog(Axis::Z) == wiring.on_dog);
+        set(pins::EMERGENCY_STOP, self.emergency_loop_closed());
         set(
             pins::TOOL_CLAMPED,
             match wiring.pressure {
@@ -339,23 +357,17 @@ impl Lathe {
     /// The loop of the emergency button and the limit switches, which the release
     /// button bridges.
     pub fn emergency_loop_closed(&self) -> bool {
-        self.loop_closed(self.over_limit())
-    }
-
-    fn loop_closed(&self, over_limit: bool) -> bool {
         !self.emergency_button
             && !self.faults.has(Fault::EmergencyStop)
-            && (self.overtravel_release || !over_limit)
-    }
-
-    fn limit_switch_stuck(&self) -> bool {
-        self.faults.has(Fault::LimitX) || self.faults.has(Fault::LimitZ)
+            && (self.overtravel_release || !self.over_limit())
     }
 
     /// Whether a limit switch is tripped.
     pub fn over_limit(&self) -> bool {
         let over = self.axes.x.over_limit().or(self.axes.z.over_limit());
-        (over.is_some() && !self.real_slides) || self.limit_switch_stuck()
+        (over.is_some() && !self.real_slides)
+            || self.faults.has(Fault::LimitX)
+            || self.faults.has(Fault::LimitZ)
     }
 
     /// Holds a machine input at a value; `None` gives it back to its sensor.

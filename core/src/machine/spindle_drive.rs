@@ -138,7 +138,10 @@ impl SpindleDrive {
         } else {
             self.lag
         };
-        self.rpm += (target - self.rpm) * lag;
+        let missing = target - self.rpm;
+        if missing != 0.0 {
+            self.rpm += missing * lag;
+        }
         if (self.rpm - target).abs() < NOTHING {
             self.rpm = target;
         }

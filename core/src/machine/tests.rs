@@ -192,6 +192,7 @@ fn switched_speeds_and_a_spindle_that_turns_already() {
 fn tick(lathe: &mut Lathe, outputs: &Outputs) -> Inputs {
     let mut inputs = Inputs::default();
     lathe.tick(outputs, &mut inputs);
+    lathe.read_contacts(&mut inputs);
     inputs
 }
 
