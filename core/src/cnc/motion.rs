@@ -3,7 +3,7 @@
 use super::Cnc;
 use crate::motion::{DryRun, MotionInputs, RapidOverride};
 use crate::operation::{JOG_RATE_MAX, Mode, RunState, jog_rate};
-use crate::units::{Axis, PerAxis, Point};
+use crate::units::{Axis, PerAxis, Point, factor};
 
 /// Motions shorter than a tick that are carried out in one.
 const MOTIONS_PER_TICK: usize = 16;
@@ -46,7 +46,7 @@ impl Cnc {
         if self.plc.signals.override_cancel || self.run.registers.off.feed_override() {
             return 1.0;
         }
-        f64::from(self.plc.signals.feed_override) / 100.0
+        factor(self.plc.signals.feed_override)
     }
 
     /// Rates of the dry run (manual III-5.3.3): cuts at the jog rate, or at its
@@ -98,7 +98,9 @@ impl Cnc {
         let now = self.position();
         for axis in [Axis::X, Axis::Z] {
             let at = self.coordinates.at_reference.get_mut(axis);
-            *at = at.filter(|at| *at == now.get(axis));
+            if at.is_some_and(|at| at != now.get(axis)) {
+                *at = None;
+            }
         }
     }
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::limits::MotionLimits;
 use crate::spindle::SpindleTurn;
-use crate::units::{Axis, Feed, PerAxis};
+use crate::units::{Axis, Feed, PerAxis, lesser};
 
 /// Rapid override.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -112,5 +112,5 @@ pub(super) fn cutting_target(limits: &MotionLimits, inputs: &MotionInputs, feed:
         (None, Feed::PerMinute(rate)) => rate * inputs.feed_override,
         (None, Feed::PerRevolution(way)) => way * inputs.spindle_rpm.abs() * inputs.feed_override,
     };
-    (per_minute / 60.0).min(limits.cutting())
+    lesser(per_minute / 60.0, limits.cutting())
 }

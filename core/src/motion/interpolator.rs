@@ -14,7 +14,7 @@ use super::rapid::Rapid;
 use super::straight_rapid::StraightRapid;
 use super::tap::Tap;
 use super::thread::{Thread, ThreadMove};
-use crate::units::{Axis, Feed, PerAxis, Point, TICK_S};
+use crate::units::{Axis, Feed, PerAxis, Point, TICK_S, lesser};
 
 /// Programmed motion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -142,7 +142,7 @@ impl Interpolator {
             Motion::Led { .. } => Some(0.0),
             Motion::Cut { ramp, .. } => {
                 let braking = limits.cutting_law().braking_distance(ramp.speed);
-                Some(braking.min(ramp.remaining) + UNEQUAL_ENDS)
+                Some(lesser(braking, ramp.remaining) + UNEQUAL_ENDS)
             }
             _ => None,
         }
@@ -472,7 +472,7 @@ impl Interpolator {
         if self.stopping {
             self.leave_spindle(limits);
         }
-        let tick = SpindleTick {
+        let spindle_tick = || SpindleTick {
             limits,
             spindle: &inputs.spindle,
             rpm: inputs.spindle_rpm,
@@ -531,13 +531,13 @@ impl Interpolator {
                 finished.then_some(used)
             }
             Motion::Thread(thread) => {
-                let used = thread.advance(&tick, time);
+                let used = thread.advance(&spindle_tick(), time);
                 self.position = thread.position();
-                self.handover = Some(thread.handover(tick.continues));
+                self.handover = Some(thread.handover(inputs.thread_continues));
                 thread.finished().then_some(used)
             }
             Motion::Tap(tap) => {
-                let used = tap.advance(&tick, time);
+                let used = tap.advance(&spindle_tick(), time);
                 self.position = tap.position();
                 tap.finished().then_some(used)
             }

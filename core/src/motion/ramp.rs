@@ -4,7 +4,7 @@ use core::f64::consts::LOG2_E;
 
 use serde::{Deserialize, Serialize};
 
-use crate::units::TICK_S;
+use crate::units::{TICK_S, greater, lesser};
 
 /// Distance below which a rest counts as nothing, mm.
 const NOTHING: f64 = 1e-12;
@@ -129,6 +129,13 @@ pub(crate) struct Advance {
     pub used: f64,
 }
 
+impl Advance {
+    const NOTHING: Self = Self {
+        moved: 0.0,
+        used: 0.0,
+    };
+}
+
 /// A speed and the way still to go; the way is infinite for a jog.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Ramp {
@@ -156,26 +163,12 @@ impl Ramp {
     /// the end.
     pub fn advance(&mut self, law: &Law, target: f64, dt: f64) -> Advance {
         let target = if target > 0.0 { target } else { 0.0 };
-        let mut step = Advance {
-            moved: 0.0,
-            used: 0.0,
-        };
-        // Each turn of the loop is one phase: change speed, keep it, brake.
-        for _ in 0..8 {
-            let time = dt - step.used;
-            if self.finished() || time <= 1e-15 {
-                break;
+        let mut step = Advance::NOTHING;
+        if self.goes_on(dt) {
+            step = self.phase(law, target, dt);
+            if self.goes_on(dt - step.used) {
+                step = self.further_phases(law, target, dt, step);
             }
-            let phase = match *law {
-                Law::Linear { acceleration } => self.linear_phase(acceleration, target, time),
-                Law::Exponential {
-                    time: constant,
-                    lowest,
-                    tick_decay,
-                } => self.exponential_phase(constant, lowest, tick_decay, target, time),
-            };
-            step.moved += phase.moved;
-            step.used += phase.used;
         }
         if self.remaining <= NOTHING {
             step.moved += self.remaining;
@@ -186,9 +179,42 @@ impl Ramp {
         step
     }
 
+    /// Whether there is way and time left.
+    fn goes_on(&self, time: f64) -> bool {
+        !self.finished() && time > 1e-15
+    }
+
+    /// A tick has seldom more than one phase.
+    #[cold]
+    fn further_phases(&mut self, law: &Law, target: f64, dt: f64, first: Advance) -> Advance {
+        let mut step = first;
+        for _ in 1..8 {
+            let time = dt - step.used;
+            if !self.goes_on(time) {
+                break;
+            }
+            let phase = self.phase(law, target, time);
+            step.moved += phase.moved;
+            step.used += phase.used;
+        }
+        step
+    }
+
+    /// One phase: change speed, keep it or brake.
+    fn phase(&mut self, law: &Law, target: f64, time: f64) -> Advance {
+        match *law {
+            Law::Linear { acceleration } => self.linear_phase(acceleration, target, time),
+            Law::Exponential {
+                time: constant,
+                lowest,
+                tick_decay,
+            } => self.exponential_phase(constant, lowest, tick_decay, target, time),
+        }
+    }
+
     /// Moves on by `moved` in `used` seconds, ending at `speed`.
     fn take(&mut self, moved: f64, used: f64, speed: f64) -> Advance {
-        let moved = moved.min(self.remaining);
+        let moved = lesser(moved, self.remaining);
         self.remaining -= moved;
         self.speed = speed;
         Advance { moved, used }
@@ -266,7 +292,7 @@ impl Ramp {
         time: f64,
     ) -> Advance {
         // Below the lowest speed, and without a time constant, speed follows at once.
-        self.speed = self.speed.max(lowest.min(target));
+        self.speed = greater(self.speed, lesser(lowest, target));
         if constant <= 0.0 || (self.speed <= lowest && target <= lowest) {
             self.speed = target;
             if target <= 0.0 {
@@ -283,8 +309,9 @@ impl Ramp {
             return self.brake_exponentially(constant, lowest, tick_decay, time);
         }
         // Until the braking curve is met: the way made good at `target` is `room`.
-        let mut span = if target > 0.0 {
-            (room / target).min(time)
+        // Far from there nothing has to be divided.
+        let mut span = if target > 0.0 && room < 2.0 * target * time {
+            lesser(room / target, time)
         } else {
             time
         };

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::encoder::Encoder;
 use crate::command::SpindleCommand;
 use crate::memory::Parameters;
+use crate::units::factor;
 
 /// What S means at present.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -96,7 +97,7 @@ pub struct SpindleControl {
 impl SpindleControl {
     /// At power-on: no speed, gear 1, no limit.
     pub fn new(parameters: &Parameters) -> Self {
-        Self {
+        let mut new = Self {
             settings: Settings::new(parameters),
             mode: Mode::Speed(0.0),
             limit: None,
@@ -109,12 +110,15 @@ impl SpindleControl {
             volts: 0.0,
             radius: 0.0,
             factor: 1.0,
-        }
+        };
+        new.volts = new.voltage();
+        new
     }
 
     /// Takes over changed parameters.
     pub(crate) fn reconfigure(&mut self, parameters: &Parameters) {
         self.settings = Settings::new(parameters);
+        self.volts = self.voltage();
     }
 
     /// An S function. Steps (S00–S04) go through the PLC and change nothing here.
@@ -177,6 +181,7 @@ impl SpindleControl {
             self.gear = self.selected;
             self.engaged = true;
             self.instead = None;
+            self.volts = self.voltage();
         }
     }
 
@@ -240,28 +245,32 @@ impl SpindleControl {
                 .tick(inputs.encoder, self.settings.encoder_scale),
         }
         self.radius = inputs.radius;
-        self.factor = f64::from(inputs.override_percent) / 100.0;
+        self.factor = factor(inputs.override_percent);
         self.command_speed();
     }
 
     fn command_speed(&mut self) {
-        let factor = self.factor;
-        self.commanded = match (self.instead, self.mode) {
+        let commanded = match (self.instead, self.mode) {
             (Some(Instead::GearChange), _) => self.settings.gear_change,
             (Some(Instead::Jog), _) => self.settings.jog,
-            (None, Mode::Speed(speed)) => speed * factor,
-            (None, Mode::Surface(speed)) => self.limited(self.surface_speed(speed) * factor),
+            (None, Mode::Speed(speed)) => speed * self.factor,
+            (None, Mode::Surface(speed)) => self.limited(self.surface_speed(speed) * self.factor),
         };
-        self.volts = self.voltage(self.commanded);
+        if commanded != self.commanded {
+            self.commanded = commanded;
+            self.volts = self.voltage();
+        }
     }
 
-    /// SVC for a speed, 0…10 V; none with switched speeds (001.4 = 0).
-    fn voltage(&self, speed: f64) -> f64 {
+    /// SVC for the commanded speed, 0…10 V; none with switched speeds (001.4 = 0). To be
+    /// asked again when the speed, the gear or a parameter changes.
+    fn voltage(&self) -> f64 {
         let top = self.top_speed();
         if !self.settings.analog || top <= 0.0 {
             return 0.0;
         }
-        (10.0 * speed / top * self.settings.gain + self.settings.zero_volts).clamp(0.0, 10.0)
+        (10.0 * self.commanded / top * self.settings.gain + self.settings.zero_volts)
+            .clamp(0.0, 10.0)
     }
 
     /// Commanded speed after override and limits, r/min.
