@@ -73,11 +73,15 @@ impl Backlash {
         }
     }
 
-    /// The axis went on by `way` increments in a tick; the compensation given out.
-    pub fn tick(&mut self, way: i64) -> i64 {
-        if self.amount == 0 {
-            return 0;
+    /// The axis went on by `way` increments in a tick.
+    #[inline]
+    pub fn tick(&mut self, way: i64) {
+        if self.amount != 0 {
+            self.give_out(way);
         }
+    }
+
+    fn give_out(&mut self, way: i64) {
         if way != 0 && self.negative != (way < 0) {
             self.negative = way < 0;
             self.from = self.given;
@@ -88,7 +92,6 @@ impl Backlash {
             self.ticks += 1;
             self.given = self.after(self.ticks);
         }
-        self.given()
     }
 
     /// What is given out so many ticks after the reversal.

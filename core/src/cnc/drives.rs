@@ -17,9 +17,13 @@ enum Said {
 }
 
 impl Cnc {
-    /// Watches the drives; once a millisecond. All axes stop at once; RESET clears
+    /// Watches the drives, after their signals were sensed; once a millisecond. All axes stop at once; RESET clears
     /// the alarm when the drive is well again.
     pub(crate) fn watch_drives(&mut self, inputs: &Inputs) {
+        if self.drives_are_well(inputs) {
+            self.drives.watch.disagree = PerAxis::default();
+            return;
+        }
         let x = self.drive_says(Axis::X, inputs);
         let z = self.drive_says(Axis::Z, inputs);
         let number = match (x, z) {
@@ -45,22 +49,30 @@ impl Cnc {
         }
     }
 
+    /// No drive has an alarm, and those that have a ready line follow their enable.
+    fn drives_are_well(&self, inputs: &Inputs) -> bool {
+        let well = self.drives.sensors.drive_well;
+        let level = self.memory.parameters.drive_ready_level();
+        let follows = |ready: bool| (ready == level) != self.emergency_stop;
+        let ready = inputs.drive_ready;
+        well.x && well.z && (self.drives.board.is_some() || follows(ready.x) && follows(ready.z))
+    }
+
     fn drive_says(&mut self, axis: Axis, inputs: &Inputs) -> Said {
         let parameters = &self.memory.parameters;
-        let alarm = *inputs.drive_alarm.get(axis) == parameters.drive_alarm_level(axis);
+        let alarm = !*self.drives.sensors.drive_well.get(axis);
         let ready = *inputs.drive_ready.get(axis) == parameters.drive_ready_level();
         let enabled = !self.emergency_stop;
         // A pulse board has no ready lines; it speaks for its drives itself.
         let told = self.drives.board.is_none();
-        let too_early_is_alarm = !parameters.drive_may_be_early();
         let disagree = self.drives.watch.disagree.get_mut(axis);
-        *disagree = if ready == enabled || !told {
-            0
-        } else {
-            disagree.saturating_add(1)
-        };
+        if ready == enabled || !told {
+            *disagree = 0;
+            return if alarm { Said::Alarm } else { Said::Well };
+        }
+        *disagree = disagree.saturating_add(1);
         let disagrees = *disagree > FOLLOWS_WITHIN_MS;
-        if alarm || disagrees && ready && too_early_is_alarm {
+        if alarm || disagrees && ready && !parameters.drive_may_be_early() {
             Said::Alarm
         } else if disagrees && enabled {
             Said::NotReady

@@ -42,6 +42,16 @@ const fn is_zero(value: &u64) -> bool {
     *value == 0
 }
 
+/// `ms` more; from `limit` on it begins at 0 again. What was read may be anything.
+const fn counted(before: u64, ms: u64, limit: u64) -> u64 {
+    let sum = before.saturating_add(ms);
+    if sum < limit {
+        sum
+    } else {
+        (before % limit + ms) % limit
+    }
+}
+
 impl Counters {
     /// After as many parts the counter is at 0 again.
     pub const PARTS: u32 = PARTS;
@@ -59,12 +69,12 @@ impl Counters {
 
     /// More time in cutting feed; after 99:59:59 comes 00:00:00.
     pub(crate) const fn count_cutting_ms(&mut self, ms: u64) {
-        self.cutting_ms = (self.cutting_ms % CUTTING_MS + ms) % CUTTING_MS;
+        self.cutting_ms = counted(self.cutting_ms, ms, CUTTING_MS);
     }
 
     /// More time with cycle start on.
     pub(crate) const fn count_started_ms(&mut self, ms: u64) {
-        self.started_ms = (self.started_ms % STARTED_MS + ms) % STARTED_MS;
+        self.started_ms = counted(self.started_ms, ms, STARTED_MS);
     }
 
     /// Parts to zero.

@@ -94,6 +94,9 @@ impl Handshake {
 
     /// One millisecond, with the FIN signal as the PLC left it.
     pub fn tick(&mut self, fin: bool) {
+        if !self.busy() {
+            return;
+        }
         for (index, phase) in self.phases.iter_mut().enumerate() {
             *phase = match *phase {
                 Phase::Idle => continue,

@@ -31,6 +31,7 @@ impl WheelCounter {
     /// The graduations that count this tick.
     pub(crate) const fn counts(&mut self, wheel: i32) -> i32 {
         let turned = match self.last {
+            Some(last) if last == wheel && self.room == HALVES_AT_ONCE => return 0,
             Some(last) => wheel.wrapping_sub(last),
             None => 0,
         };

@@ -23,9 +23,12 @@ impl Cnc {
             return true;
         }
         let locks = [g.axis_interlock, g.plus_interlock, g.minus_interlock];
-        if locks.iter().all(|lock| !lock.x && !lock.z) {
-            return false;
-        }
+        locks.iter().any(|lock| lock.x | lock.z) && self.goes_where_locked()
+    }
+
+    /// Whether the motion under way goes where an axis or direction is locked.
+    #[cold]
+    fn goes_where_locked(&self) -> bool {
         let commanded = self.drives.interpolator.distance_to_go();
         [Axis::X, Axis::Z]
             .into_iter()
@@ -74,6 +77,10 @@ impl Cnc {
     /// The limit signals *+L and *-L of the ladder: an axis that moves into one
     /// stops with the alarm of its side, in automatic all of them.
     pub(crate) fn watch_limit_signals(&mut self) {
+        let (plus, minus) = (self.plc.signals.limit_plus, self.plc.signals.limit_minus);
+        if !(plus.x | plus.z | minus.x | minus.z) {
+            return;
+        }
         let velocity = self.drives.interpolator.velocity();
         for axis in [Axis::X, Axis::Z] {
             if let Some(way) = Direction::of(velocity.get(axis))

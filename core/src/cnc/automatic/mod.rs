@@ -14,7 +14,7 @@ use crate::cnc::{Cnc, OffsetEntry, Request, World};
 use crate::command::{Action, Command, ProgramId};
 use crate::interpreter::Step;
 use crate::mode::Mode;
-use crate::operation::{Aside, Current, Protection, RunState};
+use crate::operation::{Aside, Current, Protection, RunState, Stage};
 use crate::units::TICK_S;
 use gsk_messages::say;
 
@@ -272,7 +272,9 @@ impl Cnc {
         self.drives
             .limits
             .pass_corners(self.run.registers.off.exact_stop());
-        self.carry_out();
+        if !self.is_moving_on() {
+            self.carry_out();
+        }
         let between_blocks = self.run.automatic.current.is_none()
             && !self.run.automatic.within_block
             && !self.run.automatic.protected();
@@ -305,6 +307,16 @@ impl Cnc {
                 break;
             }
         }
+    }
+
+    /// Whether the command under way is a motion that is not at its end: most often, and
+    /// soon seen.
+    fn is_moving_on(&self) -> bool {
+        let moves = |current: &Current| {
+            current.stage == Stage::Acting && current.command.action.is_motion()
+        };
+        !self.drives.interpolator.finished()
+            && self.run.automatic.current.as_ref().is_some_and(moves)
     }
 
     /// A motion that ended within the tick leaves the rest of it to the next one:

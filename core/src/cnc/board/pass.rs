@@ -93,10 +93,11 @@ impl Cnc {
         if self.drives.chain.is_settling() {
             return None;
         }
-        let end = self.drives.chain.clone().advance(to, PerAxis::default());
+        let mut at_end = self.drives.chain.clone();
+        at_end.advance(to, PerAxis::default());
         Some(Pass {
             from: self.drives.chain.pulses(),
-            end,
+            end: at_end.pulses(),
             lead: thread.lead_along(self.drives.interpolator.position()),
         })
     }
@@ -113,11 +114,12 @@ impl Cnc {
 
     /// The board stands at the end of its pass.
     pub(crate) fn end_pass(&mut self, end: PerAxis<Pulses>) {
-        let locked = self.plc.signals.machine_lock;
-        if self.drives.interpolator.end_driven()
-            && self.drives.chain.advance(self.position(), locked) == end
-        {
-            return;
+        if self.drives.interpolator.end_driven() {
+            let locked = self.plc.signals.machine_lock;
+            self.drives.chain.advance(self.position(), locked);
+            if self.drives.chain.pulses() == end {
+                return;
+            }
         }
         // Something else became of it here meanwhile; the slides are there.
         self.stand_at(end);

@@ -64,19 +64,20 @@ impl Cnc {
 
     /// Software travel limits; once a tick.
     pub(crate) fn watch_travel(&mut self) {
-        if self.machine_locked() || !self.drives.interpolator.is_moving() {
+        let drives = &self.drives;
+        // Most often, and soon seen.
+        if let Some(way) = drives.interpolator.stops_within(&drives.limits) {
+            let (slide, commanded) = (self.slide(), drives.interpolator.commanded());
+            let far = |point, way| drives.soft_limits.are_far(point, way);
+            if far(commanded, way) && (slide == commanded || far(slide, 0.0)) {
+                return;
+            }
+        }
+        if self.machine_locked() || !drives.interpolator.is_moving() {
             return;
         }
         let watched = self.watched();
         if !watched.x && !watched.z {
-            return;
-        }
-        let drives = &self.drives;
-        let far = |point, way| drives.soft_limits.are_far(point, way);
-        let stops_within = drives.interpolator.stops_within(&drives.limits);
-        if stops_within.is_some_and(|way| far(drives.interpolator.commanded(), way))
-            && far(self.slide(), 0.0)
-        {
             return;
         }
         let over = drives
