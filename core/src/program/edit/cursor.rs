@@ -1,0 +1,143 @@
+//! Where the cursor goes: by lines, characters and screens, and to what is searched for.
+
+use super::Editing;
+use crate::program::head::Head;
+
+impl Editing {
+    /// To the first line.
+    pub fn to_head(&mut self) {
+        self.leave();
+        (self.line, self.column) = (self.program.first_listed(), 0);
+    }
+
+    /// To a line.
+    pub fn to_line(&mut self, line: u32) {
+        self.leave();
+        let (first, last) = (self.program.first_listed(), self.program.last_listed());
+        (self.line, self.column) = (line.clamp(first, last), 0);
+    }
+
+    /// One line up.
+    pub fn up(&mut self) {
+        if self.line > self.program.first_listed() {
+            self.leave();
+            self.line -= 1;
+            self.column = self.column.min(self.end_of(self.line));
+        }
+    }
+
+    /// One line down.
+    pub fn down(&mut self) {
+        let open = self.open;
+        self.leave();
+        if open {
+            self.column = 0;
+        }
+        if self.line < self.program.last_listed() {
+            self.line += 1;
+            self.column = self.column.min(self.end_of(self.line));
+        }
+    }
+
+    /// One character to the left; from the start of a line to the end of the one
+    /// above.
+    pub fn left(&mut self) {
+        if self.column > 0 {
+            self.column -= 1;
+        } else if self.line > self.program.first_listed() {
+            self.leave();
+            self.line -= 1;
+            self.column = self.end_of(self.line);
+        }
+    }
+
+    /// One character to the right; from the end of a line to the start of the next.
+    pub fn right(&mut self) {
+        if self.column < self.end_of(self.line) {
+            self.column += 1;
+            return;
+        }
+        self.leave();
+        if self.line < self.program.last_listed() {
+            (self.line, self.column) = (self.line + 1, 0);
+        }
+    }
+
+    /// A screen of so many lines on or back. The first screen begins behind the
+    /// name, the last one ends at the last line.
+    pub fn turn_page(&mut self, forward: bool, rows: u32) {
+        self.leave();
+        let (first, last) = (self.program.first_listed(), self.program.last_listed());
+        let shown = (self.line.max(first) - first) / rows.max(1);
+        let line = match (forward, shown) {
+            (true, _) => first + (shown + 1) * rows,
+            (false, 0 | 1) => first + 1,
+            (false, _) => first + (shown - 1) * rows,
+        };
+        (self.line, self.column) = (line.min(last), 0);
+    }
+
+    /// Moves to the next place of a text behind the cursor or in front of it; to the
+    /// next block with a sequence number, wherever it stands. `false` when there is
+    /// none.
+    pub fn find(&mut self, wanted: &str, forward: bool) -> bool {
+        let Some(place) = self.found(wanted, forward) else {
+            return false;
+        };
+        self.leave();
+        (self.line, self.column) = place;
+        true
+    }
+
+    fn found(&self, wanted: &str, forward: bool) -> Option<(u32, u32)> {
+        if wanted.is_empty() {
+            return None;
+        }
+        let (first, last) = (self.program.first_listed(), self.program.last_listed());
+        let here = (self.line, self.column);
+        let on_line = |line: u32| {
+            let places = places(self.program.line(line), wanted);
+            let places = places.into_iter().map(move |column| (line, column));
+            if forward {
+                places.filter(|place| *place > here).min()
+            } else {
+                places.filter(|place| *place < here).max()
+            }
+        };
+        let found = if forward {
+            (self.line..=last).find_map(on_line)
+        } else {
+            (first..=self.line).rev().find_map(on_line)
+        };
+        found.or_else(|| {
+            sequence_number(wanted)?;
+            let mut lines = first..=last;
+            lines.find_map(|line| Some((line, *places(self.program.line(line), wanted).first()?)))
+        })
+    }
+}
+
+/// The number of a text that is a sequence number.
+fn sequence_number(wanted: &str) -> Option<u32> {
+    wanted.strip_prefix('N')?.parse().ok()
+}
+
+/// The columns at which a text stands in a line; a sequence number only at the
+/// start of a block, with or without leading zeros.
+fn places(line: &str, wanted: &str) -> Vec<u32> {
+    if let Some(number) = sequence_number(wanted) {
+        let blank = line.chars().take_while(|c| *c == '/' || c.is_whitespace());
+        let column = blank.count() as u32;
+        return if Head::read(line).n == Some(number) {
+            vec![column]
+        } else {
+            Vec::new()
+        };
+    }
+    let line: Vec<char> = line.chars().map(|c| c.to_ascii_uppercase()).collect();
+    let wanted: Vec<char> = wanted.chars().collect();
+    (0..line.len())
+        .filter(|&at| line[at..].starts_with(&wanted))
+        .map(|at| at as u32)
+        .collect()
+}
