@@ -150,6 +150,19 @@ impl Memory {
     entry_area!(dc, set_dc, Dc, "the counter presets DC0 to DC99");
     entry_area!(dt, set_dt, Dt, "the timer presets DT0 to DT99, in ms");
 
+    /// Writes X0 to X29.
+    #[inline]
+    pub fn set_inputs(&mut self, x: &[u8; F - X]) {
+        self.bytes[X..F].copy_from_slice(x);
+    }
+
+    /// Y0 to Y19.
+    #[must_use]
+    #[inline]
+    pub fn outputs(&self) -> &[u8] {
+        &self.bytes[Y..G]
+    }
+
     /// One bit.
     #[must_use]
     #[inline]

@@ -1,6 +1,7 @@
 //! The scan: one 8 ms slot after another, level 1 whole and level 2 in parts.
 
 use std::fmt;
+use std::ops::Range;
 use std::sync::Arc;
 
 use gsk_messages::{Message, say};
@@ -266,26 +267,42 @@ impl Plc {
         end: usize,
         executed: &mut usize,
     ) -> Result<usize, Fault> {
-        let mut rung = reach.rung_from(first);
-        let last = reach.rung_from(end);
-        let rungs = rung..last;
+        let rungs = reach.rung_from(first)..reach.rung_from(end);
         let result = self.memory.bytes()[RESULT_FLAGS];
-        while let Some(next) = self.settled.take_next(rung, last) {
+        if self.settled.begin_pass(&rungs, self.state.timers) {
+            self.pass(ladder, reach, &rungs, executed)?;
+            let timers = self.state.timers;
+            self.settled.end_pass(&rungs, self.memory.bytes(), timers);
+        }
+        let bytes = self.memory.bytes_mut();
+        self.settled.leave_result(rungs, result, bytes, reach);
+        Ok(end)
+    }
+
+    /// Runs those of some rungs that may change something, and those woken by it.
+    fn pass(
+        &mut self,
+        ladder: &Ladder,
+        reach: &Reach,
+        rungs: &Range<usize>,
+        executed: &mut usize,
+    ) -> Result<(), Fault> {
+        let mut rung = rungs.start;
+        while let Some(next) = self.settled.take_next(rung, rungs.end) {
             let comparison = reach.comparison(next);
             if comparison.is_some() {
                 Settled::before_comparison(self.memory.bytes_mut());
             }
             let (first, end) = reach.operations(next);
             self.run::<false>(ladder, first, end, executed, Stop::AtEnd)?;
-            self.settled.ran(next, self.memory.bytes(), reach);
+            let edges = &self.state.edges;
+            self.settled.ran(next, self.memory.bytes(), edges, reach);
             if let Some(number) = comparison {
                 self.settled.compared(number, self.memory.bytes());
             }
             rung = next + 1;
         }
-        let bytes = self.memory.bytes_mut();
-        self.settled.leave_result(rungs, result, bytes, reach);
-        Ok(end)
+        Ok(())
     }
 
     /// The timers that ran during the last 8 ms are 8 ms older.

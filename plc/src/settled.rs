@@ -5,12 +5,22 @@
 //! gives what it gave before. A rung without jumps is a function of the bytes that it reads
 //! and writes; as long as all of them stand, and running it has changed none of them,
 //! running it again changes none either. (The time of a timer that runs is such a byte,
-//! and changes in every slot; a counter that has seen its edge counts no second time.)
+//! and changes in every slot. Whether a counter has seen its edge is none: a rung in which
+//! one has just seen it, or its end, runs again.)
 //! What a slot leaves is what it would leave if every rung ran.
+//!
+//! Rungs that write one another's bytes wake one another in every pass, though the pass
+//! as a whole changes nothing: one clears a number, another sets it again. When a pass has
+//! left memory, timers and counters as it found them, those rungs rest, too: until
+//! something wakes a rung of that pass. Then all of them run, as what one of them leaves
+//! for the next is seen by no comparison of memory before and after.
+
+use core::ops::Range;
 
 use crate::function::{RESULT_BITS, RESULT_OVERFLOW};
 use crate::memory::{RESULT_FLAGS, SIZE};
 use crate::reach::Reach;
+use crate::timer::Timers;
 
 /// Rungs per word.
 const WORD: usize = u64::BITS as usize;
@@ -26,10 +36,29 @@ pub(crate) struct Settled {
     memory: Option<Box<[u8; SIZE]>>,
     /// Rungs that must run, one bit each.
     awake: Vec<u64>,
+    /// Rungs that must run when another one of their pass does.
+    resting: Vec<u64>,
+    /// Last ACT of each counter, when a rung last ran.
+    edges: Vec<bool>,
+    /// The pass under way.
+    pass: Pass,
     /// The result bits that each of the rungs with a comparison left when it last ran;
     /// `None`: it did not compare.
     left: Vec<Option<u8>>,
 }
+
+/// What a pass over the rungs of a level, or of a part of level 2, has found and changed.
+#[derive(Debug, Default)]
+struct Pass {
+    timers: Timers,
+    /// The ACT of a counter has changed.
+    counted: bool,
+    /// Bytes in the order in which they were changed, as they were before.
+    changed: Vec<(u16, u8)>,
+}
+
+/// With more changes a pass is not looked at whether it changed something as a whole.
+const CHANGES: usize = 64;
 
 impl Clone for Settled {
     fn clone(&self) -> Settled {
@@ -62,6 +91,8 @@ impl Settled {
             self.memory = Some(Box::new(*bytes));
             self.awake.clear();
             self.awake.resize(reach.rungs().div_ceil(WORD), u64::MAX);
+            self.resting.clear();
+            self.resting.resize(reach.rungs().div_ceil(WORD), 0);
             self.left.clear();
             self.left.resize(reach.comparisons(), None);
             return;
@@ -82,6 +113,52 @@ impl Settled {
                         wake(&mut self.awake, reach.concerned(at));
                     }
                 }
+            }
+        }
+    }
+
+    /// Before a pass over these rungs: whether one of them must run. Those that rest run
+    /// with it.
+    pub fn begin_pass(&mut self, rungs: &Range<usize>, timers: Timers) -> bool {
+        let awake = |word| self.awake.get(word).copied().unwrap_or(0);
+        if masks(rungs).all(|(word, mask)| awake(word) & mask == 0) {
+            return false;
+        }
+        for (word, mask) in masks(rungs) {
+            if let (Some(awake), Some(resting)) =
+                (self.awake.get_mut(word), self.resting.get_mut(word))
+            {
+                *awake |= *resting & mask;
+                *resting &= !mask;
+            }
+        }
+        self.pass.timers = timers;
+        self.pass.counted = false;
+        self.pass.changed.clear();
+        true
+    }
+
+    /// After a pass: if it has changed nothing as a whole, the rungs that it has woken for
+    /// the next one rest.
+    pub fn end_pass(&mut self, rungs: &Range<usize>, bytes: &[u8; SIZE], timers: Timers) {
+        let pass = &self.pass;
+        let first = |at: &u16| pass.changed.iter().find(|(first, _)| first == at);
+        let found = |(at, _): &(u16, u8)| {
+            first(at).is_some_and(|(_, before)| *before == bytes[usize::from(*at)])
+        };
+        let idle = pass.changed.len() <= CHANGES
+            && pass.changed.iter().all(found)
+            && pass.timers == timers
+            && !pass.counted;
+        if !idle {
+            return;
+        }
+        for (word, mask) in masks(rungs) {
+            if let (Some(awake), Some(resting)) =
+                (self.awake.get_mut(word), self.resting.get_mut(word))
+            {
+                *resting |= *awake & mask;
+                *awake &= !mask;
             }
         }
     }
@@ -107,13 +184,24 @@ impl Settled {
     }
 
     /// After a rung has run: wakes the rungs, itself among them, that its changes concern.
-    pub fn ran(&mut self, rung: usize, bytes: &[u8; SIZE], reach: &Reach) {
+    pub fn ran(&mut self, rung: usize, bytes: &[u8; SIZE], edges: &[bool], reach: &Reach) {
+        if self.edges != edges {
+            self.edges.clear();
+            self.edges.extend_from_slice(edges);
+            self.pass.counted = true;
+            if let Some(word) = self.awake.get_mut(rung / WORD) {
+                *word |= 1 << (rung % WORD);
+            }
+        }
         let Some(memory) = &mut self.memory else {
             return;
         };
         for at in reach.writes(rung) {
             let at = usize::from(*at);
             if memory[at] != bytes[at] {
+                if self.pass.changed.len() <= CHANGES {
+                    self.pass.changed.push((at as u16, memory[at]));
+                }
                 memory[at] = bytes[at];
                 wake(&mut self.awake, reach.concerned(at));
             }
@@ -137,7 +225,7 @@ impl Settled {
     /// or as it was before.
     pub fn leave_result(
         &mut self,
-        rungs: core::ops::Range<usize>,
+        rungs: Range<usize>,
         before: u8,
         bytes: &mut [u8; SIZE],
         reach: &Reach,
@@ -149,6 +237,25 @@ impl Settled {
         if let Some(memory) = &mut self.memory {
             memory[RESULT_FLAGS] = bytes[RESULT_FLAGS];
         }
+    }
+}
+
+/// The words that the bits of these rungs stand in, and which bits of each.
+fn masks(rungs: &Range<usize>) -> impl Iterator<Item = (usize, u64)> + use<> {
+    let (start, end) = (rungs.start, rungs.end);
+    (start / WORD..end.div_ceil(WORD)).map(move |word| {
+        let from = start.saturating_sub(word * WORD).min(WORD);
+        let to = (end - word * WORD).min(WORD);
+        (word, ones(to) & !ones(from))
+    })
+}
+
+/// So many ones, up to a word of them.
+const fn ones(count: usize) -> u64 {
+    if count < WORD {
+        (1 << count) - 1
+    } else {
+        u64::MAX
     }
 }
 

@@ -163,6 +163,46 @@ fn ladder() -> impl Strategy<Value = String> {
     })
 }
 
+/// A rung that clears what its counter, in the scan of its edge, sets again: it leaves its
+/// bytes as they were, and the next time it does not.
+#[test]
+fn a_counter_that_has_seen_its_edge() {
+    let text = "\
+        .INIT DC0 1\n\
+        LD R1.0\nSET R1.1\nEND1\n\
+        LD R0.1\nCTRC 0000 R0.2 C1 DC0 G0.0\nOUT G0.0\n\
+        LD R0.0\nORI G0.0\nOUT R1.0\n\
+        LDI R0.0\nANI R1.0\nMOVN 1 D0 R1\nCTRC 0010 R2.0 C1 DC0 R1.1\n\
+        LDI X0.0\nSET R0.1\nEND2\n";
+    let ladder = Arc::new(Ladder::compile(text).unwrap());
+    same_slots(&ladder, &[const { Vec::new() }; 6]).unwrap();
+}
+
+/// A number that is cleared and set again in every scan, and read in between: the rungs
+/// rest until one of them, or another one of their pass, has to run.
+#[test]
+fn rungs_that_write_one_anothers_bytes() {
+    let text = "\
+        LD X0.0\nOUT R0.0\nEND1\n\
+        LDI X0.7\nMOVN 1 0 R5\n\
+        LD R0.0\nOUT R1.0\n\
+        LD X0.1\nMOVN 1 R5 R6\n\
+        LD R1.0\nMOVN 1 7 R5\n\
+        LD X0.2\nMOVN 1 R5 R7\n\
+        LDI X0.3\nMOVN 1 9 R5\n\
+        END2\n";
+    let ladder = Arc::new(Ladder::compile(text).unwrap());
+    let mut slots = Vec::new();
+    for round in 0..256u32 {
+        slots.push(vec![Poke {
+            byte: "X0".into(),
+            value: (round * 37 % 251) as u8,
+        }]);
+        slots.extend((0..6).map(|_| Vec::new()));
+    }
+    same_slots(&ladder, &slots).unwrap();
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(600))]
 
