@@ -116,12 +116,12 @@ impl Cnc {
         self.plc
             .filter
             .sample(&contacts, self.memory.parameters.debounce());
-        for (index, byte) in self.plc.filter.accepted().iter().enumerate() {
-            self.plc.engine.memory_mut().set_x(index as u16, *byte);
-        }
+        let accepted = self.plc.filter.accepted();
+        self.plc.engine.memory_mut().set_inputs(accepted);
         self.watch_edges();
-        for (index, byte) in self.plc.y.iter_mut().enumerate() {
-            *byte = self.plc.engine.memory().y(index as u16);
+        let outputs = self.plc.engine.memory().outputs();
+        for (byte, output) in self.plc.y.iter_mut().zip(outputs) {
+            *byte = *output;
         }
     }
 
@@ -144,7 +144,8 @@ impl Cnc {
             let percent = &mut self.plc.signals.rapid_override;
             *percent = least.max(*percent);
         }
-        self.plc.message = self.plc.engine.active_messages().next().is_some();
+        self.plc.message = self.plc.engine.memory().any_message()
+            && self.plc.engine.active_messages().next().is_some();
         if let Some(fault) = self.plc.engine.fault() {
             let detail = fault.message();
             self.raise(Alarm::new(number::POWER_CYCLE).because(detail));
