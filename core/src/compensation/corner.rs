@@ -169,18 +169,14 @@ pub(super) fn vectors(
         }
     }
     let vectors = if rho_a * rho_b < 0.0 {
-        change_of_side(a, rho_a, b, rho_b)
+        Ok(change_of_side(a, rho_a, b, rho_b))
     } else {
-        one_side(a, b, rho_b, role)?
+        one_side(a, b, rho_b, role)
     };
-    let finite = vectors
-        .all()
-        .iter()
-        .all(|vector| vector.x.is_finite() && vector.z.is_finite());
-    if finite {
-        Ok(vectors)
-    } else {
-        Err(Fault::NoResult)
+    let is_finite = |vector: &Point| vector.x.is_finite() && vector.z.is_finite();
+    match &vectors {
+        Ok(found) if !found.all().iter().all(is_finite) => Err(Fault::NoResult),
+        _ => vectors,
     }
 }
 
@@ -194,6 +190,7 @@ pub(super) fn square_to_start(b: &Piece, rho: f64) -> Point {
     b.entry.left() * rho
 }
 
+#[inline(always)]
 fn one_side(a: &Piece, b: &Piece, rho: f64, role: Role) -> Result<Vectors, Fault> {
     let (square_a, square_b) = (square_to_end(a, rho), square_to_start(b, rho));
     // The compensated move of a start-up or a cancel decides.
@@ -228,10 +225,10 @@ fn one_side(a: &Piece, b: &Piece, rho: f64, role: Role) -> Result<Vectors, Fault
         Angle::Obtuse | Angle::Acute | Angle::OuterSharp if around && START_TYPE == Type::A => {
             Vectors::of(&[kept])
         }
-        Angle::Inner => meeting()?,
+        Angle::Inner => return meeting(),
         Angle::Obtuse => match role {
             Role::StartUp => Vectors::of(&[square_a, meet(a, rho, b, rho)?]),
-            Role::Both => meeting()?,
+            Role::Both => return meeting(),
             Role::Cancel => Vectors::of(&[meet(a, rho, b, rho)?, square_b]),
         },
         Angle::Acute | Angle::OuterSharp => match role {

@@ -64,21 +64,33 @@ pub(super) struct Trail {
 }
 
 impl Trail {
-    #[inline(always)]
-    pub(super) fn of(piece: &Piece, way: &Way, rho: f64) -> Self {
-        let (p, q) = (piece.start + way.start.last(), piece.end + way.end.first());
-        let path = match &piece.circle {
-            Some(circle) if !way.straight && !too_short(piece, circle, p, q) => {
-                Curve::arc(p, q, circle, piece)
-            }
-            _ => Curve::line(p, q),
-        };
+    /// A place for one.
+    const EMPTY: Self = {
+        let none = Curve::line(Point::new(0.0, 0.0), Point::new(0.0, 0.0));
         Self {
-            surface: Curve::surface(piece),
-            path,
-            parallel: !way.straight,
-            rho,
+            surface: none,
+            path: none,
+            parallel: false,
+            rho: 0.0,
         }
+    };
+
+    /// Becomes that of a move.
+    #[inline(always)]
+    fn become_that_of(&mut self, piece: &Piece, way: &Way, rho: f64) {
+        let (p, q) = (piece.start + way.start.last(), piece.end + way.end.first());
+        match &piece.circle {
+            Some(circle) if !way.straight && !too_short(piece, circle, p, q) => {
+                self.path = Curve::arc(p, q, circle, piece);
+            }
+            _ => self.path = Curve::line(p, q),
+        }
+        match &piece.circle {
+            None => self.surface = Curve::line(piece.start, piece.end),
+            Some(_) => self.surface = Curve::surface(piece),
+        }
+        self.parallel = !way.straight;
+        self.rho = rho;
     }
 
     /// Programmed end.
@@ -117,30 +129,60 @@ impl Trails {
     pub(super) fn keep_last(&mut self) {
         if let Some(last) = self.last().copied() {
             self.clear();
-            self.lay(last);
+            self.kept.push(last);
             self.keep();
         }
     }
 
     /// Takes the trail of a move that is still to be checked.
     #[inline(always)]
-    pub(super) fn lay(&mut self, trail: Trail) {
-        match self.kept.get_mut(self.next) {
-            Some(oldest) => *oldest = trail,
-            None => self.kept.push(trail),
+    pub(super) fn lay(&mut self, piece: &Piece, way: &Way, rho: f64) {
+        if self.kept.len() == self.next {
+            self.kept.push(Trail::EMPTY);
+        }
+        if let Some(oldest) = self.kept.get_mut(self.next) {
+            oldest.become_that_of(piece, way, rho);
         }
     }
 
-    /// What was laid, and those before it, in no order.
-    pub(super) fn laid(&self) -> Option<(&Trail, impl Iterator<Item = &Trail> + Clone)> {
+    /// What was laid, and those before it along which the nose ran as far on the left.
+    #[inline(always)]
+    pub(super) fn laid(&self) -> Option<(&Trail, Before<'_>)> {
         let (before, from) = self.kept.split_at_checked(self.next)?;
         let (laid, after) = from.split_first()?;
-        Some((laid, before.iter().chain(after)))
+        let mut all = Before {
+            list: [laid; MOVES_BEFORE],
+            count: 0,
+        };
+        for trails in [before, after] {
+            for trail in trails {
+                if trail.rho == laid.rho
+                    && let Some(place) = all.list.get_mut(all.count)
+                {
+                    *place = trail;
+                    all.count += 1;
+                }
+            }
+        }
+        Some((laid, all))
     }
 
     /// What was laid has been run.
     pub(super) const fn keep(&mut self) {
         self.next = (self.next + 1) % (MOVES_BEFORE + 1);
+    }
+}
+
+/// Moves that were run, in no order.
+#[derive(Clone, Copy)]
+pub(super) struct Before<'a> {
+    list: [&'a Trail; MOVES_BEFORE],
+    count: usize,
+}
+
+impl<'a> Before<'a> {
+    pub(super) fn all(&self) -> &[&'a Trail] {
+        self.list.get(..self.count).unwrap_or(&[])
     }
 }
 
@@ -161,8 +203,8 @@ impl Trails {
 ///
 /// Along a line between two points where paths meet, the nose keeps clear of the lines
 /// that it meets there: those are not looked at.
-pub(super) fn cuts_into<'a>(
-    before: &(impl Iterator<Item = &'a Trail> + Clone),
+pub(super) fn cuts_into(
+    before: &[&Trail],
     last: Option<&Trail>,
     start: Point,
     way: &Way,
@@ -181,13 +223,13 @@ pub(super) fn cuts_into<'a>(
     let around = |path: &Curve, into: f64, met: Option<&Trail>, next: Option<&Curve>| {
         let cuts = |surface: &Curve| clearance::cuts(path, surface, radius - into);
         let is_met = |before: &Trail| met.is_some_and(|met| core::ptr::eq(before, met));
-        (before.clone()).any(|before| !is_met(before) && cuts(&before.surface))
+        (before.iter()).any(|before| !is_met(before) && cuts(&before.surface))
             || next.is_some_and(cuts)
     };
     // By what the radius of an arc shrinks on its way, the nose comes nearer to the moves
     // beside it, and sets off that near on the next one.
     let loosest = before
-        .clone()
+        .iter()
         .map(|before| before.surface.loose())
         .fold(trail.surface.loose(), f64::max);
     let shrinks = (2.0 * loosest + ROUNDING).min(TILTED);
@@ -197,7 +239,7 @@ pub(super) fn cuts_into<'a>(
     if own || around(&trail.path, shrinks.max(ROUNDING), met, unmet) {
         return true;
     }
-    if before.clone().next().is_none() {
+    if before.is_empty() {
         return false;
     }
     let mut corner = way.start.all().windows(2);
@@ -207,13 +249,14 @@ pub(super) fn cuts_into<'a>(
             cuts(&path, &trail.surface) || around(&path, ROUNDING, None, next.as_ref())
         }
         _ => false,
-    }) || next.is_some_and(|next| before.clone().any(|before| cuts(&before.path, &next)))
+    }) || next.is_some_and(|next| before.iter().any(|before| cuts(&before.path, &next)))
 }
 
-/// Checks a move between the vectors at its start and at its end.
-pub(super) fn check(piece: &Piece, start: Vectors, end: Vectors) -> Result<Way, Fault> {
-    let mut way = Way::whole(start, end);
-    while interferes(piece, &way) {
+/// Checks a move between the vectors at its start and at its end; drops some of them if
+/// it must.
+#[inline]
+pub(super) fn check(piece: &Piece, way: &mut Way) -> Result<(), Fault> {
+    while interferes(piece, way) {
         match (way.start.single(), way.end.single()) {
             (true, true) => return Err(Fault::Interference),
             (false, true) => way.start.drop_last(),
@@ -225,7 +268,7 @@ pub(super) fn check(piece: &Piece, start: Vectors, end: Vectors) -> Result<Way, 
         }
         way.straight = piece.circle.is_some();
     }
-    Ok(way)
+    Ok(())
 }
 
 fn interferes(piece: &Piece, way: &Way) -> bool {

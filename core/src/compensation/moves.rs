@@ -151,8 +151,8 @@ pub(super) struct Next<'a> {
 
 /// How an open move ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum End {
-    Vectors(Vectors),
+pub(super) enum End<'a> {
+    Vectors(&'a Vectors),
     /// On the programmed point.
     Cancelled,
 }

@@ -2,7 +2,7 @@
 
 use super::corner::{self, Role, Vectors};
 use super::fault::Fault;
-use super::interference::{self, Trail, Way};
+use super::interference::{self, Way};
 use super::moves::{
     End, Held, Moving, Next, Spare, Stand, corner_move, destination, shifted_arc, straight_action,
     with_programmed_x,
@@ -33,7 +33,7 @@ impl Compensation {
                 Ok(vectors) => {
                     let surface = Some((&next.piece, next_rho));
                     let next = Some(Next { source, surface });
-                    self.end_move(moving, End::Vectors(vectors), next);
+                    self.end_move(moving, End::Vectors(&vectors), next);
                 }
                 Err(fault) => {
                     self.refuse_move(&moving, fault.at_corner(moving.command.source, source));
@@ -96,7 +96,7 @@ impl Compensation {
                             source: command.source,
                             surface: None,
                         };
-                        self.end_move(moving, End::Vectors(vectors), Some(next));
+                        self.end_move(moving, End::Vectors(&vectors), Some(next));
                     }
                     Err(fault) => {
                         let alarm = fault.at_corner(moving.command.source, command.source);
@@ -140,7 +140,7 @@ impl Compensation {
     /// Gives a move out, ended square to itself.
     pub(super) fn end_square(&mut self, moving: Box<Moving>) {
         let square = corner::square_to_end(&moving.piece, moving.rho());
-        self.end_move(moving, End::Vectors(Vectors::of(&[square])), None);
+        self.end_move(moving, End::Vectors(&Vectors::of(&[square])), None);
     }
 
     /// Gives the open move out, ended on its programmed point.
@@ -152,53 +152,45 @@ impl Compensation {
 
     /// Gives the move that was the open one out, with this end, and what was held after
     /// it.
-    fn end_move(&mut self, moving: Box<Moving>, end: End, next: Option<Next<'_>>) {
-        let start = self.stand.vectors;
-        let inside = !moving.starts && !moving.from_point;
-        let way = match end {
-            End::Vectors(end) if inside => match self.check(&moving, start, end, next) {
-                Ok(way) => way,
-                Err(fault) => {
-                    let source = moving.command.source;
-                    let alarm = fault.at_corner(source, next.map_or(source, |next| next.source));
-                    return self.refuse_move(&moving, alarm);
-                }
-            },
-            End::Vectors(end) => {
-                self.before.clear();
-                Way::whole(start, end)
-            }
-            End::Cancelled => {
-                self.before.clear();
-                let square = corner::square_to_end(&moving.piece, moving.rho());
-                Way::whole(start, Vectors::of(&[square]))
-            }
+    fn end_move(&mut self, moving: Box<Moving>, end: End<'_>, next: Option<Next<'_>>) {
+        let cancelled = matches!(end, End::Cancelled);
+        let end = match end {
+            End::Vectors(end) => *end,
+            End::Cancelled => Vectors::of(&[corner::square_to_end(&moving.piece, moving.rho())]),
         };
-        self.corner_moves(&moving, &way.start);
-        self.stand = match end {
-            End::Vectors(_) => Stand {
-                base: moving.base(),
-                vectors: way.end,
-                radius: moving.nose.radius,
-                cancelled: false,
-            },
-            End::Cancelled => Stand::on_point(moving.piece.end + moving.offset),
-        };
-        self.main_move(&moving, &way, matches!(end, End::Cancelled));
+        let mut way = Way::whole(self.stand.vectors, end);
+        if cancelled || moving.starts || moving.from_point {
+            self.before.clear();
+        } else if let Err(fault) = self.check(&moving, &mut way, next) {
+            let source = moving.command.source;
+            let alarm = fault.at_corner(source, next.map_or(source, |next| next.source));
+            return self.refuse_move(&moving, alarm);
+        }
+        if !way.start.single() {
+            self.corner_moves(&moving, &way.start);
+        }
+        if cancelled {
+            self.stand = Stand::on_point(moving.piece.end + moving.offset);
+        } else {
+            self.stand.base = moving.base();
+            self.stand.vectors = way.end;
+            self.stand.radius = moving.nose.radius;
+            self.stand.cancelled = false;
+        }
+        self.main_move(&moving, &way, cancelled);
         self.spare = Spare::of(moving);
         self.release();
     }
 
-    /// The interference check of a move within offset mode: what is left of its vectors.
-    /// Its trail is kept for those that follow.
+    /// The interference check of a move within offset mode, which leaves of its vectors
+    /// what may be run. Its trail is kept for those that follow.
     fn check(
         &mut self,
         moving: &Moving,
-        start: Vectors,
-        end: Vectors,
+        way: &mut Way,
         next: Option<Next<'_>>,
-    ) -> Result<Way, Fault> {
-        let way = interference::check(&moving.piece, start, end)?;
+    ) -> Result<(), Fault> {
+        interference::check(&moving.piece, way)?;
         let rho = moving.rho();
         let goes_on = self
             .before
@@ -207,7 +199,7 @@ impl Compensation {
         if !goes_on {
             self.before.clear();
         }
-        self.before.lay(Trail::of(&moving.piece, &way, rho));
+        self.before.lay(&moving.piece, way, rho);
         let same_nose = self.stand.radius == moving.nose.radius;
         // Neither a vector of another nose nor one of another corner keeps clear.
         if same_nose
@@ -215,22 +207,21 @@ impl Compensation {
             && let Some((trail, before)) = self.before.laid()
         {
             let (last, start) = (self.before.last(), moving.piece.start);
-            let before = before.filter(|before| before.rho == rho);
             let surface = next.as_ref().and_then(|next| next.surface.as_ref());
             let surface =
                 surface.filter(|(piece, by)| *by == rho && are_same(moving.piece.end, piece.start));
             let next = surface.map(|(piece, _)| *piece);
-            if interference::cuts_into(&before, last, start, &way, trail, next) {
+            if interference::cuts_into(before.all(), last, start, way, trail, next) {
                 return Err(Fault::Interference);
             }
         }
         // After an end square to it the next one may cut in.
         if next.is_none() || !same_nose {
             self.before.clear();
-            return Ok(way);
+            return Ok(());
         }
         self.before.keep();
-        Ok(way)
+        Ok(())
     }
 
     /// Round the corner at the start of a move, at its head.
