@@ -16,14 +16,12 @@ pub(super) fn plain_words(
     syntax: Syntax,
     block: &mut Block,
 ) -> bool {
-    let text = lexer.rest();
-    let begin = lexer.at;
-    let mut at = 0;
+    let mut rest = lexer.rest();
+    let all = lexer.at + rest.len();
     loop {
-        let rest = text.get(at..).unwrap_or_default();
         let (address, number) = match rest {
-            [b' ', ..] => {
-                at += 1;
+            [b' ', after @ ..] => {
+                rest = after;
                 continue;
             }
             [b';' | b'\n', ..] | [b'\r', b'\n', ..] => return true,
@@ -36,11 +34,10 @@ pub(super) fn plain_words(
         if *seen & bit != 0 && address != b'G' {
             return false;
         }
-        let Some((value, length)) = plain_number(number, plain, syntax) else {
+        let Some((value, after)) = plain_number(number, plain, syntax) else {
             return false;
         };
-        let start = at;
-        at += 1 + length;
+        let (start, end) = (all - rest.len(), all - after.len());
         match address {
             b'G' if value.integer() == 65 => return false,
             // After a G code it is no sequence number on the Huaxing lathes.
@@ -50,7 +47,7 @@ pub(super) fn plain_words(
                 let word = Word {
                     address,
                     value,
-                    span: (narrow(begin + start), narrow(begin + at)),
+                    span: (narrow(start), narrow(end)),
                 };
                 if !block.push(word) {
                     return false;
@@ -58,7 +55,8 @@ pub(super) fn plain_words(
             }
         }
         *seen |= bit;
-        lexer.at = begin + at;
+        rest = after;
+        lexer.at = end;
     }
 }
 
@@ -102,45 +100,54 @@ static PLAIN: [Plain; 26] = {
     plain
 };
 
-/// A number in ASCII that is within the range of its address by its digits, and its
-/// length. Something follows it.
+/// A number in ASCII that is within the range of its address by its digits, and what
+/// follows it: something does.
 #[inline]
-fn plain_number(text: &[u8], plain: Plain, syntax: Syntax) -> Option<(Number, usize)> {
-    let negative = matches!(text, [b'-', ..]);
+fn plain_number(text: &[u8], plain: Plain, syntax: Syntax) -> Option<(Number, &[u8])> {
+    let (negative, text) = match text {
+        [b'-', after @ ..] => (true, after),
+        _ => (false, text),
+    };
     if negative && !plain.signed {
         return None;
     }
-    let begin = usize::from(negative);
-    let (mut at, mut point) = (begin, None);
     // Too many digits are found by their count.
-    let mut digits = 0_u32;
-    let end = loop {
-        let byte = *text.get(at)?;
-        let digit = byte.wrapping_sub(b'0');
-        if digit <= 9 {
-            digits = digits.wrapping_mul(10).wrapping_add(u32::from(digit));
-        } else if byte == b'.' && point.is_none() {
-            point = Some(at);
-        } else {
-            break byte;
+    let (digits, after) = more_digits(0, text);
+    let whole = text.len() - after.len();
+    let signed = |digits: u32| match negative {
+        true => -i64::from(digits),
+        false => i64::from(digits),
+    };
+    let (number, places, after) = match after {
+        [b'.', fraction @ ..] => {
+            let (digits, after) = more_digits(digits, fraction);
+            let places = fraction.len() - after.len();
+            if places > usize::from(plain.places) || plain.places == 0 {
+                return None;
+            }
+            let value = signed(digits) * LAST_PLACE.get(places)?;
+            (Number::from_millionths(value), places, after)
         }
-        at += 1;
+        _ if plain.places > 0 && syntax.point_required => return None,
+        _ => (Number::from_integer(signed(digits), whole as u8), 0, after),
     };
-    let (whole, places) = match point {
-        Some(point) => (point - begin, at - point - 1),
-        None => (at - begin, 0),
-    };
-    let fits = whole <= usize::from(plain.digits) && places <= usize::from(plain.places);
-    if !fits || whole + places == 0 || matches!(end, b'.' | 0x80..=0xFF) {
-        return None;
+    let fits = whole <= usize::from(plain.digits) && whole + places > 0;
+    match after {
+        [] | [b'.' | 0x80..=0xFF, ..] => None,
+        _ => fits.then_some((number, after)),
     }
-    let value = i64::from(digits);
-    let value = if negative { -value } else { value };
-    let number = match point {
-        Some(_) if plain.places == 0 => return None,
-        Some(_) => Number::from_millionths(value * LAST_PLACE[places]),
-        None if plain.places > 0 && syntax.point_required => return None,
-        None => Number::from_integer(value, whole as u8),
-    };
-    Some((number, at))
+}
+
+/// A number with the ASCII digits in front written behind it, and what follows them.
+#[inline]
+fn more_digits(mut number: u32, mut text: &[u8]) -> (u32, &[u8]) {
+    while let [byte, rest @ ..] = text {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            break;
+        }
+        number = number.wrapping_mul(10).wrapping_add(u32::from(digit));
+        text = rest;
+    }
+    (number, text)
 }
