@@ -130,7 +130,7 @@ impl Lathe {
 
     /// One millisecond. What the sensors say after it is written over what they said
     /// before: copied a moment after it is put together, it would have to wait. The
-    /// contacts are asked apart ([`Self::read_contacts`]).
+    /// contacts are read separately ([`Self::read_contacts`]).
     pub fn tick(&mut self, outputs: &Outputs, inputs: &mut Inputs) {
         let on = |pin: Pin| outputs.output(usize::from(pin.0), pin.1);
         self.axes.x.follow(outputs.pulses.x, outputs.enable.x);
@@ -167,8 +167,8 @@ impl Lathe {
         inputs.encoder += self.disturbance.noise(noisy);
     }
 
-    /// What the contacts say after a tick: to be asked when the control samples them next,
-    /// and every millisecond while they bounce.
+    /// Reads the contacts after a tick: needed where the control samples them in the next
+    /// one, and every millisecond while they bounce.
     pub fn read_contacts(&mut self, inputs: &mut Inputs) {
         self.contacts(&mut inputs.x);
         let bouncing = self.contacts_bounce();
