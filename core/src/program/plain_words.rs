@@ -4,7 +4,7 @@
 use super::block::{Block, Word};
 use super::lexer::{Lexer, narrow};
 use super::number::Number;
-use super::read_number::LAST_PLACE;
+use super::read_number::{LAST_PLACE, append_digits};
 use super::syntax::Syntax;
 
 /// Passes the words in front that are written as most are: `N10 G01 X40.136 Z-1. F200;`.
@@ -111,16 +111,15 @@ fn plain_number(text: &[u8], plain: Plain, syntax: Syntax) -> Option<(Number, &[
     if negative && !plain.signed {
         return None;
     }
-    // Too many digits are found by their count.
-    let (digits, after) = more_digits(0, text);
+    let (digits, after) = append_digits(0, text);
     let whole = text.len() - after.len();
-    let signed = |digits: u32| match negative {
-        true => -i64::from(digits),
-        false => i64::from(digits),
-    };
+    if whole > usize::from(plain.digits) {
+        return None;
+    }
+    let signed = |digits: i64| if negative { -digits } else { digits };
     let (number, places, after) = match after {
         [b'.', fraction @ ..] => {
-            let (digits, after) = more_digits(digits, fraction);
+            let (digits, after) = append_digits(digits, fraction);
             let places = fraction.len() - after.len();
             if places > usize::from(plain.places) || plain.places == 0 {
                 return None;
@@ -131,23 +130,8 @@ fn plain_number(text: &[u8], plain: Plain, syntax: Syntax) -> Option<(Number, &[
         _ if plain.places > 0 && syntax.point_required => return None,
         _ => (Number::from_integer(signed(digits), whole as u8), 0, after),
     };
-    let fits = whole <= usize::from(plain.digits) && whole + places > 0;
     match after {
         [] | [b'.' | 0x80..=0xFF, ..] => None,
-        _ => fits.then_some((number, after)),
+        _ => (whole + places > 0).then_some((number, after)),
     }
-}
-
-/// A number with the ASCII digits in front written behind it, and what follows them.
-#[inline]
-fn more_digits(mut number: u32, mut text: &[u8]) -> (u32, &[u8]) {
-    while let [byte, rest @ ..] = text {
-        let digit = byte.wrapping_sub(b'0');
-        if digit > 9 {
-            break;
-        }
-        number = number.wrapping_mul(10).wrapping_add(u32::from(digit));
-        text = rest;
-    }
-    (number, text)
 }

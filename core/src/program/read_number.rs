@@ -97,12 +97,12 @@ fn plain_digits(lexer: &mut Lexer<'_>) -> Option<Digits> {
     /// Digits before the point.
     const MOST: usize = 12;
     let at = lexer.at;
-    let (whole, mut rest) = leading(lexer.rest());
+    let (whole, mut rest) = append_digits(0, lexer.rest());
     let count = lexer.rest().len() - rest.len();
     let (mut point, mut fraction, mut places) = (None, 0, 0);
     if let [b'.', after @ ..] = rest {
         point = Some(at + count);
-        (fraction, rest) = leading(after);
+        (fraction, rest) = append_digits(0, after);
         places = after.len() - rest.len();
     }
     let others = matches!(rest, [b'.' | 0x80..=0xFF, ..]);
@@ -121,10 +121,10 @@ fn plain_digits(lexer: &mut Lexer<'_>) -> Option<Digits> {
     })
 }
 
-/// The value of the ASCII digits in front, whatever it is of very many, and what follows.
+/// A number with the ASCII digits in front of a text written after its last one, whatever
+/// it is of very many, and what follows them.
 #[inline]
-fn leading(mut bytes: &[u8]) -> (i64, &[u8]) {
-    let mut value = 0_i64;
+pub(super) fn append_digits(mut value: i64, mut bytes: &[u8]) -> (i64, &[u8]) {
     while let [byte, rest @ ..] = bytes {
         let digit = byte.wrapping_sub(b'0');
         if digit > 9 {
