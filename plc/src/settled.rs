@@ -38,7 +38,7 @@ pub(crate) struct Settled {
     awake: Vec<u64>,
     /// Rungs that must run when another one of their pass does.
     resting: Vec<u64>,
-    /// Last ACT of each counter, when a rung last ran.
+    /// Last ACT of each counter, when a rung last ran; empty before the first one.
     edges: Vec<bool>,
     /// The pass under way.
     pass: Pass,
@@ -93,6 +93,7 @@ impl Settled {
             self.awake.resize(reach.rungs().div_ceil(WORD), u64::MAX);
             self.resting.clear();
             self.resting.resize(reach.rungs().div_ceil(WORD), 0);
+            self.edges.clear();
             self.left.clear();
             self.left.resize(reach.comparisons(), None);
             return;
@@ -124,14 +125,7 @@ impl Settled {
         if masks(rungs).all(|(word, mask)| awake(word) & mask == 0) {
             return false;
         }
-        for (word, mask) in masks(rungs) {
-            if let (Some(awake), Some(resting)) =
-                (self.awake.get_mut(word), self.resting.get_mut(word))
-            {
-                *awake |= *resting & mask;
-                *resting &= !mask;
-            }
-        }
+        hand_over(&mut self.resting, &mut self.awake, rungs);
         self.pass.timers = timers;
         self.pass.counted = false;
         self.pass.changed.clear();
@@ -150,16 +144,8 @@ impl Settled {
             && pass.changed.iter().all(found)
             && pass.timers == timers
             && !pass.counted;
-        if !idle {
-            return;
-        }
-        for (word, mask) in masks(rungs) {
-            if let (Some(awake), Some(resting)) =
-                (self.awake.get_mut(word), self.resting.get_mut(word))
-            {
-                *resting |= *awake & mask;
-                *awake &= !mask;
-            }
+        if idle {
+            hand_over(&mut self.awake, &mut self.resting, rungs);
         }
     }
 
@@ -248,6 +234,16 @@ fn masks(rungs: &Range<usize>) -> impl Iterator<Item = (usize, u64)> + use<> {
         let to = (end - word * WORD).min(WORD);
         (word, ones(to) & !ones(from))
     })
+}
+
+/// The bits of these rungs go from one set to the other.
+fn hand_over(from: &mut [u64], to: &mut [u64], rungs: &Range<usize>) {
+    for (word, mask) in masks(rungs) {
+        if let (Some(from), Some(to)) = (from.get_mut(word), to.get_mut(word)) {
+            *to |= *from & mask;
+            *from &= !mask;
+        }
+    }
 }
 
 /// So many ones, up to a word of them.

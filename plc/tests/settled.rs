@@ -24,6 +24,15 @@ struct Poke {
 }
 
 fn same_slots(ladder: &Arc<Ladder>, slots: &[Vec<Poke>]) -> Result<(), TestCaseError> {
+    same_slots_with_forces(ladder, slots, usize::MAX)
+}
+
+/// In the last of every so many slots a bit is held, so that every rung runs.
+fn same_slots_with_forces(
+    ladder: &Arc<Ladder>,
+    slots: &[Vec<Poke>],
+    every: usize,
+) -> Result<(), TestCaseError> {
     let mut plc = Plc::new(Arc::clone(ladder));
     let mut whole = plc.clone();
     whole.force("R999.7".parse().unwrap(), Some(false));
@@ -33,7 +42,15 @@ fn same_slots(ladder: &Arc<Ladder>, slots: &[Vec<Poke>]) -> Result<(), TestCaseE
             plc.memory_mut().set_byte(address, *value);
             whole.memory_mut().set_byte(address, *value);
         }
+        // Told only where it changes: after each change all is looked at anew.
+        let held = slot % every == every - 1;
+        if held {
+            plc.force("R999.6".parse().unwrap(), Some(false));
+        }
         plc.slot();
+        if held {
+            plc.force("R999.6".parse().unwrap(), None);
+        }
         whole.slot();
         prop_assert_eq!(plc.memory(), whole.memory(), "slot {}", slot);
     }
@@ -178,6 +195,31 @@ fn a_counter_that_has_seen_its_edge() {
     same_slots(&ladder, &[const { Vec::new() }; 6]).unwrap();
 }
 
+/// The counter's ACT falls in a slot that runs whole, and rises in the next one.
+#[test]
+fn an_edge_after_a_slot_that_ran_whole() {
+    let text = "\
+        .INIT DC0 1\n\
+        LD X0.0\nMOVN 1 D0 R1\nCTRC 0010 R2.0 C1 DC0 R1.1\nEND1\n\
+        LD X1.0\nOUT G0.0\nEND2\n";
+    let ladder = Arc::new(Ladder::compile(text).unwrap());
+    let poke = |byte: &str, value| Poke {
+        byte: byte.into(),
+        value,
+    };
+    let slots = [
+        vec![poke("X0", 1)],
+        Vec::new(),
+        Vec::new(),
+        // Runs whole.
+        vec![poke("X0", 0)],
+        vec![poke("X0", 1), poke("R1", 2), poke("C1", 1)],
+        Vec::new(),
+        Vec::new(),
+    ];
+    same_slots_with_forces(&ladder, &slots, 4).unwrap();
+}
+
 /// A number that is cleared and set again in every scan, and read in between: the rungs
 /// rest until one of them, or another one of their pass, has to run.
 #[test]
@@ -210,6 +252,18 @@ proptest! {
     fn any_small_ladder(text in ladder(), slots in slots(byte(), 60)) {
         match Ladder::compile(&text) {
             Ok(ladder) => same_slots(&Arc::new(ladder), &slots)?,
+            Err(errors) => prop_assert!(false, "{}\n{}", text, errors),
+        }
+    }
+
+    #[test]
+    fn any_small_ladder_some_slots_of_which_run_whole(
+        text in ladder(),
+        slots in slots(byte(), 60),
+        every in 2..9usize,
+    ) {
+        match Ladder::compile(&text) {
+            Ok(ladder) => same_slots_with_forces(&Arc::new(ladder), &slots, every)?,
             Err(errors) => prop_assert!(false, "{}\n{}", text, errors),
         }
     }

@@ -269,14 +269,14 @@ pub fn factor(percent: u8) -> f64 {
     FACTORS[usize::from(percent)]
 }
 
-/// The smaller of two numbers, both of which are some: one instruction, where `min` also
-/// looks for one that is none.
+/// The smaller of two numbers, neither of them NaN: one instruction, where `min` also looks
+/// for NaN.
 #[inline]
 pub const fn lesser(one: f64, other: f64) -> f64 {
     if one < other { one } else { other }
 }
 
-/// The greater of two numbers, both of which are some.
+/// The greater of two numbers, neither of them NaN.
 #[inline]
 pub const fn greater(one: f64, other: f64) -> f64 {
     if one > other { one } else { other }

@@ -17,8 +17,8 @@ enum Said {
 }
 
 impl Cnc {
-    /// Watches the drives, after their signals were sensed; once a millisecond. All axes stop at once; RESET clears
-    /// the alarm when the drive is well again.
+    /// Watches the drives, after their signals were sensed; once a millisecond. All axes
+    /// stop at once; RESET clears the alarm when the drive is well again.
     pub(crate) fn watch_drives(&mut self, inputs: &Inputs) {
         if self.drives_are_well(inputs) {
             self.drives.watch.disagree = PerAxis::default();
