@@ -61,3 +61,24 @@ fn samples_named_in_the_readme_exist() {
         assert!(readme.contains(&name), "{name} is not in README.md");
     }
 }
+
+/// The command in the first code block after a heading line.
+fn command_after<'a>(text: &'a str, heading: &str) -> &'a str {
+    let (_, rest) = text.split_once(heading).expect(heading);
+    let (_, block) = rest.split_once("```sh\n").expect("a code block");
+    block.lines().next().expect("a command")
+}
+
+#[test]
+fn ci_runs_the_test_command_of_both_readmes() {
+    let ci = text(".ci/run");
+    for (name, heading) in [
+        ("README.md", "Run all tests:"),
+        ("README.zh-CN.md", "运行全部测试:"),
+    ] {
+        let readme = text(name);
+        let command = command_after(&readme, heading);
+        let runs = ci.lines().any(|line| line == command);
+        assert!(runs, ".ci/run has no line `{command}`, which {name} prints");
+    }
+}

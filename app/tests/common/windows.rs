@@ -86,7 +86,9 @@ fn draw(context: &Context, mut window: ImmediateViewport<'_>, events: Vec<Event>
         events,
         ..RawInput::default()
     };
-    let output = context.run_ui(input, |ui| (window.viewport_ui_cb)(ui));
+    let mut output = context.run_ui(input, |ui| (window.viewport_ui_cb)(ui));
+    // Nothing paints these windows, so their textures have no owner.
+    output.textures_delta.clear();
     let update = output.platform_output.accesskit_update;
     let nodes = update.into_iter().flat_map(|update| update.nodes);
     let labels = nodes.filter_map(|(_, node)| {
