@@ -82,3 +82,63 @@ fn ci_runs_the_test_command_of_both_readmes() {
         assert!(runs, ".ci/run has no line `{command}`, which {name} prints");
     }
 }
+
+/// Every `cargo test`, `cargo bench` and `cargo run` that a document prints, with the
+/// document's name.
+fn printed_commands() -> Vec<(&'static str, String)> {
+    let names = [
+        "README.md",
+        "README.zh-CN.md",
+        "ARCHITECTURE.md",
+        "CONTRIBUTING.md",
+        "docs/real-lathe.md",
+        "docs/real-lathe.zh-CN.md",
+    ];
+    let mut commands = Vec::new();
+    for name in names {
+        for piece in text(name).split(['`', '\n']) {
+            let at = piece.find("cargo ");
+            let command = at.map_or("", |at| &piece[at..]);
+            let verb = command.split_whitespace().nth(1);
+            if matches!(verb, Some("test" | "bench" | "run")) {
+                commands.push((name, command.to_owned()));
+            }
+        }
+    }
+    commands
+}
+
+/// The folder and the manifest of a package of this workspace.
+fn package(name: &str) -> Option<(std::path::PathBuf, String)> {
+    let folders = std::fs::read_dir(repository()).expect("the repository");
+    folders.flatten().find_map(|entry| {
+        let manifest = std::fs::read_to_string(entry.path().join("Cargo.toml")).ok()?;
+        let wanted = format!("name = \"{name}\"");
+        let found = manifest.lines().any(|line| line == wanted);
+        found.then(|| (entry.path(), manifest))
+    })
+}
+
+#[test]
+fn packages_and_targets_of_printed_commands_exist() {
+    let commands = printed_commands();
+    assert!(commands.len() > 10, "the documents print commands");
+    for (document, command) in commands {
+        let words: Vec<&str> = command.split_whitespace().collect();
+        let value = |option: &str| {
+            let at = words.iter().position(|word| *word == option)?;
+            words.get(at + 1).copied()
+        };
+        let name = value("-p").unwrap_or("gsk980td");
+        let (folder, manifest) =
+            package(name).unwrap_or_else(|| panic!("{document}: `{command}`: no package {name}"));
+        for (option, targets) in [("--test", "tests"), ("--bench", "benches")] {
+            let Some(target) = value(option) else {
+                continue;
+            };
+            let listed = manifest.contains(&format!("name = \"{target}\""));
+            let found = listed || folder.join(targets).join(format!("{target}.rs")).exists();
+            assert!(found, "{document}: `{command}`: no target {target}");
+        }
+    }
+}

@@ -63,17 +63,19 @@ impl Naming {
 
     /// Both names; `free`: the old one, too, can be typed.
     pub fn fields(&mut self, ui: &mut Ui, language: Language, free: bool) {
-        Grid::new("transfer naming fields").num_columns(2).show(ui, |ui| {
-            ui.label(say::transfer_view_old_name().text(language));
-            let line = TextEdit::singleline(&mut self.old).desired_width(FIELD);
-            ui.add_enabled(free, line);
-            ui.end_row();
-            ui.label(say::transfer_view_new_name().text(language));
-            let label = say::transfer_view_new_name().text(language);
-            let line = TextEdit::singleline(&mut self.new).desired_width(FIELD);
-            ui.add(line.hint_text("O0001.CNC")).on_hover_text(label);
-            ui.end_row();
-        });
+        Grid::new("transfer naming fields")
+            .num_columns(2)
+            .show(ui, |ui| {
+                ui.label(say::transfer_view_old_name().text(language));
+                let line = TextEdit::singleline(&mut self.old).desired_width(FIELD);
+                ui.add_enabled(free, line);
+                ui.end_row();
+                ui.label(say::transfer_view_new_name().text(language));
+                let label = say::transfer_view_new_name().text(language);
+                let line = TextEdit::singleline(&mut self.new).desired_width(FIELD);
+                ui.add(line.hint_text("O0001.CNC")).on_hover_text(label);
+                ui.end_row();
+            });
         complaint(ui, language, &self.new);
     }
 
