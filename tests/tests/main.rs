@@ -33,4 +33,5 @@ mod properties;
 mod protections;
 mod runner;
 mod samples;
+mod vocabulary;
 mod window_texts;
