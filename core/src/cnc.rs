@@ -134,6 +134,7 @@ impl Cnc {
         self.return_tick(inputs);
         self.spindle_tick(inputs);
         self.motion_tick();
+        self.note_motion();
         self.watch_travel();
         self.watch_limit_signals();
         self.watch_reference();

@@ -285,12 +285,11 @@ pub enum Action {
         /// Whether the relative coordinates follow the absolute ones (005.1 PPD).
         relative: bool,
     },
-    /// M function given to the PLC.
+    /// M function given to the PLC: begins together with what follows it in its block,
+    /// which ends when both are finished.
     Miscellaneous {
         /// M number.
         code: u8,
-        /// When it runs against the motion of its block.
-        timing: Timing,
     },
     /// Outputs that a program switches by itself (NC-B08: M10, M11, M21 and on): Y0 in
     /// bit 0, which is F54.0 for the ladder; there are 24.
@@ -317,6 +316,8 @@ pub enum Action {
         tool: u8,
         /// Offset number, 0 = cancelled.
         offset: u8,
+        /// Nothing that takes time follows it in its block.
+        is_last: bool,
     },
     /// M00: stop after everything before it is finished.
     ProgramStop,
@@ -404,16 +405,6 @@ impl BeyondPass {
             Self::Start => say::pass_start_beside_index(),
         }
     }
-}
-
-/// How an auxiliary function runs against the motion of its block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Timing {
-    /// Started together with the next motion of the block; the block ends when
-    /// both are finished.
-    WithMotion,
-    /// Started and finished before anything else of the block begins.
-    BeforeMotion,
 }
 
 /// What an S word (with G96, G97, G50) asks of the spindle.

@@ -33,4 +33,5 @@ mod properties;
 mod protections;
 mod runner;
 mod samples;
+mod signal_facts;
 mod window_texts;

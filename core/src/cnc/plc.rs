@@ -6,9 +6,10 @@ use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::machine::Inputs;
 use crate::model::{Edge, MCode, ncb08};
-use crate::operation::{FromPlc, InputFilter, Mode, RunState, ToPlc};
+use crate::motion::JogRate;
+use crate::operation::{FromPlc, InputFilter, Mode, Return, RunState, ToPlc};
 use crate::program::Inflow;
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, PerAxis, Point};
 
 /// Outputs as bits.
 fn mask(outputs: &[u8]) -> u32 {
@@ -166,45 +167,22 @@ impl Cnc {
     }
 
     fn write_signals(&mut self, g: &FromPlc) {
-        let velocity = self.drives.interpolator.velocity();
-        let moving = PerAxis::new(velocity.x != 0.0, velocity.z != 0.0);
-        for axis in [Axis::X, Axis::Z] {
-            if *moving.get(axis) {
-                *self.plc.negative.get_mut(axis) = velocity.get(axis) < 0.0;
-            }
-        }
         let state = self.run.automatic.state;
-        let rapid = self
-            .run
-            .automatic
-            .action()
-            .map(|action| matches!(action, Action::Rapid { .. }));
-        self.plc.last_rapid =
-            rapid.unwrap_or(self.plc.last_rapid && !self.run.automatic.operating());
-        let cutting = matches!(
-            self.run.automatic.action(),
-            Some(
-                Action::Line { .. }
-                    | Action::Arc { .. }
-                    | Action::Thread { .. }
-                    | Action::Tap { .. }
-            )
-        );
+        let within_block = self.run.automatic.stands_within_block();
         let message = ToPlc {
             mode: self.run.mode,
             started: state == RunState::Run,
-            holding: state == RunState::Hold || self.run.automatic.hold_put_off,
-            operating: self.run.automatic.operating(),
+            holding: state == RunState::Hold || self.run.automatic.hold_put_off || within_block,
+            operating: self.run.automatic.operating() || within_block,
             alarm: self.alarm_state(),
             reset: self.resetting(),
             distribution_end: self.run.automatic.distribution_end(),
-            servo_ready: !self.emergency_stop && self.drives.board.is_none_or(|board| board.known),
+            servo_ready: self.servo_ready(),
             rapid: self.plc.last_rapid,
-            cutting: cutting && state == RunState::Run,
+            cutting: self.run.automatic.is_cutting(),
             dwelling: self.run.automatic.dwelling(),
             tapping: matches!(self.run.automatic.action(), Some(Action::Tap { .. })),
-            decoded_m00: self.run.automatic.decoded == Some(0),
-            decoded_m30: self.run.automatic.decoded == Some(30),
+            decoded: self.run.automatic.decoded,
             handshake: &self.run.handshake,
             gear: self.spindle.control.selected_gear(),
             at_reference: PerAxis::new(
@@ -213,12 +191,13 @@ impl Cnc {
             ),
             referenced: self.coordinates.referenced,
             at_program_zero: self.at_program_zero(),
-            moving,
+            moving: self.axes_moving(),
             negative: self.plc.negative,
-            output_key: self.plc.output_key,
+            output_key: self.plc.output_key && self.run.mode == Mode::Mdi,
             sending: self.serial_port == SerialPort::Sending,
             receiving: self.serial_port == SerialPort::Receiving || self.dnc.receives(),
             reading_in: self.memory.programs.inflow().is_some_and(Inflow::goes_on),
+            stopped_by_override: self.feed_override_factor() <= 0.0,
             checking: self.run.automatic.operating() && self.is_board_behind(),
             soft_switches: self.plc.soft_switches,
             ready: !self.alarms.contains(number::POWER_CYCLE),
@@ -226,6 +205,76 @@ impl Cnc {
             parameters: &self.memory.parameters,
         };
         message.write(self.plc.engine.memory_mut(), g);
+    }
+
+    /// Axes that move, MV: machine lock keeps them where they are.
+    fn axes_moving(&self) -> PerAxis<bool> {
+        let velocity = self.drives.interpolator.velocity();
+        let locked = self.plc.signals.machine_lock;
+        PerAxis::new(
+            velocity.x != 0.0 && !locked.x,
+            velocity.z != 0.0 && !locked.z,
+        )
+    }
+
+    /// What the last motion leaves in MVD and RPDO; once a millisecond.
+    pub(super) fn note_motion(&mut self) {
+        let velocity = self.drives.interpolator.velocity();
+        if velocity == Point::default() {
+            return;
+        }
+        let moving = self.axes_moving();
+        for axis in [Axis::X, Axis::Z] {
+            if *moving.get(axis) {
+                *self.plc.negative.get_mut(axis) = velocity.get(axis) < 0.0;
+            }
+        }
+        if let Some(rapid) = self.selects_rapid() {
+            self.plc.last_rapid = rapid;
+        }
+    }
+
+    /// Whether the motion under way goes at a rapid rate, by program or by hand; `None`
+    /// while what was selected comes to rest.
+    fn selects_rapid(&self) -> Option<bool> {
+        let returns = [Axis::X, Axis::Z].map(|axis| *self.coordinates.returns.get(axis));
+        if returns.iter().any(Option::is_some) {
+            let rapid = |stage: &Option<Return>| {
+                matches!(
+                    stage,
+                    Some(Return::Approach | Return::Straight | Return::Board)
+                )
+            };
+            return Some(returns.iter().any(rapid));
+        }
+        if self.run.automatic.state == RunState::Run {
+            // A dry run without manual rapid has its rapids at the jog rate.
+            let at_rapid_rate = self.dry_run().is_none_or(|dry| dry.rapid.is_none());
+            return match self.run.automatic.action()? {
+                Action::Rapid { .. } => Some(at_rapid_rate),
+                action => action.is_motion().then_some(false),
+            };
+        }
+        let by_hand = |axis: Axis| match *self.hand.jog.get(axis) {
+            Some((_, rate)) => Some(rate == JogRate::Rapid),
+            None if !self.drives.interpolator.stepping(axis) => None,
+            None => {
+                let steps = self.run.mode.motion() == Mode::Step;
+                Some(steps && self.manual_rate(axis) == JogRate::Rapid)
+            }
+        };
+        match (by_hand(Axis::X), by_hand(Axis::Z)) {
+            (None, None) => None,
+            (x, z) => Some(x == Some(true) || z == Some(true)),
+        }
+    }
+
+    /// SA: the drives are enabled and ready, and none has an alarm.
+    fn servo_ready(&self) -> bool {
+        !self.emergency_stop
+            && !self.is_not_ready()
+            && self.drives.watch.ready
+            && self.drives.board.is_none_or(|board| board.known)
     }
 
     /// Follows the mode that the ladder commands.

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
+use super::parameter;
 use super::table::{self, Disk, Effective, LAST_PARAMETER, Range};
 use crate::alarm::Alarm;
 
@@ -111,7 +112,8 @@ impl Parameters {
         bit < 8 && self.value(number) >> bit & 1 != 0
     }
 
-    /// Writes a parameter.
+    /// Writes a parameter. A negative interval of pitch errors is stored as a positive
+    /// one (manual III-10.5).
     ///
     /// # Errors
     /// An unknown number, or a value out of range (alarm 043).
@@ -119,6 +121,15 @@ impl Parameters {
         let unknown = ParameterError::Unknown { number, bit: None };
         let Some(row) = table::row(number, None) else {
             return Err(unknown);
+        };
+        let interval = matches!(
+            number,
+            parameter::X_PITCH_INTERVAL | parameter::Z_PITCH_INTERVAL
+        );
+        let value = if interval {
+            value.saturating_abs()
+        } else {
+            value
         };
         // 051, 055 and others are delivered with values below their range; 020
         // takes more and is put right at power-on.

@@ -2,7 +2,7 @@
 
 use super::{End, Walk};
 use crate::alarm::Alarm;
-use crate::command::{Action, Command, Frame, MoveKind, ThreadStart, Timing};
+use crate::command::{Action, Command, Frame, MoveKind, ThreadStart};
 use crate::motion::ThreadMove;
 use crate::units::{Point, TICK_S};
 
@@ -63,12 +63,9 @@ impl Walk<'_> {
                     self.look_at_preset(command.source);
                 }
             }
-            Action::Miscellaneous { code, timing } => {
+            Action::Miscellaneous { code } => {
                 self.messages.check(*code, self.spindle.turning())?;
-                match timing {
-                    Timing::WithMotion => self.spindle.output_m_with_motion(*code),
-                    Timing::BeforeMotion => self.spindle.output_m(*code),
-                }
+                self.spindle.output_m_beside(*code);
                 match code {
                     8 => self.so_far.coolant = true,
                     9 => self.so_far.coolant = false,
@@ -79,14 +76,14 @@ impl Walk<'_> {
                         self.clock.change_gear(code - 40);
                     }
                     41..=44 => {}
-                    _ => self.clock.output_m(*timing),
+                    _ => self.clock.output_m(),
                 }
             }
             Action::Spindle(speed) => {
                 self.spindle.command(*speed);
                 self.clock.output_s(speed);
             }
-            Action::Tool { tool, offset } => {
+            Action::Tool { tool, offset, .. } => {
                 self.clock.change_tool(*tool);
                 if !self.so_far.tools.contains(&(*tool, *offset)) {
                     self.so_far.tools.push((*tool, *offset));

@@ -87,8 +87,6 @@ fn written(on: bool, mode: Mode) -> Memory {
     for byte in [5, 44, 46] {
         g.set_g(byte, if on { 0xff } else { 0 });
     }
-    // COVL: the feed override is 0 %.
-    g.set_g(12, if on { 15 } else { 5 });
     let mut memory = Memory::new();
     ToPlc {
         mode,
@@ -103,8 +101,7 @@ fn written(on: bool, mode: Mode) -> Memory {
         cutting: on,
         dwelling: on,
         tapping: on,
-        decoded_m00: on,
-        decoded_m30: on,
+        decoded: on.then_some([0, 1, 2, 30][mode as usize % 4]),
         handshake: &handshake,
         gear: if on { 4 } else { 1 },
         at_reference: axes,
@@ -116,6 +113,7 @@ fn written(on: bool, mode: Mode) -> Memory {
         sending: on,
         receiving: on,
         reading_in: on,
+        stopped_by_override: on,
         checking: on,
         soft_switches: if on { 0b11_1110 } else { 0 },
         ready: on,

@@ -376,9 +376,9 @@ impl Bench {
                 },
                 if *relative { " relative" } else { "" }
             ),
-            Action::Miscellaneous { code, timing } => format!("M{code:02} {timing:?}"),
+            Action::Miscellaneous { code } => format!("M{code:02}"),
             Action::Spindle(speed) => format!("{speed:?}"),
-            Action::Tool { tool, offset } => format!("T{tool:02}{offset:02}"),
+            Action::Tool { tool, offset, .. } => format!("T{tool:02}{offset:02}"),
             Action::ProgramStop => "stop".into(),
             Action::End { counts, m30 } => format!("end counts {counts} m30 {m30}"),
             Action::Repeat => "repeat".into(),
