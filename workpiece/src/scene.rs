@@ -35,6 +35,15 @@ pub struct Outcome {
     pub collision: Option<Collision>,
 }
 
+/// Stock that a motion went through without cutting it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Intrusion {
+    /// By the insert in a rapid.
+    pub insert: Region,
+    /// By what must touch nothing.
+    pub body: Region,
+}
+
 /// A tool ready to be moved about.
 #[derive(Clone, Debug)]
 pub struct Cutter {
@@ -126,6 +135,48 @@ impl Scene {
         };
         outcome.collision = outcome.collision.or_else(by_body);
         outcome
+    }
+
+    /// Moves a tool through stock of which it is not known where it is: returns what of
+    /// it must be air, if the motion is right, and takes that and the cut away.
+    pub fn intrude(&mut self, cutter: &Cutter, motion: &Motion) -> Intrusion {
+        let path = motion.path();
+        let swept = |contour: &[GridPoint]| both_sides(sweep_along(contour, &path));
+        let mut intrusion = Intrusion::default();
+        if matches!(motion.kind, Kind::Rapid) {
+            let touched = self.part.touched(&swept(&cutter.clear));
+            let groove = self.groove.filter(|end| *end == motion.from);
+            intrusion.insert = match groove {
+                Some(end) => {
+                    let own = sweep(&cutter.shape.cutting, to_grid(end), to_grid(end));
+                    touched.without(&[own])
+                }
+                None => touched,
+            };
+        }
+        self.part.remove(intrusion.insert.contours());
+        self.groove = None;
+        match &motion.kind {
+            Kind::Rapid => {}
+            Kind::Thread(imprints) => {
+                for position in imprints {
+                    self.part
+                        .cut_along(&cutter.shape.cutting, &[to_grid(*position)]);
+                }
+                self.groove = Some(motion.to);
+            }
+            Kind::Line | Kind::Arc { .. } => {
+                self.part.cut_along(&cutter.shape.cutting, &path);
+            }
+        }
+        for (_, contour) in &cutter.body {
+            let touched = self.part.touched(&swept(contour));
+            if !touched.is_empty() {
+                self.part.remove(touched.contours());
+                intrusion.body = intrusion.body.with(touched.contours());
+            }
+        }
+        intrusion
     }
 
     /// What the insert hits on its path: the stock in a rapid or with a standing
