@@ -3,6 +3,7 @@
 //! means which code, and the parameters that only it has. What a code does is written
 //! once, for all models that have it.
 
+mod calls;
 mod meaning;
 mod record;
 
@@ -156,6 +157,11 @@ pub(crate) mod code_calls {
     pub(crate) const T_OF_MILL: u16 = 40;
     /// That bit.
     pub(crate) const T_BIT: u8 = 5;
+    /// What the first code of each kind calls.
+    pub(crate) const OF_G: u16 = 9010;
+    pub(crate) const OF_M: u16 = 9020;
+    pub(crate) const OF_PLAIN_M: u16 = 9001;
+    pub(crate) const OF_T: u16 = 9000;
 }
 
 /// Numbers of the Huaxing lathes.

@@ -88,6 +88,7 @@ impl SetupWords {
             return Ok(None);
         }
         let mut mill = MillSetup::default().with(model);
+        mill.day_time = setup.day_time;
         let said = |error: WordError| error.0.to_string();
         if let Some(start) = &self.mill.start {
             mill.take_start(start).map_err(said)?;

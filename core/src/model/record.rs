@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 use gsk_messages::Language;
 use serde::Deserialize;
 
+use super::calls::CallRange;
 use super::{GCode, MCode, ModelId};
 
 /// G codes have two digits.
@@ -62,6 +63,15 @@ pub struct Record {
     /// Those of them whose action its manual does not give.
     #[serde(default)]
     pub g_decided: Vec<u8>,
+    /// M codes that it leaves to the ladder where it does not know them itself.
+    #[serde(default)]
+    pub ladder_m: Option<(u8, u8)>,
+    /// A range of M codes that calls subprograms, by its parameters.
+    #[serde(default)]
+    pub(crate) m_calls: Option<CallRange>,
+    /// M codes that call the program of their number as a macro.
+    #[serde(default)]
+    pub(crate) m_macros: Option<(i64, i64)>,
     /// What its M codes mean.
     pub m: BTreeMap<u8, MFunction>,
     /// Those of them whose action its manual does not give.
@@ -165,6 +175,12 @@ impl Record {
     pub fn g_code(&self, number: i64) -> Option<GCode> {
         let index = usize::try_from(number).ok()?;
         self.g_table.get(index).copied().flatten()
+    }
+
+    /// The number of a G code.
+    pub fn g_number(&self, meaning: GCode) -> Option<u8> {
+        let mut codes = self.g.iter();
+        codes.find_map(|(number, it)| (*it == meaning).then_some(*number))
     }
 
     /// What an M code does.

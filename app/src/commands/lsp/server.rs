@@ -400,7 +400,7 @@ impl Server<'_> {
             Some(path) => {
                 let index = self.desk.folders.beside(path, self.desk.open.values());
                 let read = |path: &std::path::Path| folder::text_of(path, self.desk.open.values());
-                folder::called(&document.text, &index, &read)
+                folder::called(&document.text, &index, &self.model, &read)
             }
         };
         let Some(document) = self.desk.open.get_mut(uri.as_str()) else {
