@@ -233,10 +233,10 @@ fn apply_from(setup: &mut Setup, args: &SetupArgs, zero: Option<Point>) -> Resul
     if let (Some(start), Some(zero)) = (setup.start, zero) {
         setup.absolute = Some(start - zero);
     }
-    let model = &mut setup.memory.model;
-    if model.id() != args.model() {
-        *model = ControlModel::new(args.model());
+    if setup.memory.model.id() != args.model() {
+        setup.memory.set_model(ControlModel::new(args.model()));
     }
+    let model = &mut setup.memory.model;
     for (number, value) in &args.model_parameters {
         let set = model.set_parameter(*number, *value);
         set.map_err(LoadError::ModelParameter)?;
@@ -281,7 +281,10 @@ fn check_start(setup: &Setup) -> Result<(), LoadError> {
 
 fn parameter(setup: &mut Setup, word: ParameterWord) -> Result<(), LoadError> {
     let result = match word {
-        ParameterWord::Value { number, value } => setup.memory.parameters.set(number, value),
+        ParameterWord::Value { number, value } => {
+            let record = setup.memory.model.record();
+            setup.memory.parameters.set_of(record, number, value)
+        }
         ParameterWord::Bit { number, bit, state } => {
             setup.memory.parameters.set_bit(number, bit, state)
         }

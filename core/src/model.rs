@@ -4,6 +4,7 @@
 //! once, for all models that have it.
 
 mod calls;
+mod conventions;
 mod meaning;
 mod record;
 
@@ -12,8 +13,11 @@ use std::collections::BTreeMap;
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
+pub use conventions::{
+    Conventions, Increments, MacroForm, ToolForm, WorkPlane, XMeasure,
+};
 pub use meaning::{GCode, MCode};
-pub(crate) use record::{Edge, MFunction};
+pub(crate) use record::{Edge, LadderOutput, MFunction, Side, Wire};
 pub use record::{ModelParameter, Record};
 
 /// A control model.

@@ -96,8 +96,7 @@ impl Words {
                         words.stranger = words.stranger.or(Some(letter));
                     }
                 }
-                // Addresses of lathes, and letters that only macros take.
-                letter @ (b'E' | b'U' | b'V' | b'W') => {
+                letter if record.is_argument_only(letter) => {
                     words.stranger = words.stranger.or(Some(letter.into()));
                 }
                 _ => {}

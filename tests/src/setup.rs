@@ -146,7 +146,7 @@ impl SetupWords {
         setup.memory.settings.macro_b = self.macro_b;
         if let Some(word) = &self.model {
             let id = ModelId::from_word(word).ok_or_else(|| format!("no model {word}"))?;
-            setup.memory.model = ControlModel::new(id);
+            setup.memory.set_model(ControlModel::new(id));
         }
         for word in &self.model_params {
             let (number, value) = parts(word)?;
