@@ -105,7 +105,7 @@ fn system(path: &Path) -> impl FnOnce(io::Error) -> ProjectError + '_ {
 /// A control of this model as it is delivered; the training lathe has a chuck.
 pub fn delivered(model: ModelId, machine: Option<&PathBuf>) -> Setup {
     let mut setup = loading::fitted(Setup::delivered(), machine);
-    setup.memory.model = ControlModel::new(model);
+    setup.memory.set_model(ControlModel::new(model));
     setup
 }
 

@@ -2,7 +2,7 @@
 //! looks.
 
 use gsk_core::alarm::Alarm;
-use gsk_core::command::{ExecutedMove, ProgramId};
+use gsk_core::command::{ExecutedMove, ProgramId, Source};
 use gsk_core::preview::{Bounds, Caution, End, Progress, preview_beyond_alarms};
 use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
@@ -114,6 +114,11 @@ pub fn analyse_mill(
     let alarms = preview.alarm.iter().chain(&preview.further);
     let mut findings: Vec<Finding> = alarms.map(|it| of_alarm(it, programs, language)).collect();
     findings.extend(given_up(preview.end, language));
+    let slips = preview.cautions.iter();
+    findings.extend(slips.map(|it| {
+        let text = it.slip.message().text(language);
+        warning(it.slip.id(), text, it.source, programs)
+    }));
     Analysis {
         findings,
         end: preview.end,
@@ -164,7 +169,12 @@ fn of_alarm(alarm: &Alarm, programs: &ProgramMemory, language: Language) -> Find
 }
 
 fn of_caution(caution: &Caution, programs: &ProgramMemory, language: Language) -> Finding {
-    let source = caution.source;
+    let text = caution.slip.message().text(language);
+    warning(caution.slip.id(), text, caution.source, programs)
+}
+
+/// A slip at its block.
+fn warning(code: &str, text: String, source: Source, programs: &ProgramMemory) -> Finding {
     let line = programs
         .get(source.program)
         .map_or("", |it| it.line(source.line));
@@ -175,8 +185,8 @@ fn of_caution(caution: &Caution, programs: &ProgramMemory, language: Language) -
             bytes: whole(line),
         }),
         level: Level::Warning,
-        code: caution.slip.id().to_owned(),
-        text: caution.slip.message().text(language),
+        code: code.to_owned(),
+        text,
     }
 }
 

@@ -13,6 +13,7 @@ mod arc;
 mod axes;
 mod block;
 mod bounds;
+mod caution;
 mod codes;
 pub mod commissioning;
 mod cutter;
@@ -38,6 +39,7 @@ mod words;
 mod tests;
 
 pub use axes::{Axes, Further};
+pub use caution::{Caution, Slip};
 pub use bounds::{Bounds, Lengths};
 pub use homing::{ParameterValues, homing};
 pub use memory::{MillMemory, Offset, parameter};

@@ -31,7 +31,7 @@ impl MillMemory {
             return Err(wrong());
         }
         for (column, value) in columns.into_iter().zip(values) {
-            let set = self.set_offset(number, column, value);
+            let set = self.set_offset(number, column, value, false);
             set.map_err(|alarm| WordError(alarm.reason()))?;
         }
         Ok(())

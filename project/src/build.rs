@@ -9,7 +9,7 @@ use gsk_core::memory::{
     Counters, DiskContent, Disks, OFFSETS, Offsets, Parameters, PitchTable, Settings, ToolOffset,
     Variables, rows,
 };
-use gsk_core::model::{ControlModel, ModelId};
+use gsk_core::model::{ControlModel, ModelId, Record};
 use gsk_core::plc::{Area, ByteAddress, CompileErrors, Ladder, Retained};
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::standard_ladder;
@@ -125,11 +125,13 @@ impl Builder<'_> {
 
     fn state(&mut self) -> State {
         let _ = self.whole(Key::Format, FORMAT..=FORMAT);
-        let own = self.set(Set::Control);
+        let model = self.model();
+        let record = model.record();
+        let own = self.set(Set::Control, record);
         let mut disks = Disks::default();
         for (set, disk, _) in Set::DISKS {
             if self.has_set(set) {
-                let content = self.set(set);
+                let content = self.set(set, record);
                 disks.save(disk, content);
             }
         }
@@ -142,7 +144,7 @@ impl Builder<'_> {
             disks,
             programs: self.programs(),
             counters: self.counters(),
-            model: self.model(),
+            model,
             ..Memory::default()
         };
         let retained = self.retained();
@@ -160,15 +162,15 @@ impl Builder<'_> {
         state.with_texts(texts)
     }
 
-    fn set(&mut self, set: Set) -> DiskContent {
+    fn set(&mut self, set: Set, record: &Record) -> DiskContent {
         DiskContent {
-            parameters: self.parameters(set),
+            parameters: self.parameters(set, record),
             offsets: self.offsets(set),
             pitch: self.pitch(set),
         }
     }
 
-    fn parameters(&mut self, set: Set) -> Parameters {
+    fn parameters(&mut self, set: Set, record: &Record) -> Parameters {
         let mut parameters = Parameters::default();
         for row in rows().iter().filter(|row| row.bit.is_none()) {
             let number = row.number;
@@ -185,7 +187,10 @@ impl Builder<'_> {
                 continue;
             };
             let told = match i32::try_from(value) {
-                Ok(value) => parameters.set(number, value).map_err(|it| it.message()),
+                Ok(value) => {
+                    let set = parameters.set_of(record, number, value);
+                    set.map_err(|it| it.message())
+                }
                 Err(_) => Err(say::parameter_out_of_range(number, value, &row.range)),
             };
             if let Err(rule) = told {

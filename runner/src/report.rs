@@ -76,6 +76,17 @@ pub struct WarningReport {
 }
 
 impl WarningReport {
+    /// What a mill takes without an alarm.
+    pub(crate) fn of_mill(caution: &gsk_milling::Caution, language: Option<Language>) -> Self {
+        Self {
+            rule: caution.slip.id(),
+            program: caution.source.program,
+            line: caution.source.line,
+            text: said(&caution.slip.message(), language),
+            sentence: said(&caution.sentence(), language),
+        }
+    }
+
     fn new(caution: &Caution, language: Option<Language>) -> Self {
         Self {
             rule: caution.slip.id(),

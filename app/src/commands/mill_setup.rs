@@ -188,6 +188,9 @@ fn add_file(
         let Some(number) = table.number_at(position) else {
             let rule = match position {
                 0 => say::pitch_ren_at_zero(),
+                ..0 if !table.has_negative_side() => {
+                    say::mill_pitch_negative(row.end.0, args.origin)
+                }
                 _ => say::pitch_ren_off_grid(row.end.0),
             };
             return Err(at_line(row.line, rule));

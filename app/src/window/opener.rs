@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use gsk_core::command::ProgramId;
+use gsk_core::model::ControlModel;
 use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::number_of_name;
@@ -91,7 +92,8 @@ impl Opener {
             }
             return;
         }
-        match read(path) {
+        let model = self.console.setup().unwrap_or_default().memory.model;
+        match read(path, &model) {
             Ok((opened, notices)) => {
                 self.hand_over(opened);
                 for notice in notices {
@@ -164,9 +166,12 @@ fn selected(mut setup: Setup, opened: &Opened) -> Setup {
 }
 
 /// Reads a program and its subprograms.
-pub fn read(path: &Path) -> Result<(Opened, Vec<Message>), LoadError> {
+pub fn read(
+    path: &Path,
+    model: &ControlModel,
+) -> Result<(Opened, Vec<Message>), LoadError> {
     let mut programs = ProgramMemory::default();
-    let (program, notices) = loading::open_into(&mut programs, path, &[])?;
+    let (program, notices) = loading::open_into(&mut programs, model, path, &[])?;
     let subprograms = programs
         .iter()
         .map(|(_, program)| program.clone())

@@ -4,8 +4,8 @@
 use super::{Cnc, SerialPort};
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
-use crate::machine::Inputs;
-use crate::model::{Edge, MCode, ncb08};
+use crate::machine::{Inputs, OverLimit, pins};
+use crate::model::{Edge, LadderOutput, MCode, Side, Wire, ncb08};
 use crate::motion::JogRate;
 use crate::operation::{FromPlc, InputFilter, Mode, Return, RunState, ToPlc};
 use crate::program::Inflow;
@@ -14,6 +14,14 @@ use crate::units::{Axis, PerAxis, Point};
 /// Outputs as bits.
 fn mask(outputs: &[u8]) -> u32 {
     outputs.iter().fold(0, |bits, output| bits | 1 << output)
+}
+
+/// The limit switch at a side.
+const fn over_limit(side: Side) -> OverLimit {
+    match side {
+        Side::Plus => OverLimit::Plus,
+        Side::Minus => OverLimit::Minus,
+    }
 }
 
 /// F54 to F56: outputs that a program switches by itself.
@@ -58,6 +66,88 @@ impl Cnc {
         let contact = self.memory.model.record().first_input + input;
         let byte = self.plc.engine.memory().x(u16::from(contact / 8));
         byte >> (contact % 8) & 1 == 1
+    }
+
+    /// What the inputs of the model and the contacts of the machine say of each other: a
+    /// switch acts whichever of the two tells it, and both show it.
+    fn join_wires(&self, inputs: &Inputs, contacts: &mut [u8]) {
+        let record = self.memory.model.record();
+        let is_on = |(byte, bit): pins::Pin| {
+            let levels = inputs.x.get(usize::from(byte)).copied();
+            levels.unwrap_or(0) >> bit & 1 == 1
+        };
+        let mut set = |(byte, bit): pins::Pin, on: bool| {
+            if let Some(levels) = contacts.get_mut(usize::from(byte)) {
+                *levels = *levels & !(1 << bit) | u8::from(on) << bit;
+            }
+        };
+        let pressed = self.memory.parameters.closed_means_deceleration();
+        for (input, wire) in &record.wires {
+            let contact = record.first_input + input;
+            let own = (contact / 8, contact % 8);
+            let (pin, operated) = match *wire {
+                // The loop of the emergency stop is closed.
+                Wire::EmergencyStop => (pins::EMERGENCY_STOP, false),
+                Wire::Limit(axis, side) => {
+                    if *inputs.over_limit.get(axis) == Some(over_limit(side)) {
+                        set(own, true);
+                    }
+                    (pins::EMERGENCY_STOP, false)
+                }
+                Wire::Deceleration(Axis::X) => (pins::DECELERATION_X, pressed),
+                Wire::Deceleration(Axis::Z) => (pins::DECELERATION_Z, pressed),
+            };
+            if is_on(own) {
+                set(pin, operated);
+            } else if matches!(wire, Wire::Deceleration(_)) && is_on(pin) == operated {
+                set(own, true);
+            }
+        }
+    }
+
+    /// The limit switch of an axis that an input of the model tells.
+    pub(super) fn wired_limit(&self, axis: Axis) -> Option<OverLimit> {
+        let wires = &self.memory.model.record().wires;
+        wires.iter().find_map(|(input, wire)| match *wire {
+            Wire::Limit(of, side) if of == axis && self.input(*input) => Some(over_limit(side)),
+            _ => None,
+        })
+    }
+
+    /// Outputs of the model go with those that the ladder has switched.
+    fn follow_outputs(&mut self) {
+        let record = self.memory.model.record();
+        if record.followers.is_empty() && record.brake_output.is_none() {
+            return;
+        }
+        let memory = self.plc.engine.memory();
+        let is_on = |(byte, bit): pins::Pin| memory.y(u16::from(byte)) >> bit & 1 == 1;
+        let pin = |output: LadderOutput| match output {
+            LadderOutput::Coolant => pins::COOLANT,
+            LadderOutput::SpindleForward => pins::FORWARD,
+            LadderOutput::SpindleReverse => pins::REVERSE,
+        };
+        let followed = record.followers.iter().map(|it| is_on(pin(it.output)));
+        let levels = followed
+            .chain([is_on(pins::BRAKE)])
+            .enumerate()
+            .fold(0_u32, |levels, (index, on)| levels | u32::from(on) << index);
+        let before = core::mem::replace(&mut self.plc.followed, levels);
+        let changed = |index: usize| (levels ^ before) >> index & 1 == 1;
+        let now_on = |index: usize| levels >> index & 1 == 1;
+        for (index, follower) in record.followers.iter().enumerate() {
+            if changed(index) {
+                self.act_by_hand(if now_on(index) { follower.on } else { follower.off });
+            }
+        }
+        let brake = record.followers.len();
+        if let Some(output) = record.brake_output.filter(|_| changed(brake)) {
+            let bit = 1 << output;
+            match now_on(brake) {
+                true => self.switch_outputs(bit, 0, 0),
+                false => self.switch_outputs(0, bit, 0),
+            }
+        }
     }
 
     /// Inputs that act by themselves while the machine is moved by hand: their edges
@@ -111,6 +201,7 @@ impl Cnc {
         for (contact, key) in contacts.iter_mut().zip(self.plc.panel_keys) {
             *contact |= key;
         }
+        self.join_wires(inputs, &mut contacts);
         if self.ticks == 1 {
             self.plc.filter = InputFilter::standing(&contacts);
         }
@@ -120,6 +211,7 @@ impl Cnc {
         let accepted = self.plc.filter.accepted();
         self.plc.engine.memory_mut().set_inputs(accepted);
         self.watch_edges();
+        self.follow_outputs();
         let outputs = self.plc.engine.memory().outputs();
         for (byte, output) in self.plc.y.iter_mut().zip(outputs) {
             *byte = *output;

@@ -268,7 +268,8 @@ impl Cnc {
             Request::SetPitch { axis, point, value } => self.set_pitch(axis, point, value)?,
             Request::SetOffset { number, entry } => self.set_offset(number, entry)?,
             Request::SetParameter { number, value } => {
-                self.change_parameters(|parameters| parameters.set(number, value))?;
+                let record = self.memory.model.record();
+                self.change_parameters(|parameters| parameters.set_of(record, number, value))?;
             }
             Request::SetParameterBit { number, bit, on } => {
                 self.change_parameters(|parameters| parameters.set_bit(number, bit, on))?;

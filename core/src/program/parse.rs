@@ -3,7 +3,7 @@
 
 use gsk_messages::say;
 
-use super::block::{Block, Word, check_values};
+use super::block::{Block, Word, check_values, narrows_words};
 use super::lexer::{Lexer, narrow, skip_blanks};
 use super::macro_b::{self, Statement};
 use super::number::{Number, Variable};
@@ -31,7 +31,8 @@ pub(super) fn read_block(text: &str, syntax: Syntax, block: &mut Block) -> Resul
     let mut lexer = Lexer::new(text);
     let mut seen = 0;
     // Their values are in range as they are written.
-    if !syntax.macro_b && plain_words(&mut lexer, &mut seen, syntax, block) {
+    let narrows = narrows_words(syntax);
+    if !syntax.macro_b && !narrows && plain_words(&mut lexer, &mut seen, syntax, block) {
         return Ok(());
     }
     read_words(text, lexer, seen, syntax, block)

@@ -242,9 +242,28 @@ impl Program {
             return Ok(());
         };
         block.line = place.line;
+        if index == 0 && !syntax.model.is_main() {
+            self.check_percent_name(syntax)?;
+        }
         // It ends by itself where the next one begins.
         let text = shared.text.get(place.byte as usize..shared.end as usize);
         read_block(text.unwrap_or(""), syntax, block)
+    }
+
+    /// The number of `%P01`, where the model names its programs so: alarm 043 beyond its
+    /// range.
+    #[cold]
+    fn check_percent_name(&self, syntax: Syntax) -> Result<(), BlockError> {
+        let record = syntax.model.record();
+        let Some((number, (start, _))) = percent_name(&self.shared.text) else {
+            return Ok(());
+        };
+        let last = record.last_program;
+        if !record.program_name.starts_with('%') || (1..=last).contains(&number) {
+            return Ok(());
+        }
+        let rule = say::program_name_out_of_range(number, last);
+        Err(BlockError::at(number::OUT_OF_RANGE, start, rule))
     }
 
     /// The line of the first block with this sequence number, in `from_line` or

@@ -280,10 +280,10 @@ fn whole_number(text: &str) -> Result<i32, ParseError> {
         .map_err(|_| ParseError::NotWhole(text.to_owned()))
 }
 
-/// A machine input: X0.0 to X3.7.
+/// A machine input: X0.0 to X3.7, and X4.0 to X4.7 of models that count inputs so far.
 fn input(text: &str) -> Result<BitAddress, ParseError> {
     let address = bit(text)?;
-    if address.area == Area::X && address.byte < 4 {
+    if address.area == Area::X && address.byte <= 4 {
         return Ok(address);
     }
     Err(ParseError::NoInput(text.to_owned()))

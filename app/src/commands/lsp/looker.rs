@@ -16,7 +16,7 @@ use gsk_messages::{Language, Message, say};
 use lsp_types::Uri;
 
 use super::Control;
-use crate::files::subprograms::Found;
+use crate::files::subprograms::{Calls, Found};
 use crate::loading;
 use crate::patience::Patience;
 
@@ -86,7 +86,7 @@ fn look(control: &Control, job: &Job, language: Language) -> Analysis {
     let mut setup = control.setup.clone();
     let unsaved = || PathBuf::from(job.uri.as_str());
     let path = job.path.clone().unwrap_or_else(unsaved);
-    let found = |_: BTreeSet<u16>, loaded: &BTreeSet<u16>| {
+    let found = |_: Calls, loaded: &BTreeSet<u16>| {
         let new = |it: &&Found| !loaded.contains(&it.number);
         job.found.iter().filter(new).cloned().collect()
     };

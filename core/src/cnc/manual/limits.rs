@@ -124,7 +124,8 @@ impl Cnc {
     pub(crate) fn over_limit_detail(&self, inputs: &Inputs) -> Option<Message> {
         let mut said = Vec::new();
         for axis in [Axis::X, Axis::Z] {
-            let Some(tripped) = *inputs.over_limit.get(axis) else {
+            let told = (*inputs.over_limit.get(axis)).or_else(|| self.wired_limit(axis));
+            let Some(tripped) = told else {
                 continue;
             };
             let (at, back) = match tripped {

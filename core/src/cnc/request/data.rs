@@ -225,7 +225,7 @@ impl Cnc {
 
     pub(super) fn load_disk(&mut self, disk: Disk) {
         if self.rights().disks().is_ok() {
-            let content = self.memory.disks.load(disk);
+            let content = self.memory.disks.load(disk, self.memory.model.record());
             self.memory.offsets = content.offsets;
             self.memory.pitch = content.pitch;
             self.take_parameters(content.parameters);
