@@ -14,7 +14,7 @@ use gsk_core::plc::address::{AddressError, Area, BitAddress};
 use gsk_core::plc::{CompileErrors, Ladder};
 use gsk_core::program::{self, Program, ProgramMemory};
 use gsk_core::setup::{Setup, dnc_teach_ladder};
-use gsk_core::units::Point;
+use gsk_core::units::{NonFinite, Point, find_non_finite};
 use gsk_messages::{Language, Message, say};
 use gsk_milling::{MillSetup, WordError};
 use gsk_runner::report;
@@ -82,6 +82,15 @@ pub enum LoadError {
         /// What is wrong there.
         error: Box<ron::Error>,
     },
+    /// A number of a machine file that is not finite.
+    MachineNumber {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// As it is written.
+        token: String,
+    },
     /// A machine file that breaks its rules.
     NoLathe {
         /// The file.
@@ -125,7 +134,10 @@ impl LoadError {
                 say::ladder_not_started(path.display(), of_ladder(errors))
             }
             Self::Machine { path, line, error } => {
-                say::machine_file_line(path.display(), line, error)
+                say::machine_file_line(path.display(), line, say::as_written(error))
+            }
+            Self::MachineNumber { path, line, token } => {
+                say::machine_file_line(path.display(), line, say::number_not_finite(token))
             }
             Self::NoLathe { path, rules } => {
                 let rules = rules.iter().cloned().map(say::indented);
@@ -335,6 +347,13 @@ pub fn machine(path: &Path) -> Result<LatheConfig, LoadError> {
 
 /// The lathe of a text that is read from this file.
 pub fn machine_of(path: &Path, text: &str) -> Result<LatheConfig, LoadError> {
+    if let Some(NonFinite { line, token }) = find_non_finite(text) {
+        return Err(LoadError::MachineNumber {
+            path: path.to_owned(),
+            line,
+            token,
+        });
+    }
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
     let config: LatheConfig = options.from_str(text).map_err(|error| LoadError::Machine {

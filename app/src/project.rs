@@ -244,6 +244,9 @@ fn checked(path: &Path, name: &str, text: &str) -> Vec<Problem> {
             Err(LoadError::Machine { line, error, .. }) => {
                 vec![wrong(Some(line), say::as_written(error))]
             }
+            Err(LoadError::MachineNumber { line, token, .. }) => {
+                vec![wrong(Some(line), say::number_not_finite(token))]
+            }
             Err(LoadError::NoLathe { rules, .. }) => {
                 rules.into_iter().map(|rule| wrong(None, rule)).collect()
             }
@@ -257,6 +260,9 @@ fn checked(path: &Path, name: &str, text: &str) -> Vec<Problem> {
         Ok(_) => Vec::new(),
         Err(JobError::Syntax { line, error, .. }) => {
             vec![wrong(Some(line), say::as_written(error))]
+        }
+        Err(JobError::Number { line, token, .. }) => {
+            vec![wrong(Some(line), say::number_not_finite(token))]
         }
         Err(JobError::Rule { rule, .. }) => vec![wrong(None, rule)],
         Err(error) => vec![wrong(None, error.message())],

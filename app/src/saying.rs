@@ -8,6 +8,8 @@ use gsk_core::plc::{CompileError, CompileErrors, summary};
 use gsk_link::Difference;
 use gsk_messages::{Message, say};
 
+use crate::platform::DeviceName;
+
 /// Messages one under the other.
 pub fn lines(messages: impl IntoIterator<Item = Message>) -> Message {
     let under = messages.into_iter().reduce(say::on_two_lines);
@@ -42,6 +44,9 @@ pub fn of_ladder(errors: &CompileErrors) -> Message {
 /// What the system said of a file, a port or a network address: in its own words, in Chinese
 /// with what they mean before them.
 pub fn of_system(error: &io::Error) -> Message {
+    if let Some(DeviceName(name)) = error.get_ref().and_then(|inner| inner.downcast_ref()) {
+        return say::file_name_device(name);
+    }
     of_kind(error.kind(), error)
 }
 

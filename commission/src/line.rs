@@ -1,5 +1,6 @@
 //! What both forms of a file share: lines, numbers, words, and what is wrong with them.
 
+use gsk_core::units::parse_finite;
 use gsk_messages::{Message, say};
 
 use crate::measurement::Direction;
@@ -41,9 +42,7 @@ pub(crate) fn lines(text: &str) -> impl Iterator<Item = (u32, &str)> {
 
 /// A number as it stands in a field.
 pub(crate) fn number(line: u32, field: &str) -> Result<f64, FileFault> {
-    let number: Option<f64> = field.trim().parse().ok();
-    let finite = number.filter(|number| number.is_finite());
-    finite.ok_or_else(|| FileFault::new(line, say::pitch_not_a_number(field)))
+    parse_finite(field.trim()).ok_or_else(|| FileFault::new(line, say::pitch_not_a_number(field)))
 }
 
 /// A position, mm.

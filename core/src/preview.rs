@@ -14,6 +14,7 @@ mod spindle;
 mod tests;
 mod thread;
 mod travel;
+mod work_budget;
 mod written;
 
 use core::cell::LazyCell;
@@ -44,6 +45,7 @@ use preset::SetPlace;
 use spindle::Spindle;
 pub use spindle::Turning;
 use travel::Shown;
+pub use work_budget::WorkBudget;
 
 /// Blocks without motion after which [`preview`] gives up.
 const MOTIONLESS_BLOCKS: u64 = 1_500_000;
@@ -140,6 +142,9 @@ pub struct Progress {
     pub blocks: u64,
     /// Moves so far.
     pub moves: u64,
+    /// Blocks read so far, those of loops and subprograms each time, and one more for each
+    /// 64 bytes of their texts.
+    pub work: u64,
     /// Commands since the last move.
     pub motionless: u64,
     /// Machine time so far, s.
@@ -396,7 +401,7 @@ impl<'a> Walk<'a> {
             until_look -= 1;
             if until_look == 0 {
                 until_look = COMMANDS_A_LOOK;
-                if !go_on(&self.progress()) {
+                if !go_on(&self.progress(interpreter)) {
                     return None;
                 }
             }
@@ -427,11 +432,12 @@ impl<'a> Walk<'a> {
         None
     }
 
-    fn progress(&self) -> Progress {
+    fn progress(&self, interpreter: &Interpreter) -> Progress {
         Progress {
             line: self.source.map_or(0, |source| source.line),
             blocks: self.so_far.blocks,
             moves: self.so_far.moves,
+            work: interpreter.work(),
             motionless: self.motionless,
             time_s: self.clock.now(),
         }

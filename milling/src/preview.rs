@@ -172,6 +172,7 @@ struct Run<'a> {
     tracker: Tracker<'a>,
     block_skip: bool,
     blocks: u64,
+    work: u64,
     motionless: u64,
     stops: u32,
     parts: u32,
@@ -210,6 +211,7 @@ impl<'a> Run<'a> {
             variables: Variables::new(setup.day_time),
             block_skip: setup.block_skip,
             blocks: 0,
+            work: 0,
             motionless: 0,
             stops: 0,
             parts: 0,
@@ -227,6 +229,7 @@ impl<'a> Run<'a> {
                 break;
             }
             let moves = self.tracker.moves;
+            self.work = count;
             let block = match self.read()? {
                 Read::Words(block) => block,
                 Read::Nothing | Read::Returned => {
@@ -259,6 +262,7 @@ impl<'a> Run<'a> {
             line: self.source().line,
             blocks: self.blocks,
             moves: self.tracker.moves,
+            work: self.work,
             motionless: self.motionless,
             time_s: self.tracker.now,
         }

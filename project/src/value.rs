@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use gsk_core::model::ModelId;
+use gsk_core::units::parse_finite;
 use gsk_messages::{Message, say};
 
 use crate::key::{Key, PanelWord};
@@ -91,7 +92,7 @@ const fn kind(key: Key) -> Kind {
 pub(crate) fn read(key: Key, text: &str) -> Result<Value, Message> {
     let (value, wanted) = match kind(key) {
         Kind::Whole => (text.parse().ok().map(Value::Whole), say::project_whole()),
-        Kind::Real => (text.parse().ok().map(Value::Real), say::project_real()),
+        Kind::Real => (parse_finite(text).map(Value::Real), say::project_real()),
         Kind::Switch => (switch(text).map(Value::Switch), say::project_switch()),
         Kind::Model => {
             let words = ModelId::ALL.map(ModelId::word).join(", ");

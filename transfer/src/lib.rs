@@ -31,7 +31,7 @@ pub use control_side::{ControlEvent, ControlSide, Status, Store};
 pub use fault::Fault;
 pub use file::{Entry, NewFile, Progress};
 pub use frame::{BLOCK, Body, Place, Put};
-pub use name::{FileName, NameError, Partition};
+pub use name::{FileName, NameError, Partition, is_device_name};
 pub use pc_side::{Loss, Order, Outcome, PcSide};
 pub use text::{LineEnd, NotText, TextEvent, TextReader, TextWriter, program_number, programs};
 pub use wire_time::WireTime;

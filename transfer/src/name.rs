@@ -52,8 +52,29 @@ pub struct NameError(pub String);
 impl NameError {
     /// What is said of it.
     pub fn message(&self) -> Message {
-        say::transfer_name(&self.0)
+        match is_device_name(&self.0) {
+            true => say::transfer_name_device(&self.0),
+            false => say::transfer_name(&self.0),
+        }
     }
+}
+
+/// Whether Windows takes a file name for a device, whatever its ending: `CON`, `nul.txt`,
+/// `COM1.CNC`. A file of such a name cannot be stored there.
+pub fn is_device_name(name: &str) -> bool {
+    let stem = name.split(['.', ':']).next().unwrap_or(name);
+    let stem = stem.trim_end_matches(' ').to_ascii_uppercase();
+    let numbered = |port: &str| {
+        let number = stem.strip_prefix(port);
+        number.is_some_and(|it| {
+            matches!(it, "0" | "¹" | "²" | "³") || matches!(it.as_bytes(), [b'1'..=b'9'])
+        })
+    };
+    matches!(
+        stem.as_str(),
+        "CON" | "PRN" | "AUX" | "NUL" | "CONIN$" | "CONOUT$"
+    ) || numbered("COM")
+        || numbered("LPT")
 }
 
 /// A name of a file at the control: up to eight letters and digits, a point, up to three.
@@ -65,13 +86,14 @@ impl FileName {
     /// Checks a name.
     ///
     /// # Errors
-    /// It has another form.
+    /// It has another form, or is the name of a device of Windows.
     pub fn new(name: &str) -> Result<Self, NameError> {
         let (stem, ending) = name.split_once('.').unwrap_or((name, "x"));
         let good = |part: &str, longest| {
             (1..=longest).contains(&part.len()) && part.bytes().all(|b| b.is_ascii_alphanumeric())
         };
-        match good(stem, LONGEST[0]) && good(ending, LONGEST[1]) {
+        let stored = !is_device_name(stem);
+        match stored && good(stem, LONGEST[0]) && good(ending, LONGEST[1]) {
             true => Ok(Self(name.to_owned())),
             false => Err(NameError(name.to_owned())),
         }
@@ -131,6 +153,28 @@ mod tests {
         ] {
             assert!(FileName::new(name).is_err(), "{name}");
         }
+    }
+
+    #[test]
+    fn devices_of_windows_are_no_files() {
+        for name in [
+            "CON", "con.CNC", "Aux.par", "NUL.cnc", "PRN", "COM1.CNC", "lpt9", "COM0",
+        ] {
+            let refused = FileName::new(name).expect_err(name).to_string();
+            assert!(refused.contains("device"), "{refused}");
+        }
+        for name in [
+            "CONE.CNC",
+            "COM.CNC",
+            "COM10.CNC",
+            "NULL",
+            "LPTX.par",
+            "AUX1",
+        ] {
+            assert!(FileName::new(name).is_ok(), "{name}");
+        }
+        assert!(is_device_name("CON .nc") && is_device_name("aux.job.ron"));
+        assert!(!is_device_name("") && !is_device_name(".con"));
     }
 
     #[test]

@@ -8,6 +8,10 @@ use core::ops::{Add, Mul, Neg, Sub};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
+mod finite;
+
+pub use finite::{NonFinite, find_non_finite, parse_finite};
+
 /// Numbers of the alarms that the sources name, from the `id` column of
 /// `assets/tables/alarms.tsv`.
 pub mod alarm {

@@ -69,7 +69,7 @@ fn check_file(
 ) -> Result<Report, CommandError> {
     let mut setup = setup.clone();
     loading::open(&mut setup, &[file.to_owned()])?.print(language);
-    let mut watch = output::watch(&setup.memory.programs, args.look.patience.begin(), alone);
+    let mut watch = output::watch(&setup.memory.programs, args.look.limits.begin(), alone);
     let name = file.display().to_string();
     let mut goes_on = |progress: &Progress| watch.goes_on(progress);
     if !args.part.wanted() {

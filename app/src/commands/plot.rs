@@ -42,7 +42,7 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
         true => Some(job::choose(&args.part, Some(main), &setup)?.machining()),
         false => None,
     };
-    let mut watch = output::watch(&setup.memory.programs, args.look.patience.begin(), true);
+    let mut watch = output::watch(&setup.memory.programs, args.look.limits.begin(), true);
     let preview = preview_while(
         &setup,
         &setup.memory.programs,

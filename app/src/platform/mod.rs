@@ -21,6 +21,11 @@
 //!
 //! `day_time` is the clock on the wall, which a library knows on all of them.
 
+use std::io;
+use std::path::Path;
+
+use gsk_messages::say;
+
 #[cfg(any(unix, windows))]
 mod computer;
 mod day_time;
@@ -40,6 +45,23 @@ pub use unix::*;
 pub use web::*;
 #[cfg(windows)]
 pub use windows::*;
+
+/// A file name that the system takes for a device.
+#[derive(Debug, thiserror::Error)]
+#[error("{}", say::file_name_device(.0))]
+pub struct DeviceName(pub String);
+
+/// Refuses a path whose last name is that of a device: reading `CON` waits for the keyboard.
+///
+/// # Errors
+/// [`DeviceName`].
+pub fn refuse_device(path: &Path) -> io::Result<()> {
+    if !is_device(path) {
+        return Ok(());
+    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    Err(io::Error::other(DeviceName(name.into_owned())))
+}
 
 /// What stands at a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use gsk_core::command::ProgramId;
 use gsk_core::model::ControlModel;
+use gsk_core::preview::WorkBudget;
 use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::number_of_name;
@@ -18,7 +19,7 @@ use super::files::{self, Wanted};
 use super::samples::Sample;
 use crate::kernel::{Command, Console, Notice, Opened, Storing};
 use crate::loading::LoadError;
-use crate::patience::Patience;
+use crate::work_limit::WorkLimit;
 use crate::{loading, transfer};
 use gsk_messages::{Language, Message, say};
 
@@ -30,8 +31,8 @@ pub struct Opener {
     newest: Arc<AtomicU64>,
 }
 
-/// How long a program is looked through, and how many moves of it.
-const PATIENCE: (Duration, u64) = (Duration::from_secs(20), 100_000_000);
+/// Work of a look through a program.
+const BUDGET: WorkBudget = WorkBudget::interactive(50_000_000);
 
 /// Between two words about a look that takes long.
 const NEWS: Duration = Duration::from_secs(2);
@@ -122,9 +123,9 @@ impl Opener {
         let called = opened.program.number().or(number_of_name(&opened.name));
         let called = called.map_or_else(|| name.to_string(), |number| format!("O{number:04}"));
         let setup = selected(self.console.setup().unwrap_or_default(), opened);
-        let patience = Patience::new(PATIENCE.0, PATIENCE.1);
+        let limit = WorkLimit::new(BUDGET);
         let mut news_at = Instant::now() + NEWS;
-        let mut impatient = false;
+        let mut given_up = false;
         let look = first_look::look(called, &setup, &mut |progress| {
             if Instant::now() >= news_at {
                 news_at += NEWS;
@@ -133,8 +134,8 @@ impl Opener {
                 let said = say::window_looks_through(&name, line, moves, time);
                 tell(Notice::Said(said));
             }
-            impatient = !patience.lasts(progress);
-            !impatient && is_newest()
+            given_up = !limit.allows(progress);
+            !given_up && is_newest()
         });
         if !is_newest() {
             return;
@@ -142,8 +143,8 @@ impl Opener {
         if let Some((least, greatest)) = look.extents() {
             self.console.send(Command::Fit { least, greatest });
         }
-        tell(match impatient {
-            true => Notice::Said(say::window_no_extents(&name, PATIENCE.0.as_secs())),
+        tell(match given_up {
+            true => Notice::Said(say::window_no_extents(&name)),
             false => Notice::Looked(name.into_owned(), Box::new(look)),
         });
     }

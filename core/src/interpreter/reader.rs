@@ -227,6 +227,11 @@ impl Interpreter {
         self.main.levels.set(number, value);
     }
 
+    /// Blocks read so far, and one more for each 64 bytes of their texts.
+    pub(crate) const fn work(&self) -> u64 {
+        self.recent.work()
+    }
+
     /// Whether commands of the block read last are still to come.
     pub(crate) fn in_block(&self) -> bool {
         self.run().plan.is_some()

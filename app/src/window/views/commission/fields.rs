@@ -2,6 +2,7 @@
 
 use egui::{Role, TextEdit, Ui, WidgetInfo};
 use gsk_commission::{Backlash, DriveKind, Travel, ZeroMethod};
+use gsk_core::units::parse_finite;
 use gsk_messages::{Language, Message, say};
 
 /// Width of a field, points.
@@ -55,9 +56,7 @@ impl Default for Fields {
 
 /// A number, with a point or a comma.
 pub fn number(text: &str) -> Result<f64, Message> {
-    let number: Option<f64> = text.trim().replace(',', ".").parse().ok();
-    let finite = number.filter(|number| number.is_finite());
-    finite.ok_or_else(say::commission_numbers)
+    parse_finite(&text.trim().replace(',', ".")).ok_or_else(say::commission_numbers)
 }
 
 /// A number that may be left out.

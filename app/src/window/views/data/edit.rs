@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use gsk_commission::Change;
 use gsk_core::cnc::{OffsetEntry, Request};
 use gsk_core::memory::{self, Offsets, PitchTable, Refusal, ToolOffset};
-use gsk_core::units::Axis;
+use gsk_core::units::{Axis, parse_finite};
 use gsk_messages::{Message, say};
 
 use super::values::Values;
@@ -290,9 +290,8 @@ impl Spot {
 
     /// A number, with a point or a comma.
     fn number(self, text: &str) -> Result<f64, Message> {
-        let number: Option<f64> = text.replace(',', ".").parse().ok();
-        let number = number.filter(|number| number.is_finite());
-        number.ok_or_else(|| say::data_not_a_value(self.name(), text))
+        parse_finite(&text.replace(',', "."))
+            .ok_or_else(|| say::data_not_a_value(self.name(), text))
     }
 
     /// An offset; after U or W what is added to it (decision DATA-3, manual III-7).

@@ -412,8 +412,7 @@ impl ProgramView {
             .auto_shrink([false, false])
             .show(ui, |ui| {
                 if checked.is_given_up() {
-                    let seconds = check::PATIENCE.0.as_secs();
-                    let words = say::program_given_up(seconds).text(language);
+                    let words = say::program_given_up().text(language);
                     ui.label(RichText::new(words).color(WRONG));
                 } else if checked.findings.is_empty() {
                     ui.label(checked.look.line(language));
