@@ -36,7 +36,9 @@ use gsk_panel::refusal::Press;
 use gsk_runner::partner::{Partner as _, Patience};
 
 use crate::dnc::{Partner, Source};
+use crate::input_watch::InputWatch;
 use crate::pace::Speed;
+use crate::platform;
 use crate::retained;
 use crate::serial::SerialLine;
 pub use console::{
@@ -116,6 +118,8 @@ pub struct Kernel {
     part: PartSide,
     /// Commands so far: the window is heard.
     heard: u64,
+    /// What proves that held keys are still held.
+    watch: InputWatch,
     quit: bool,
 }
 
@@ -156,8 +160,10 @@ impl Kernel {
             probing: None,
             part: PartSide::new(Arc::clone(&part)),
             heard: 0,
+            watch: InputWatch::default(),
             quit: false,
         };
+        let watch = kernel.watch.clone();
         (
             kernel,
             Console {
@@ -168,6 +174,7 @@ impl Kernel {
                 part,
                 notices: from_kernel,
                 say: notices,
+                watch,
             },
         )
     }
@@ -348,6 +355,10 @@ impl Kernel {
 
     fn carry_out(&mut self, command: Command) {
         self.heard += 1;
+        if self.is_late(&command) {
+            self.say(Notice::Said(say::key_came_late()));
+            return;
+        }
         if matches!(
             command,
             Command::Key { down: true, .. } | Command::Tap(_) | Command::Type(_) | Command::Turn(_)
@@ -443,6 +454,17 @@ impl Kernel {
         }
     }
 
+    /// Whether something was pressed or turned that would move a real machine, and the
+    /// display has hung of late: nobody knows how long ago that was.
+    fn is_late(&self, command: &Command) -> bool {
+        let moves = match command {
+            Command::Key { key, down: true } | Command::Tap(key) => edges::moves(*key),
+            Command::Turn(_) => true,
+            _ => false,
+        };
+        moves && self.drive.is_some() && !self.watch.is_fresh(platform::time_with_sleep())
+    }
+
     /// Asks for parameters, pitch errors, offsets and variables as one; where the control
     /// does not take each of them, none.
     fn write(&mut self, requests: Vec<Request>) {
@@ -502,6 +524,18 @@ impl Kernel {
         let cnc = &self.emulator.simulation.cnc;
         let alarm = cnc.alarms().first().cloned();
         alarm.or_else(|| cnc.standing_message())
+    }
+
+    /// Nothing proves any more that the hand is at the machine: every key is let go, and
+    /// what the handwheel was turned by and the axis has not followed is dropped.
+    fn let_go(&mut self) {
+        self.release_all();
+        self.drop_wheel();
+    }
+
+    fn drop_wheel(&mut self) {
+        // It is no request that could be refused.
+        let _ = self.emulator.simulation.cnc.request(Request::DropWheel);
     }
 
     fn release_all(&mut self) {
