@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
-use gsk_link::{Backend, Event, Link, LinkConfig, LinkState, Protocol};
+use gsk_link::{Event, Link, LinkConfig, LinkState, Protocol};
 
 use gsk_messages::Message;
 

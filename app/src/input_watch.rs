@@ -15,11 +15,19 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use web_time::Duration;
 
-/// Between two questions to the display.
-pub const ASK_EVERY: Duration = Duration::from_millis(100);
+/// Between two questions to the display, and between two pictures of the window while
+/// keys are held.
+pub const ASK_EVERY: Duration = Duration::from_millis(50);
 /// Held keys are let go when nothing has proved them held for so long. With the lookahead of
-/// a board and the ramp of a jog the axis stands within 600 ms.
-pub const LEASE: Duration = Duration::from_millis(350);
+/// a board and the ramp of a rapid the axis stands within 600 ms.
+const LEASE: Duration = Duration::from_millis(150);
+/// The same of the simulated lathe, which hurts nobody.
+const LEASE_SIMULATED: Duration = Duration::from_millis(600);
+/// Held keys are let go when the window has said nothing for so long: it draws, which takes
+/// time.
+const WINDOW_LEASE: Duration = Duration::from_millis(250);
+/// A display that has not answered for so long has hung.
+const HANGS: Duration = Duration::from_millis(350);
 /// A display that has hung hands over what was pressed meanwhile; it is believed again when
 /// it has answered for so long.
 const SETTLES: Duration = Duration::from_millis(300);
@@ -132,7 +140,7 @@ impl InputWatch {
     pub fn answer(&self, asked: Duration, now: Duration, shown: Shown) {
         let mut state = self.state();
         let pause = state.answered.map(|before| now.saturating_sub(before));
-        if state.steady.is_none() || pause.is_none_or(|pause| pause > LEASE) {
+        if state.steady.is_none() || pause.is_none_or(|pause| pause > HANGS) {
             state.steady = Some(now);
         }
         state.answered = Some(asked);
@@ -149,7 +157,18 @@ impl InputWatch {
     pub fn has_lapsed(&self, pressed: Duration, now: Duration) -> bool {
         let state = self.state();
         let proved = state.proved.map_or(pressed, |proved| proved.max(pressed));
-        state.witness == Witness::Display && now.saturating_sub(proved) > LEASE
+        let lease = if state.linked { LEASE } else { LEASE_SIMULATED };
+        state.witness == Witness::Display && now.saturating_sub(proved) > lease
+    }
+
+    /// Whether the window has said nothing since a moment for so long that what it holds is
+    /// let go.
+    pub fn has_window_lapsed(&self, heard: Duration, now: Duration) -> bool {
+        let lease = match self.state().linked {
+            true => WINDOW_LEASE,
+            false => LEASE_SIMULATED,
+        };
+        now.saturating_sub(heard) > lease
     }
 
     /// Whether the display answers, and has not hung of late: what is pressed and turned
@@ -158,7 +177,7 @@ impl InputWatch {
         let state = self.state();
         let answers = |at: Option<Duration>| at.map(|at| now.saturating_sub(at));
         state.witness == Witness::Window
-            || answers(state.answered).is_some_and(|age| age <= LEASE)
+            || answers(state.answered).is_some_and(|age| age <= HANGS)
                 && answers(state.steady).is_some_and(|age| age >= SETTLES)
     }
 
@@ -194,14 +213,17 @@ mod tests {
     #[test]
     fn a_display_that_hangs_proves_nothing() {
         let watch = InputWatch::default();
+        watch.set_linked(true);
         watch.hold(ONE_KEY);
         let down = Shown::Down {
             keys: 1,
             pointer: false,
         };
         answers_until(&watch, 1000, down);
-        assert!(!watch.has_lapsed(ms(100), ms(1250)));
-        assert!(watch.has_lapsed(ms(100), ms(1251)));
+        assert!(!watch.has_lapsed(ms(100), ms(1050)));
+        assert!(watch.has_lapsed(ms(100), ms(1051)));
+        assert!(!watch.is_silent(ms(1050)) && watch.is_silent(ms(1051)));
+        assert!(watch.has_window_lapsed(ms(700), ms(1000)));
         // An answer that comes late proves the moment of its question.
         watch.answer(ms(1000), ms(4000), down);
         assert!(watch.has_lapsed(ms(100), ms(4000)));
@@ -240,15 +262,16 @@ mod tests {
             watch.hold(holders);
             watch.answer(ms(10_000), ms(10_001), Shown::Down { keys: 0, pointer: false });
             watch.answer(ms(20_000), ms(20_001), Shown::Down { keys, pointer });
-            assert_eq!(!watch.has_lapsed(ms(0), ms(20_100)), held, "{holders:?}");
+            assert!(watch.has_lapsed(ms(0), ms(20_601)));
+            assert_eq!(!watch.has_lapsed(ms(0), ms(20_600)), held, "{holders:?}");
         }
     }
 
     #[test]
     fn without_a_display_to_ask_the_window_alone_counts() {
         let watch = InputWatch::default();
-        assert!(watch.has_lapsed(ms(0), ms(400)) && !watch.is_fresh(ms(400)));
+        assert!(watch.has_lapsed(ms(0), ms(700)) && !watch.is_fresh(ms(700)));
         watch.trust_window();
-        assert!(!watch.has_lapsed(ms(0), ms(400)) && watch.is_fresh(ms(400)));
+        assert!(!watch.has_lapsed(ms(0), ms(700)) && watch.is_fresh(ms(700)));
     }
 }

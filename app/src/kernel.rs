@@ -34,6 +34,7 @@ use gsk_panel::keys::Key;
 use gsk_panel::panel::KeyEvent;
 use gsk_panel::refusal::Press;
 use gsk_runner::partner::{Partner as _, Patience};
+use web_time::Duration;
 
 use crate::dnc::{Partner, Source};
 use crate::input_watch::InputWatch;
@@ -64,6 +65,8 @@ use waiting::Waiting;
 pub const PICTURE_TICKS: u64 = 25;
 /// Ticks between two looks at machine and PLC, for the views that show them.
 const MACHINE_TICKS: u64 = 50;
+/// A handwheel that was not turned for so long has come to rest.
+const WHEEL_RESTS: Duration = Duration::from_millis(300);
 /// Commands that wait for the kernel.
 const QUEUE: usize = 1024;
 
@@ -120,6 +123,8 @@ pub struct Kernel {
     heard: u64,
     /// What proves that held keys are still held.
     watch: InputWatch,
+    /// After the display has hung the handwheel has to rest until then.
+    wheel_rests_until: Duration,
     quit: bool,
 }
 
@@ -161,6 +166,7 @@ impl Kernel {
             part: PartSide::new(Arc::clone(&part)),
             heard: 0,
             watch: InputWatch::default(),
+            wheel_rests_until: Duration::ZERO,
             quit: false,
         };
         let watch = kernel.watch.clone();
@@ -456,13 +462,22 @@ impl Kernel {
 
     /// Whether something was pressed or turned that would move a real machine, and the
     /// display has hung of late: nobody knows how long ago that was.
-    fn is_late(&self, command: &Command) -> bool {
+    fn is_late(&mut self, command: &Command) -> bool {
+        let turns = matches!(command, Command::Turn(_));
         let moves = match command {
             Command::Key { key, down: true } | Command::Tap(key) => edges::moves(*key),
-            Command::Turn(_) => true,
-            _ => false,
+            _ => turns,
         };
-        moves && self.drive.is_some() && !self.watch.is_fresh(platform::time_with_sleep())
+        if !moves || self.drive.is_none() {
+            return false;
+        }
+        let now = platform::time_with_sleep();
+        let late = !self.watch.is_fresh(now) || turns && now < self.wheel_rests_until;
+        if turns && late {
+            // A wheel that turns on does not take the axis along again.
+            self.wheel_rests_until = now + WHEEL_RESTS;
+        }
+        late
     }
 
     /// Asks for parameters, pitch errors, offsets and variables as one; where the control

@@ -10,7 +10,6 @@ use web_time::{Duration, Instant};
 use super::journal::Journal;
 use super::{Command, Console, Kernel, Notice, PICTURE_TICKS, Times};
 use crate::ending::{ENDED, Ending};
-use crate::input_watch::LEASE;
 use crate::pace::{Pace, Speed};
 use crate::platform::{self, Turning};
 use crate::retained::Keeper;
@@ -166,7 +165,7 @@ impl Running {
             return;
         }
         let pressed = *self.held.get_or_insert(now);
-        let silent = now.saturating_sub(self.heard.0) > LEASE;
+        let silent = kernel.watch.has_window_lapsed(self.heard.0, now);
         if silent || kernel.watch.has_lapsed(pressed, now) {
             self.held = None;
             kernel.let_go();
@@ -399,7 +398,7 @@ mod tests {
             assert!(running.turn());
             assert!(running.kernel.keys.any_down());
             // The computer slept: what the window said before it is no sign of life.
-            running.heard.0 = platform::time_with_sleep().saturating_sub(2 * LEASE);
+            running.heard.0 = platform::time_with_sleep().saturating_sub(Duration::from_secs(2));
             console.send(Command::Alive);
             assert!(running.turn());
             assert!(!running.kernel.keys.any_down());

@@ -52,6 +52,7 @@ use gsk_panel::keys::Key;
 use gsk_panel::occurrences::Occurrence;
 
 use crate::files::lessons::Lessons;
+use crate::input_watch::ASK_EVERY;
 use crate::kernel::{Command, Console, KeysReversed, Snapshot};
 use crate::platform;
 use crate::sound::Sounds;
@@ -368,7 +369,7 @@ impl Window {
             // display does not show them held.
             self.console.send(Command::Alive);
             ui.ctx()
-                .request_repaint_after(std::time::Duration::from_millis(100));
+                .request_repaint_after(ASK_EVERY);
         }
     }
 
