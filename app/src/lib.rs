@@ -15,6 +15,8 @@ pub mod ending;
 pub mod files;
 pub mod guard;
 pub mod hint;
+pub mod host_clock;
+pub mod input_watch;
 mod job;
 pub mod kernel;
 pub mod loading;

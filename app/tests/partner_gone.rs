@@ -216,6 +216,14 @@ fn a_board_of_timed_steps_is_stopped_when_the_program_is_killed() {
     let _ = std::fs::remove_file(machine);
 }
 
+/// It is there, and does nothing any more: stopped, or waiting for a disk that is gone.
+#[test]
+fn a_line_board_is_stopped_when_the_program_stands_still() {
+    for firmware in LINE_BOARDS {
+        line_board(firmware, "stopped", |program, _| signal("STOP", program.id()));
+    }
+}
+
 /// Signals of the session reach the holder, too: they do not end it before its work is
 /// done.
 #[test]

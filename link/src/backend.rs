@@ -130,6 +130,11 @@ pub trait Backend: Positioned + Debug {
     /// Bytes came from the port.
     fn rx(&mut self, bytes: &[u8], now: HostTime);
 
+    /// The computer was away for longer than a board that makes what it holds is told
+    /// ahead: such a board is sent nothing before it has reported where it stands. A board
+    /// of timed steps notices by itself.
+    fn stop_after_absence(&mut self) {}
+
     /// The port failed: unplugged, or taken away.
     fn lost(&mut self, cause: Message);
 
@@ -178,6 +183,12 @@ pub trait Backend: Positioned + Debug {
     /// holds the port when this program is gone; nothing: there is nothing to be stopped,
     /// or nobody knows yet what the board is.
     fn stop_bytes(&self) -> Vec<u8>;
+
+    /// Whether a board answers so to [`stop_bytes`](Self::stop_bytes).
+    fn has_answered_stop(&self, answered: &[u8]) -> bool {
+        let _ = answered;
+        false
+    }
 
     /// The control forgot where the axes stand (power off): so does the link.
     fn forget_position(&mut self) {

@@ -34,6 +34,7 @@ use super::monitor::MachineView;
 use super::part::PartView;
 use super::probe::Probe;
 use super::waiting::Waits;
+use crate::input_watch::InputWatch;
 use crate::job::Chosen;
 use crate::pace::Speed;
 use crate::platform;
@@ -313,6 +314,8 @@ pub struct Console {
     pub notices: Receiver<Notice>,
     /// For helpers that read files: their messages come out of `notices`.
     pub say: Sender<Notice>,
+    /// What proves that held keys are still held.
+    pub watch: InputWatch,
 }
 
 impl Console {

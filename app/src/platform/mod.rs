@@ -5,6 +5,8 @@
 //! |---|---|
 //! | `files` | one file under two names, files for their owner alone, names of ports |
 //! | `process` | this program's own file and name, how its end is asked for |
+//! | `clock` | a clock that counts the sleep of the computer |
+//! | `display` | the display server: whether it answers, and what it shows held |
 //! | `tie` | what ties the program to the process that holds its port |
 //! | `serial` | serial ports, pseudo terminals |
 //! | `sound` | what plays samples |
@@ -18,6 +20,7 @@
 //! | `turns` | what goes on beside the window: threads, or turns between two frames |
 //! | `view` | the window itself, dialogs for files, files dropped on it |
 //! | `log_file` | the file of the log |
+//! | `panic` | what is done before a panic of the window |
 //!
 //! `day_time` is the clock on the wall, which a library knows on all of them.
 

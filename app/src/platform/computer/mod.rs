@@ -2,6 +2,7 @@
 
 mod disk;
 mod log_file;
+mod panic;
 mod turns;
 mod view;
 
@@ -10,6 +11,7 @@ pub use disk::{
     remove_folder, rename, sync_folder, write_new,
 };
 pub use log_file::{LogFile, LogGuard, log_file};
+pub use panic::before_panic;
 pub use turns::{LARGEST_LOOK, Turning, answer, beside, receive, turn};
 pub use view::{
     choose_file, data_folder, first_word, home_folder, in_use, leave_refusal, open_window,

@@ -158,6 +158,10 @@ impl Backend for LineLink {
         }
     }
 
+    fn stop_after_absence(&mut self) {
+        self.wake();
+    }
+
     fn lost(&mut self, cause: Message) {
         self.lose_board(cause);
     }
@@ -182,6 +186,12 @@ impl Backend for LineLink {
         } else {
             Vec::new()
         }
+    }
+
+    fn has_answered_stop(&self, answered: &[u8]) -> bool {
+        let text = String::from_utf8_lossy(answered);
+        let mut lines = text.lines().map(Response::parse);
+        lines.any(|line| matches!(line, Response::Banner(_)))
     }
 
     fn last_position(&self) -> Option<PerAxis<Pulses>> {

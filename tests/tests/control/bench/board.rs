@@ -152,6 +152,8 @@ pub struct Machine<T = GrblTwin> {
     /// Ticks of the kernel between two pulses that belong together.
     pub moving_ticks: u64,
     last_pulse: u64,
+    /// The port takes no more bytes a millisecond than so.
+    pub takes_at_most: Option<usize>,
     /// Looked at after every millisecond.
     pub watch: Option<fn(&Self)>,
 }
@@ -290,6 +292,7 @@ impl<T: Board> Machine<T> {
             sent: Vec::new(),
             moving_ticks: 0,
             last_pulse: 0,
+            takes_at_most: None,
             watch: None,
         }
     }
@@ -372,7 +375,8 @@ impl<T: Board> Machine<T> {
                 self.note_way();
             }
         }
-        let tx = self.linked.tx().to_vec();
+        let mut tx = self.linked.tx().to_vec();
+        tx.truncate(self.takes_at_most.unwrap_or(usize::MAX));
         self.twin.write(&tx);
         self.linked.consumed(tx.len());
         if self.recording {
