@@ -1,4 +1,4 @@
-//! A case is a folder: `tests/cases/<subject>/<code>/<case>/`.
+//! Creates cases: folders `tests/cases/<subject>/<code>/<case>/`.
 
 use std::fs;
 use std::path::Path;
@@ -21,22 +21,22 @@ const SCRIPT_CASE: &str = "\
 ";
 const SCRIPT: &str = "press AUTO\nexpect lamp AUTO on\nexpect alarm none\n";
 
-/// Makes a case that passes; what it is to show is written into its files.
+/// Creates a case that passes, for the author to fill in, and returns what to do next.
 ///
 /// # Errors
-/// The path is none of a case, or it is there already.
-pub fn new(root: &Path, path: &str, script: bool) -> Result<String, TaskError> {
+/// `path` does not have the form of a case, the folder exists, or it cannot be written.
+pub fn create(root: &Path, path: &str, script: bool) -> Result<String, TaskError> {
     let parts: Vec<&str> = path.split('/').collect();
     let [_, _, name] = parts[..] else {
         return Err(TaskError::CaseParts(path.to_owned()));
     };
-    let fits = |part: &&str| {
+    let is_valid = |part: &&str| {
         !part.is_empty()
             && part
                 .chars()
                 .all(|letter| letter.is_ascii_alphanumeric() || letter == '-')
     };
-    if !parts.iter().all(fits) {
+    if !parts.iter().all(is_valid) {
         return Err(TaskError::CaseCharacters(path.to_owned()));
     }
     let folder = root.join("tests/cases").join(path);
@@ -61,9 +61,9 @@ pub fn new(root: &Path, path: &str, script: bool) -> Result<String, TaskError> {
         fs::write(folder.join(file), text).map_err(failed)?;
     }
     Ok(format!(
-        "{}\nrun it: cargo test -p gsk980td-tests --test cases -- {name}\nits expectations are \
-         worked out from the manual; UPDATE_CASES=1 rewrites the values of fields that stand in \
-         them already",
+        "{}\nrun it: cargo test -p gsk980td-tests --test cases -- {name}\nwork its \
+         expectations out from the manual; UPDATE_CASES=1 rewrites the values of fields that \
+         they already name",
         folder.display()
     ))
 }
@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_path_that_is_none_of_a_case_is_refused() {
+    fn other_paths_are_refused() {
         for path in [
             "roughing",
             "cycles/G71",
@@ -82,7 +82,10 @@ mod tests {
             "a//b",
             "a/b/c d",
         ] {
-            assert!(new(Path::new("/nowhere"), path, false).is_err(), "{path}");
+            assert!(
+                create(Path::new("/nowhere"), path, false).is_err(),
+                "{path}"
+            );
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What can go wrong in a task.
+//! Errors of the tasks.
 
 use std::io;
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::process::ExitStatus;
 
 use thiserror::Error;
 
-/// A task that was not done.
+/// Why a task failed.
 #[derive(Debug, Error)]
 pub enum TaskError {
     /// A command cannot be started.
@@ -14,7 +14,7 @@ pub enum TaskError {
     Start {
         /// The command.
         line: String,
-        /// Why.
+        /// The cause.
         error: io::Error,
     },
     /// A command failed.
@@ -22,55 +22,55 @@ pub enum TaskError {
     Failed {
         /// The command.
         line: String,
-        /// How it ended.
+        /// Its exit status.
         status: ExitStatus,
     },
-    /// The path of a case has not three parts.
+    /// The path of a case does not have three parts.
     #[error("{0}: a case is subject/code/name, for instance cycles/G71/roughing-small-step")]
     CaseParts(String),
-    /// The path of a case has other characters.
+    /// The path of a case has a forbidden character.
     #[error("{0}: letters, digits and hyphens only")]
     CaseCharacters(String),
     /// The folder of a new case exists.
-    #[error("{} is there already", .0.display())]
+    #[error("{} exists already", .0.display())]
     Exists(PathBuf),
     /// A folder or file cannot be read or written.
     #[error("{}: {error}", path.display())]
     Write {
         /// The folder or file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         error: io::Error,
     },
-    /// What is needed for another system is not installed.
+    /// A tool for building the program for a system is not installed.
     #[error("the program for {system} is not built: {missing} is missing; {cure}")]
     Tools {
-        /// The system it is built for.
+        /// The target system.
         system: &'static str,
-        /// The first thing that is missing.
+        /// The first missing tool or file.
         missing: String,
-        /// How it comes.
+        /// How to install it.
         cure: &'static str,
     },
-    /// What is given to users is too large.
+    /// A release file is too large.
     #[error("{}: {size} bytes are more than {largest}", path.display())]
     Large {
         /// The file.
         path: PathBuf,
         /// Its size, bytes.
         size: u64,
-        /// The largest that it may have.
+        /// The limit, bytes.
         largest: u64,
     },
-    /// The changelog does not know the version.
+    /// The changelog has no section of the version.
     #[error("CHANGELOG.md has no heading `## [{0}] – YYYY-MM-DD`")]
     NoHeading(String),
-    /// A program that is not understood.
+    /// The requirements of a program cannot be read.
     #[error("{}: {why}", path.display())]
     Program {
         /// The program.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The reason.
         why: String,
     },
     /// An archive cannot be written.
@@ -78,7 +78,7 @@ pub enum TaskError {
     Archive {
         /// The archive.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         error: zip::result::ZipError,
     },
 }

@@ -1,5 +1,5 @@
-//! The figures of speed: every bench, the samples, and what a block of `check` costs
-//! beside what the interpreter of LinuxCNC takes for the like.
+//! Prints the figures of speed: every bench, the samples, and the cost of a block in
+//! `check` compared with LinuxCNC's interpreter.
 
 use std::fs;
 use std::path::Path;
@@ -11,15 +11,15 @@ use crate::dist::target;
 use crate::error::TaskError;
 use crate::shapes;
 
-/// Sample programs that are checked and run, each with its time.
+/// Sample programs whose `check` and `run` are timed.
 const SAMPLES: [&str; 3] = ["01-stepped-shaft", "02-bushing", "03-grooved-pin"];
 
-/// Runs of which the middle one counts.
+/// Runs per figure; the median counts.
 const RUNS: usize = 5;
 
-/// What `rs274 -g` of LinuxCNC 2.9 did a second on an x86-64 computer of two cores, in
-/// blocks or, for calls and roughing, in moves. The programs are alike, not the same, and
-/// so are the computers: a loss is seen, a few per cent are not.
+/// Speed of `rs274 -g` of LinuxCNC 2.9 on an x86-64 computer with two cores, in blocks per
+/// second, or in moves per second for calls and roughing. Programs and computers are
+/// similar, not equal: the ratio shows a loss, but not a few per cent.
 const LINUXCNC: [(&str, f64); 6] = [
     ("short lines", 329_000.0),
     ("mixed arcs", 238_000.0),
@@ -29,8 +29,8 @@ const LINUXCNC: [(&str, f64); 6] = [
     ("macro loop", 505_000.0),
 ];
 
-/// Measures and prints all of them.
-pub fn figures() -> Result<(), TaskError> {
+/// Measures and prints all figures.
+pub fn print() -> Result<(), TaskError> {
     run("cargo", &["bench", "--workspace", "--locked"], &[])?;
     run("cargo", &["build", "--release", "--locked"], &[])?;
     let target = target(&root());
@@ -47,22 +47,22 @@ pub fn figures() -> Result<(), TaskError> {
         }
     }
     let folder = target.join("figures");
-    let written = |error| TaskError::Write {
+    let write_failed = |error| TaskError::Write {
         path: folder.clone(),
         error,
     };
-    fs::create_dir_all(&folder).map_err(written)?;
+    fs::create_dir_all(&folder).map_err(write_failed)?;
     for (name, text) in shapes::all() {
         let file = folder.join(name.replace(' ', "-")).with_extension("CNC");
-        fs::write(&file, text).map_err(written)?;
-        println!("{}", cost(&program, name, &file)?);
+        fs::write(&file, text).map_err(write_failed)?;
+        println!("{}", measure_check(&program, name, &file)?);
     }
-    growth(&program, &folder.join("long.CNC"))
+    measure_long_programs(&program, &folder.join("long.CNC"))
 }
 
 /// Time and memory of long programs: `check` of ten thousand to ten million blocks, `plot`
 /// of a million moves.
-fn growth(program: &Path, file: &Path) -> Result<(), TaskError> {
+fn measure_long_programs(program: &Path, file: &Path) -> Result<(), TaskError> {
     let write = |text: String| {
         fs::write(file, text).map_err(|error| TaskError::Write {
             path: file.to_owned(),
@@ -72,14 +72,14 @@ fn growth(program: &Path, file: &Path) -> Result<(), TaskError> {
     let (program, name) = (program.to_string_lossy(), file.to_string_lossy());
     for blocks in [10_000, 100_000, 1_000_000, 10_000_000] {
         write(shapes::short_lines(blocks))?;
-        let took = taken(&[&program, "check", "--give-up=1h", &name])?;
-        println!("check of {blocks} blocks: {took}");
+        let cost = time_and_memory(&[&program, "check", "--give-up=1h", &name])?;
+        println!("check of {blocks} blocks: {cost}");
     }
     let picture = file.with_extension("png");
     let picture = picture.to_string_lossy();
     for (shape, text) in shapes::long(1_000_000) {
         write(text)?;
-        let took = taken(&[
+        let cost = time_and_memory(&[
             &program,
             "plot",
             "--param=2.1=1",
@@ -88,14 +88,14 @@ fn growth(program: &Path, file: &Path) -> Result<(), TaskError> {
             "-o",
             &picture,
         ])?;
-        println!("plot of a million moves, {shape}: {took}");
+        println!("plot of a million moves, {shape}: {cost}");
     }
     Ok(())
 }
 
-/// The time that a command takes and its memory at most, in words.
-fn taken(command: &[&str]) -> Result<String, TaskError> {
-    /// GNU time; the `time` of shells does not tell the memory.
+/// Runs a command and returns its time and peak memory as text.
+fn time_and_memory(command: &[&str]) -> Result<String, TaskError> {
+    /// GNU time; a shell's own `time` does not report memory.
     const GNU_TIME: &str = "/usr/bin/time";
     let begun = Instant::now();
     if !Path::new(GNU_TIME).exists() {
@@ -106,21 +106,21 @@ fn taken(command: &[&str]) -> Result<String, TaskError> {
         ));
     }
     let timed = [&[GNU_TIME, "-f", "peak %M"], command].concat();
-    let done = output(&timed)?;
+    let result = output(&timed)?;
     let seconds = begun.elapsed().as_secs_f64();
-    let peak = number_behind(&text(&done.stderr), "peak ").unwrap_or_default();
+    let peak = number_after(&text(&result.stderr), "peak ").unwrap_or_default();
     Ok(format!("{seconds:.2} s, {:.0} MiB", peak / 1024.0))
 }
 
-/// What `check` of a file costs, in words.
-fn cost(program: &Path, name: &str, file: &Path) -> Result<String, TaskError> {
+/// Measures `check` of a file and returns its figures as text.
+fn measure_check(program: &Path, name: &str, file: &Path) -> Result<String, TaskError> {
     let check = [
         program.to_string_lossy(),
         "check".into(),
         "--json".into(),
         "--param=2.1=1".into(),
         "--offset=01=0,0,0.4,3".into(),
-        // Counted, a program takes fifty times as long.
+        // Under callgrind a program takes fifty times as long.
         "--give-up=1h".into(),
         file.to_string_lossy(),
     ];
@@ -132,28 +132,28 @@ fn cost(program: &Path, name: &str, file: &Path) -> Result<String, TaskError> {
         seconds.push(begun.elapsed().as_secs_f64());
     }
     seconds.sort_by(f64::total_cmp);
-    let of = |key| number_behind(&report, key).unwrap_or_default();
-    let elements = of("\"blocks\":").max(of("\"moves\":")).max(1.0);
+    let reported = |key| number_after(&report, key).unwrap_or_default();
+    let elements = reported("\"blocks\":").max(reported("\"moves\":")).max(1.0);
     let rate = elements / seconds[RUNS / 2];
     let peer = LINUXCNC.iter().find(|(shape, _)| *shape == name);
-    let times = peer.map_or(0.0, |(_, peer)| rate / peer);
-    let instructions = instructions(&check).map_or_else(
+    let ratio = peer.map_or(0.0, |(_, peer)| rate / peer);
+    let instructions = count_instructions(&check).map_or_else(
         || "not counted without valgrind".to_owned(),
         |count| format!("{:.0} each", count / elements),
     );
     Ok(format!(
-        "check of {name}: {rate:.0} a second, {times:.1} times LinuxCNC; instructions: {instructions}"
+        "check of {name}: {rate:.0} a second, {ratio:.1} times LinuxCNC; instructions: {instructions}"
     ))
 }
 
-/// Instructions that a command takes; `None` where valgrind is not installed.
-fn instructions(command: &[impl AsRef<str>]) -> Option<f64> {
+/// Counts the instructions of a command; `None` if valgrind is not installed.
+fn count_instructions(command: &[impl AsRef<str>]) -> Option<f64> {
     let counted = Command::new("valgrind")
         .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
         .args(command.iter().map(AsRef::as_ref))
         .output()
         .ok()?;
-    number_behind(&text(&counted.stderr), "Collected :")
+    number_after(&text(&counted.stderr), "Collected :")
 }
 
 fn output(command: &[impl AsRef<str>]) -> Result<Output, TaskError> {
@@ -162,14 +162,14 @@ fn output(command: &[impl AsRef<str>]) -> Result<Output, TaskError> {
         line: line.join(" "),
         error,
     };
-    let done = Command::new(line[0]).args(&line[1..]).output();
-    let done = done.map_err(failed)?;
-    if done.status.success() {
-        return Ok(done);
+    let result = Command::new(line[0]).args(&line[1..]).output();
+    let result = result.map_err(failed)?;
+    if result.status.success() {
+        return Ok(result);
     }
     Err(TaskError::Failed {
         line: line.join(" "),
-        status: done.status,
+        status: result.status,
     })
 }
 
@@ -177,12 +177,12 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// The whole number that follows a text.
-fn number_behind(text: &str, before: &str) -> Option<f64> {
-    let (_, behind) = text.split_once(before)?;
-    let behind = behind.trim_start();
-    let end = behind.find(|letter: char| !letter.is_ascii_digit());
-    behind[..end.unwrap_or(behind.len())].parse().ok()
+/// The whole number after the text `before`.
+fn number_after(text: &str, before: &str) -> Option<f64> {
+    let (_, rest) = text.split_once(before)?;
+    let rest = rest.trim_start();
+    let end = rest.find(|letter: char| !letter.is_ascii_digit());
+    rest[..end.unwrap_or(rest.len())].parse().ok()
 }
 
 #[cfg(test)]
@@ -190,17 +190,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counts_are_read_from_what_programs_print() {
+    fn counts_are_read_from_reports() {
         assert_eq!(
-            number_behind("==7== Collected : 512\n", "Collected :"),
+            number_after("==7== Collected : 512\n", "Collected :"),
             Some(512.0)
         );
-        assert_eq!(number_behind("{\"moves\":40}", "\"moves\":"), Some(40.0));
-        assert_eq!(number_behind("", "\"moves\":"), None);
+        assert_eq!(number_after("{\"moves\":40}", "\"moves\":"), Some(40.0));
+        assert_eq!(number_after("", "\"moves\":"), None);
     }
 
     #[test]
-    fn every_shape_has_a_figure_of_the_peer() {
+    fn every_shape_has_a_figure_of_linuxcnc() {
         for (name, _) in shapes::all() {
             assert!(LINUXCNC.iter().any(|(shape, _)| *shape == name), "{name}");
         }

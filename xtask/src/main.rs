@@ -1,4 +1,4 @@
-//! What a developer does often, on every platform: `cargo xtask --help`.
+//! Tasks of a developer, on every platform: `cargo xtask --help` lists them.
 
 mod case;
 mod dist;
@@ -15,7 +15,7 @@ use error::TaskError;
 use clap::{Parser, Subcommand};
 
 #[derive(Debug, Parser)]
-#[command(name = "cargo xtask", about = "What a developer does often")]
+#[command(name = "cargo xtask", about = "Tasks of a developer")]
 struct Cli {
     #[command(subcommand)]
     task: Task,
@@ -28,13 +28,13 @@ enum Task {
     /// Cases: folders of data under `tests/cases/`
     #[command(subcommand)]
     Case(CaseTask),
-    /// What is given to users, in `target/dist`
+    /// The release files, in `target/dist`
     Dist {
-        /// One of them; without it everything that can be built here, with SHA256SUMS
+        /// One kind; without it everything that can be built here, with SHA256SUMS
         #[command(subcommand)]
         one: Option<DistTask>,
     },
-    /// The documentation of all packages, a warning is an error; and the help as one page to be printed
+    /// The documentation of all packages (a warning is an error), and the help as one page for printing
     Docs {
         /// Open it in the browser
         #[arg(long)]
@@ -48,7 +48,7 @@ enum Task {
 enum DistTask {
     /// The program for this Linux: a portable .tar.gz and a .deb
     Linux,
-    /// What is new in this version, from CHANGELOG.md
+    /// Release notes of this version, from CHANGELOG.md
     Notes,
     /// The program for Windows on x86-64, built on Debian: an .exe, a .zip with its checksum
     Windows,
@@ -58,9 +58,9 @@ enum DistTask {
 
 #[derive(Debug, Subcommand)]
 enum CaseTask {
-    /// A new case to fill in: `cycles/G71/roughing-small-step`
+    /// Create a case to fill in: `cycles/G71/roughing-small-step`
     New {
-        /// Subject, code and name, as the folders are
+        /// Subject, code and name, like the folders
         path: String,
         /// An operator script instead of a part program
         #[arg(long)]
@@ -69,10 +69,10 @@ enum CaseTask {
 }
 
 fn main() -> ExitCode {
-    let done = match Cli::parse().task {
+    let result = match Cli::parse().task {
         Task::Ci => run("bash", &[".ci/run"], &[]),
         Task::Case(CaseTask::New { path, script }) => {
-            case::new(&root(), &path, script).map(|said| println!("{said}"))
+            case::create(&root(), &path, script).map(|next| println!("{next}"))
         }
         Task::Dist { one: None } => dist::all(&root()),
         Task::Dist { one: Some(one) } => match one {
@@ -81,13 +81,13 @@ fn main() -> ExitCode {
             DistTask::Windows => dist::windows::make(&root()),
             DistTask::Web => dist::web::make(&root()),
         },
-        Task::Docs { open } => docs(open),
-        Task::Figures => figures::figures(),
+        Task::Docs { open } => build_docs(open),
+        Task::Figures => figures::print(),
     };
-    match done {
+    match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(said) => {
-            eprintln!("{said}");
+        Err(error) => {
+            eprintln!("{error}");
             ExitCode::FAILURE
         }
     }
@@ -121,11 +121,11 @@ fn run(program: &str, arguments: &[&str], environment: &[(&str, &str)]) -> Resul
     }
 }
 
-fn docs(open: bool) -> Result<(), TaskError> {
+fn build_docs(open: bool) -> Result<(), TaskError> {
     let mut arguments = vec!["doc", "--workspace", "--no-deps", "--locked"];
     if open {
         arguments.push("--open");
     }
     run("cargo", &arguments, &[("RUSTDOCFLAGS", "-D warnings")])?;
-    dist::manuals(&root())
+    dist::write_manuals(&root())
 }

@@ -1,4 +1,4 @@
-//! Archives whose bytes depend on nothing but what is in them.
+//! Reproducible archives: the bytes depend only on names and contents.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -10,25 +10,25 @@ use tar::{Builder, EntryType, Header};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use super::on;
+use super::with_path;
 use crate::error::TaskError;
 
-/// A file in an archive: its name there and where it comes from.
+/// A file in an archive: its name there and its path on disk.
 pub type Entry = (String, PathBuf);
 
-/// A file for Linux, in memory.
+/// A file of an archive for Linux, held in memory.
 #[derive(Debug)]
 pub struct Item {
     /// Its path in the archive, without a slash before it.
     pub name: String,
-    /// What is in it.
+    /// Its contents.
     pub bytes: Vec<u8>,
     /// Whether it can be executed.
     pub program: bool,
 }
 
 impl Item {
-    /// A file that is read.
+    /// A file that cannot be executed.
     pub fn text(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> Self {
         Self {
             name: name.into(),
@@ -38,15 +38,15 @@ impl Item {
     }
 }
 
-/// The bytes packed by gzip, without name and time.
+/// Compresses bytes with gzip, without name and time in the header.
 pub fn gz(bytes: &[u8]) -> io::Result<Vec<u8>> {
     let mut packed = GzBuilder::new().write(Vec::new(), Compression::best());
     packed.write_all(bytes)?;
     packed.finish()
 }
 
-/// The bytes of a .tar.gz: folders, then files, each in the order of names and below
-/// `root` (`./`, `name/`), of root and of one time (seconds since 1970).
+/// Makes a .tar.gz: folders, then files, each sorted by name and below `root` (`./`,
+/// `name/`). All belong to the user root and have the same `time`, in seconds since 1970.
 pub fn tar_gz(root: &str, items: &[Item], time: u64) -> io::Result<Vec<u8>> {
     let mut folders = BTreeSet::from([String::new()]);
     for item in items {
@@ -66,7 +66,7 @@ pub fn tar_gz(root: &str, items: &[Item], time: u64) -> io::Result<Vec<u8>> {
         header.set_size(bytes.len() as u64);
         header.set_username("root")?;
         header.set_groupname("root")?;
-        // As it stands: `set_path` would take `./` away, which dpkg wants.
+        // `set_path` would remove the `./` that dpkg requires.
         let field = header
             .as_old_mut()
             .name
@@ -87,8 +87,8 @@ pub fn tar_gz(root: &str, items: &[Item], time: u64) -> io::Result<Vec<u8>> {
     gz(&archive.into_inner()?)
 }
 
-/// The bytes of an archive of `ar`, as a .deb is one: names of at most 16 bytes, of root
-/// and of one time (seconds since 1970).
+/// Makes an `ar` archive, the outer form of a .deb: names of at most 16 bytes, owner root,
+/// one `time` for all members in seconds since 1970.
 pub fn ar(members: &[(&str, Vec<u8>)], time: u64) -> Vec<u8> {
     let mut out = b"!<arch>\n".to_vec();
     for (name, bytes) in members {
@@ -106,16 +106,21 @@ pub fn ar(members: &[(&str, Vec<u8>)], time: u64) -> Vec<u8> {
     out
 }
 
-/// The files of a path, a folder's in the order of their names, as they are called below
-/// `root`.
+/// Lists the files of a path with their names below `root`; a folder is listed recursively,
+/// sorted by name.
 pub fn entries(root: &Path, path: &str) -> Result<Vec<Entry>, TaskError> {
     let at = root.join(path);
     if !at.is_dir() {
         return Ok(vec![(path.to_owned(), at)]);
     }
     let mut names = Vec::new();
-    for entry in on(&at, fs::read_dir(&at))? {
-        names.push(on(&at, entry)?.file_name().to_string_lossy().into_owned());
+    for entry in with_path(&at, fs::read_dir(&at))? {
+        names.push(
+            with_path(&at, entry)?
+                .file_name()
+                .to_string_lossy()
+                .into_owned(),
+        );
     }
     names.sort();
     let files = names
@@ -124,34 +129,34 @@ pub fn entries(root: &Path, path: &str) -> Result<Vec<Entry>, TaskError> {
     Ok(files.collect::<Result<Vec<_>, _>>()?.concat())
 }
 
-/// How hard a .zip tries to be small.
+/// Compression effort of a .zip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
-    /// In a second or two.
+    /// One or two seconds.
     Quick,
-    /// By zopfli: about 5 % smaller, at half a megabyte a second.
+    /// Zopfli: about 5 % smaller, at half a megabyte per second.
     Small,
 }
 
-/// Writes a .zip; every file has the same time, 1980-01-01.
+/// Writes a .zip in which every file has the time 1980-01-01.
 pub fn zip(path: &Path, folder: &str, entries: &[Entry], effort: Effort) -> Result<(), TaskError> {
     let failed = |error| TaskError::Archive {
         path: path.to_owned(),
         error,
     };
-    let mut archive = ZipWriter::new(on(path, File::create(path))?);
+    let mut archive = ZipWriter::new(with_path(path, File::create(path))?);
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
-        // Above 9 it is zopfli, and how often it looks again.
+        // Levels above 9 select zopfli; the excess is its number of iterations.
         .compression_level((effort == Effort::Small).then_some(14))
         .last_modified_time(DateTime::default())
         .unix_permissions(0o644);
     for (name, from) in entries {
-        let bytes = on(from, fs::read(from))?;
+        let bytes = with_path(from, fs::read(from))?;
         archive
             .start_file(format!("{folder}/{name}"), options)
             .map_err(failed)?;
-        on(path, archive.write_all(&bytes))?;
+        with_path(path, archive.write_all(&bytes))?;
     }
     archive.finish().map(drop).map_err(failed)
 }
@@ -163,7 +168,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_tar_has_its_folders_and_one_time() {
+    fn tar_lists_folders_first_with_one_time() {
         let items = [
             Item::text("b/c/2", "two"),
             Item {
@@ -195,13 +200,13 @@ mod tests {
             entries,
             expected.map(|(name, mode, size)| (name.to_owned(), mode, size))
         );
-        let turned: Vec<_> = items.into_iter().rev().collect();
-        assert_eq!(tar_gz("./", &turned, 86_400).unwrap(), bytes);
+        let reversed: Vec<_> = items.into_iter().rev().collect();
+        assert_eq!(tar_gz("./", &reversed, 86_400).unwrap(), bytes);
         assert!(tar_gz("./", &[Item::text("x".repeat(99), "")], 0).is_err());
     }
 
     #[test]
-    fn members_of_ar_begin_at_even_bytes() {
+    fn ar_members_begin_at_even_bytes() {
         let bytes = ar(&[("one", b"abc".to_vec()), ("two", b"de".to_vec())], 7);
         let header = "one             7           0     0     100644  3         `\n";
         assert_eq!(bytes[8..68], *header.as_bytes());
@@ -211,12 +216,12 @@ mod tests {
     }
 
     #[test]
-    fn the_same_files_give_the_same_bytes() {
+    fn zip_is_reproducible() {
         let folder = std::env::temp_dir().join(format!("xtask-zip-{}", std::process::id()));
         fs::create_dir_all(folder.join("b")).unwrap();
         let archive = folder.join("out.zip");
         let make = || {
-            // Written anew: another time, another place in the folder.
+            // Rewritten: other times and another order in the folder.
             for name in ["b/2", "b/1", "a"] {
                 let _ = fs::remove_file(folder.join(name));
                 fs::write(folder.join(name), name.repeat(100)).unwrap();

@@ -1,59 +1,66 @@
-//! The package for Debian and its kin: an archive of `ar` with two of `tar`, written here,
-//! so that it is the same bytes wherever it is made.
+//! The package for Debian and Ubuntu: an `ar` archive with two `tar` archives. It is written
+//! here, without dpkg, so that builds are reproducible on every system.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::archive::{self, Item, ar, gz, tar_gz};
-use super::linux::{Parts, empty};
+use super::linux::{PackageContents, empty_folder};
 use super::notes::Section;
-use super::{VERSION, on, target, told};
+use super::{VERSION, stdout_of, target, with_path};
 use crate::error::TaskError;
 
 const MAINTAINER: &str = "The gsk980td contributors <maintainers@gsk980td.invalid>";
 const DOC: &str = "usr/share/doc/gsk980td";
-/// The sizes of the icon, pixels; 256 is the picture of the window.
+/// Sizes of the icon files, pixels; the window's own picture has 256.
 const ICONS: [u32; 6] = [16, 24, 32, 48, 64, 128];
-/// Beside the libraries that it loads, the window needs a driver and the names of keys.
+/// What the window needs besides the libraries it loads: an OpenGL driver and key names.
 const WINDOW: [&str; 2] = ["libgl1-mesa-dri", "xkb-data"];
 
-/// Makes the `.deb` in the folder and says where it is.
+/// Makes the `.deb` in the folder and returns its path.
 ///
 /// # Errors
-/// A file cannot be read or written, `md5sum` fails.
+/// A file cannot be read or written, or `md5sum` fails.
 pub fn make(
     root: &Path,
     folder: &Path,
-    parts: &Parts,
+    parts: &PackageContents,
     version: &Section,
 ) -> Result<PathBuf, TaskError> {
     let architecture = parts.needs.processor.1;
     let path = folder.join(format!("gsk980td_{VERSION}_{architecture}.deb"));
-    let items = files(root, parts, version)?;
+    let items = installed_files(root, parts, version)?;
     let control = [
-        Item::text("control", control(parts, &items)),
-        Item::text("md5sums", sums(root, &items)?),
+        Item::text("control", control_file(parts, &items)),
+        Item::text("md5sums", md5sums(root, &items)?),
     ];
     let members = [
         ("debian-binary", b"2.0\n".to_vec()),
         (
             "control.tar.gz",
-            on(&path, tar_gz("./", &control, parts.time))?,
+            with_path(&path, tar_gz("./", &control, parts.time))?,
         ),
-        ("data.tar.gz", on(&path, tar_gz("./", &items, parts.time))?),
+        (
+            "data.tar.gz",
+            with_path(&path, tar_gz("./", &items, parts.time))?,
+        ),
     ];
-    on(&path, fs::write(&path, ar(&members, parts.time)))?;
+    with_path(&path, fs::write(&path, ar(&members, parts.time)))?;
     Ok(path)
 }
 
-/// All that is installed.
-fn files(root: &Path, parts: &Parts, version: &Section) -> Result<Vec<Item>, TaskError> {
+/// Every file that the package installs.
+fn installed_files(
+    root: &Path,
+    parts: &PackageContents,
+    version: &Section,
+) -> Result<Vec<Item>, TaskError> {
     let read = |name: &str| {
         let path = root.join(name);
-        on(&path, fs::read(&path))
+        with_path(&path, fs::read(&path))
     };
-    let packed = |bytes: &[u8]| on(root, gz(bytes));
+    let packed = |bytes: &[u8]| with_path(root, gz(bytes));
     let mut items = vec![Item {
         name: "usr/bin/gsk980td".to_owned(),
         bytes: parts.program.clone(),
@@ -64,8 +71,11 @@ fn files(root: &Path, parts: &Parts, version: &Section) -> Result<Vec<Item>, Tas
         let bytes = read(&format!("app/linux/{name}"))?;
         add(format!("usr/share/applications/{name}"), bytes);
     }
-    let kinds = read("app/linux/gsk980td.xml")?;
-    add("usr/share/mime/packages/gsk980td.xml".to_owned(), kinds);
+    let mime_types = read("app/linux/gsk980td.xml")?;
+    add(
+        "usr/share/mime/packages/gsk980td.xml".to_owned(),
+        mime_types,
+    );
     let lintian = read("app/linux/gsk980td.lintian-overrides")?;
     add("usr/share/lintian/overrides/gsk980td".to_owned(), lintian);
     let icon =
@@ -87,7 +97,7 @@ fn files(root: &Path, parts: &Parts, version: &Section) -> Result<Vec<Item>, Tas
     }
     let others = packed(&read("THIRD-PARTY.md")?)?;
     add(format!("{DOC}/THIRD-PARTY.md.gz"), others);
-    let changes = packed(changes(version).as_bytes())?;
+    let changes = packed(debian_changelog(version).as_bytes())?;
     add(format!("{DOC}/changelog.gz"), changes);
     let licence = String::from_utf8_lossy(&read("LICENSE-MIT")?).into_owned();
     add(format!("{DOC}/copyright"), copyright(&licence).into_bytes());
@@ -95,14 +105,14 @@ fn files(root: &Path, parts: &Parts, version: &Section) -> Result<Vec<Item>, Tas
         let name = name.replace("assets/programs/", "");
         add(
             format!("{DOC}/examples/{name}"),
-            on(&path, fs::read(&path))?,
+            with_path(&path, fs::read(&path))?,
         );
     }
     Ok(items)
 }
 
-/// The file `control`.
-fn control(parts: &Parts, items: &[Item]) -> String {
+/// Text of the file `control`.
+fn control_file(parts: &PackageContents, items: &[Item]) -> String {
     let size: usize = items
         .iter()
         .map(|item| item.bytes.len().div_ceil(1024))
@@ -133,41 +143,41 @@ fn control(parts: &Parts, items: &[Item]) -> String {
     )
 }
 
-/// The file `md5sums`: `md5sum` reads the files as they are installed.
-fn sums(root: &Path, items: &[Item]) -> Result<String, TaskError> {
-    let stage = empty(target(root).join("dist-deb"))?;
+/// Text of the file `md5sums`, made by `md5sum` from the installed tree.
+fn md5sums(root: &Path, items: &[Item]) -> Result<String, TaskError> {
+    let stage = empty_folder(target(root).join("dist-deb"))?;
     let mut names: Vec<_> = items.iter().map(|item| item.name.as_str()).collect();
     names.sort_unstable();
     for item in items {
         let path = stage.join(&item.name);
         if let Some(folder) = path.parent() {
-            on(folder, fs::create_dir_all(folder))?;
+            with_path(folder, fs::create_dir_all(folder))?;
         }
-        on(&path, fs::write(&path, &item.bytes))?;
+        with_path(&path, fs::write(&path, &item.bytes))?;
     }
-    let sums = told(
+    let sums = stdout_of(
         Command::new("md5sum")
             .arg("--")
             .args(names)
             .current_dir(&stage),
     )?;
-    on(&stage, fs::remove_dir_all(&stage))?;
+    with_path(&stage, fs::remove_dir_all(&stage))?;
     Ok(sums)
 }
 
-/// The section of the changelog in Debian's form.
-fn changes(version: &Section) -> String {
+/// A section of the changelog in Debian's format.
+fn debian_changelog(version: &Section) -> String {
     let mut out = format!("gsk980td ({VERSION}) unstable; urgency=medium\n");
     for line in version.text.lines().filter(|line| !line.trim().is_empty()) {
         if let Some(heading) = line.strip_prefix("### ") {
             out += &format!("\n  [ {heading} ]\n");
-        } else if let Some(said) = line.strip_prefix("- ") {
-            out += &wrapped("  * ", said);
+        } else if let Some(item) = line.strip_prefix("- ") {
+            out += &wrapped("  * ", item);
         } else {
             out += &wrapped("    ", line.trim());
         }
     }
-    out + &format!("\n -- {MAINTAINER}  {}\n", version.in_words())
+    out + &format!("\n -- {MAINTAINER}  {}\n", version.to_rfc_5322())
 }
 
 /// Words in lines of at most 78 characters, the further ones indented by four.
@@ -223,14 +233,14 @@ fn copyright(licence: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dist::needs::Needs;
+    use crate::dist::needs::Requirements;
 
     #[test]
-    fn changes_are_in_the_form_of_debian() {
+    fn changelog_has_debian_format() {
         let text = format!("### Added\n\n- {}\n- two", "word ".repeat(20));
         let date = (2026, 11, 22);
-        let said = changes(&Section { date, text: &text });
-        let lines: Vec<_> = said.lines().collect();
+        let changelog = debian_changelog(&Section { date, text: &text });
+        let lines: Vec<_> = changelog.lines().collect();
         assert!(lines[0].starts_with("gsk980td (") && lines[0].ends_with("; urgency=medium"));
         assert_eq!(lines[2], "  [ Added ]");
         assert!(lines[3].starts_with("  * word word"));
@@ -239,16 +249,16 @@ mod tests {
             lines
                 .iter()
                 .all(|line| line.len() <= 78 || line.starts_with(" -- ")),
-            "{said}"
+            "{changelog}"
         );
-        assert!(said.ends_with(">  Sun, 22 Nov 2026 00:00:00 +0000\n"));
+        assert!(changelog.ends_with(">  Sun, 22 Nov 2026 00:00:00 +0000\n"));
     }
 
     #[test]
-    fn the_package_is_of_the_processor_of_the_program() {
-        let parts = Parts {
+    fn control_file_names_processor_and_dependencies() {
+        let parts = PackageContents {
             program: Vec::new(),
-            needs: Needs {
+            needs: Requirements {
                 processor: ("aarch64", "arm64"),
                 depends: vec!["libc6 (>= 2.34)".to_owned()],
                 loads: vec!["libgl1".to_owned()],
@@ -257,14 +267,17 @@ mod tests {
             shells: Vec::new(),
             time: 0,
         };
-        let said = control(&parts, &[Item::text("a", vec![0; 1025])]);
+        let control = control_file(&parts, &[Item::text("a", vec![0; 1025])]);
         for line in [
             "Architecture: arm64",
             "Depends: libc6 (>= 2.34)",
             "Recommends: libgl1, libgl1-mesa-dri, xkb-data",
             "Installed-Size: 2",
         ] {
-            assert!(said.lines().any(|there| there == line), "{line}: {said}");
+            assert!(
+                control.lines().any(|found| found == line),
+                "{line}: {control}"
+            );
         }
     }
 }

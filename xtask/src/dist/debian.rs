@@ -1,24 +1,28 @@
-//! Debian's compiler, which brings the sources of the standard library: those are built
-//! along for systems that the usual tool chain does not know.
+//! Debian's Rust tool chain. It ships the sources of the standard library, which are built
+//! together with the program for systems that the usual tool chain does not support.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::told;
+use super::stdout_of;
 use crate::error::TaskError;
 
-/// Debian's tool chain, whatever else stands before it on the PATH.
+/// Finds Debian's tool chain first, whatever comes before it in the caller's `PATH`.
 pub const PATH: &str = "/usr/bin:/bin";
 pub const CARGO: &str = "/usr/bin/cargo";
 pub const RUSTC: &str = "/usr/bin/rustc";
-/// The sources of the standard library, below the compiler's own folder.
+/// The lock file of the standard library's sources, below the sysroot.
 const LIBRARY: &str = "lib/rustlib/src/rust/library/Cargo.lock";
 
-/// Whether it is there, with more tools that a system needs.
+/// Checks that Debian's tool chain and more tools are installed.
 ///
 /// # Errors
-/// The first that is missing, and how it comes.
-pub fn is_there(system: &'static str, cure: &'static str, tools: &[&str]) -> Result<(), TaskError> {
+/// [`TaskError::Tools`] with the first missing tool and `cure`, the way to install it.
+pub fn require_tools(
+    system: &'static str,
+    cure: &'static str,
+    tools: &[&str],
+) -> Result<(), TaskError> {
     let missing = |missing: &str| TaskError::Tools {
         system,
         missing: missing.to_owned(),
@@ -35,8 +39,8 @@ pub fn is_there(system: &'static str, cure: &'static str, tools: &[&str]) -> Res
     library.map(drop).ok_or_else(|| missing(LIBRARY))
 }
 
-/// Where a compiler keeps its own things.
+/// The sysroot of a compiler; `None` if it does not answer.
 pub fn sysroot(compiler: &str) -> Option<PathBuf> {
-    let said = told(Command::new(compiler).args(["--print", "sysroot"])).ok()?;
-    Some(PathBuf::from(said.trim()))
+    let sysroot = stdout_of(Command::new(compiler).args(["--print", "sysroot"])).ok()?;
+    Some(PathBuf::from(sysroot.trim()))
 }

@@ -1,17 +1,17 @@
-//! The program for the Linux that it is built on: a portable .tar.gz and a .deb. Neither
-//! needs more than the tool chain of every other build and coreutils.
+//! Packages for the Linux system they are built on: a portable .tar.gz and a .deb. Both
+//! need only the usual Rust tool chain and coreutils.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::archive::{self, Item};
-use super::needs::{self, Needs};
-use super::{BESIDE, VERSION, deb, folder, notes, on, same_places, target, told};
+use super::needs::{self, Requirements};
+use super::{BUNDLED, VERSION, deb, dist_folder, notes, remap_flags, stdout_of, target, with_path};
 use crate::error::TaskError;
 use crate::run;
 
-/// Shells, with the names of their scripts in the portable archive and in the system.
+/// Shells, with the paths of their completion scripts in the archive and in the system.
 const SHELLS: [(&str, &str, &str); 3] = [
     (
         "bash",
@@ -30,15 +30,15 @@ const SHELLS: [(&str, &str, &str); 3] = [
     ),
 ];
 
-/// What packages are made of.
-pub struct Parts {
+/// The contents of both packages.
+pub struct PackageContents {
     /// The program.
     pub program: Vec<u8>,
-    /// What it needs of a system.
-    pub needs: Needs,
-    /// Its manual pages by file name.
+    /// Processor and packages that the program requires.
+    pub needs: Requirements,
+    /// Manual pages with their file names.
     pub pages: Vec<(String, Vec<u8>)>,
-    /// Scripts of shells: name in the portable archive, path in the system, text.
+    /// Completion scripts: name in the portable archive, path in the system, text.
     pub shells: Vec<(&'static str, &'static str, String)>,
     /// The time of all files, seconds since 1970: the day of the version.
     pub time: u64,
@@ -47,7 +47,7 @@ pub struct Parts {
 /// Makes the `.tar.gz` and the `.deb` in `target/dist`.
 ///
 /// # Errors
-/// This is no Linux, or what a tool says.
+/// The system is not Linux, a tool fails, or a file cannot be read or written.
 pub fn make(root: &Path) -> Result<(), TaskError> {
     if !cfg!(target_os = "linux") {
         return Err(TaskError::Tools {
@@ -59,19 +59,19 @@ pub fn make(root: &Path) -> Result<(), TaskError> {
     let changelog = notes::read(root)?;
     let version = notes::section(&changelog, VERSION)?;
     let built = build(root)?;
-    let program = on(&built, fs::read(&built))?;
+    let program = with_path(&built, fs::read(&built))?;
     let needs = needs::read(&program).map_err(|why| TaskError::Program {
         path: built.clone(),
         why,
     })?;
-    let parts = Parts {
+    let parts = PackageContents {
         program,
         needs,
         pages: pages(root, &built)?,
         shells: shells(&built)?,
         time: version.seconds(),
     };
-    let folder = folder(root)?;
+    let folder = dist_folder(root)?;
     for path in [
         portable(root, &folder, &parts)?,
         deb::make(root, &folder, &parts, &version)?,
@@ -81,16 +81,16 @@ pub fn make(root: &Path) -> Result<(), TaskError> {
     Ok(())
 }
 
-/// Builds the program and says where it is.
+/// Builds the program and returns its path.
 fn build(root: &Path) -> Result<PathBuf, TaskError> {
-    let compiler = told(Command::new("rustc").arg("-vV"))?;
+    let compiler = stdout_of(Command::new("rustc").arg("-vV"))?;
     let host = compiler
         .lines()
         .find_map(|line| line.strip_prefix("host: "));
     let host = host.unwrap_or_default();
     let target = target(root);
     let target_folder = target.to_string_lossy();
-    // With a target the flags are the program's alone, and other builds stay as they are.
+    // `--target` limits the flags to the program, so other builds are not invalidated.
     let arguments = [
         "build",
         "--release",
@@ -102,52 +102,52 @@ fn build(root: &Path) -> Result<PathBuf, TaskError> {
         "--target-dir",
         &target_folder,
     ];
-    let flags = same_places(root);
+    let flags = remap_flags(root);
     run("cargo", &arguments, &[("CARGO_ENCODED_RUSTFLAGS", &flags)])?;
     Ok(target.join(host).join("release/gsk980td"))
 }
 
-/// The manual pages that the program writes.
+/// Manual pages, which the program writes.
 fn pages(root: &Path, program: &Path) -> Result<Vec<(String, Vec<u8>)>, TaskError> {
-    let folder = empty(target(root).join("dist-man"))?;
-    told(Command::new(program).args(["man", "--folder"]).arg(&folder))?;
+    let folder = empty_folder(target(root).join("dist-man"))?;
+    stdout_of(Command::new(program).args(["man", "--folder"]).arg(&folder))?;
     let mut pages = Vec::new();
     for (name, path) in archive::entries(&folder, ".")? {
         let name = name.trim_start_matches("./").to_owned();
-        pages.push((name, on(&path, fs::read(&path))?));
+        pages.push((name, with_path(&path, fs::read(&path))?));
     }
     Ok(pages)
 }
 
-/// The scripts of shells that the program writes.
+/// Completion scripts, which the program prints.
 fn shells(program: &Path) -> Result<Vec<(&'static str, &'static str, String)>, TaskError> {
     let scripts = SHELLS.iter().map(|&(shell, portable, installed)| {
-        let script = told(Command::new(program).args(["completions", shell]))?;
+        let script = stdout_of(Command::new(program).args(["completions", shell]))?;
         Ok((portable, installed, script))
     });
     scripts.collect()
 }
 
-/// A folder with nothing in it.
-pub fn empty(folder: PathBuf) -> Result<PathBuf, TaskError> {
+/// Creates an empty folder, or empties an existing one.
+pub fn empty_folder(folder: PathBuf) -> Result<PathBuf, TaskError> {
     if folder.exists() {
-        on(&folder, fs::remove_dir_all(&folder))?;
+        with_path(&folder, fs::remove_dir_all(&folder))?;
     }
-    on(&folder, fs::create_dir_all(&folder))?;
+    with_path(&folder, fs::create_dir_all(&folder))?;
     Ok(folder)
 }
 
-/// The archive that is unpacked anywhere.
-fn portable(root: &Path, folder: &Path, parts: &Parts) -> Result<PathBuf, TaskError> {
+/// Makes the portable archive and returns its path.
+fn portable(root: &Path, folder: &Path, parts: &PackageContents) -> Result<PathBuf, TaskError> {
     let name = format!("gsk980td-{VERSION}-linux-{}", parts.needs.processor.0);
     let mut items = vec![Item {
         name: "gsk980td".to_owned(),
         bytes: parts.program.clone(),
         program: true,
     }];
-    for beside in BESIDE {
-        for (name, path) in archive::entries(root, beside)? {
-            items.push(Item::text(name, on(&path, fs::read(&path))?));
+    for bundled in BUNDLED {
+        for (name, path) in archive::entries(root, bundled)? {
+            items.push(Item::text(name, with_path(&path, fs::read(&path))?));
         }
     }
     for (name, page) in &parts.pages {
@@ -158,6 +158,6 @@ fn portable(root: &Path, folder: &Path, parts: &Parts) -> Result<PathBuf, TaskEr
     }
     let path = folder.join(format!("{name}.tar.gz"));
     let bytes = archive::tar_gz(&format!("{name}/"), &items, parts.time);
-    on(&path, bytes.and_then(|bytes| fs::write(&path, bytes)))?;
+    with_path(&path, bytes.and_then(|bytes| fs::write(&path, bytes)))?;
     Ok(path)
 }

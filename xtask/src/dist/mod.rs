@@ -1,5 +1,5 @@
-//! What is given to users: programs for other systems, archives, checksums.
-//! The same sources give the same bytes.
+//! Builds the release files: programs for other systems, archives, checksums. Builds are
+//! reproducible.
 
 mod archive;
 mod deb;
@@ -19,8 +19,8 @@ use crate::error::TaskError;
 /// The version of the program.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Texts and samples that go with every program: files and folders of the repository.
-const BESIDE: [&str; 8] = [
+/// Texts and samples in every package: files and folders of the repository.
+const BUNDLED: [&str; 8] = [
     "CHANGELOG.md",
     "LICENSE-APACHE",
     "LICENSE-MIT",
@@ -31,16 +31,16 @@ const BESIDE: [&str; 8] = [
     "assets/programs",
 ];
 
-/// The `\x1f` between two flags of the compiler.
-const NEXT: &str = "\u{1f}";
+/// Separates two compiler flags in `CARGO_ENCODED_RUSTFLAGS`.
+const FLAG_SEPARATOR: &str = "\u{1f}";
 
-/// Where cargo builds.
+/// The build folder of cargo: `CARGO_TARGET_DIR`, or `target` in the repository.
 pub fn target(root: &Path) -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from)
 }
 
-/// Makes the folder for what is given to users.
-fn folder(root: &Path) -> Result<PathBuf, TaskError> {
+/// Makes `target/dist`, the folder of all release files.
+fn dist_folder(root: &Path) -> Result<PathBuf, TaskError> {
     let folder = target(root).join("dist");
     match fs::create_dir_all(&folder) {
         Ok(()) => Ok(folder),
@@ -51,28 +51,28 @@ fn folder(root: &Path) -> Result<PathBuf, TaskError> {
     }
 }
 
-/// The file operation on a path, its error with the path.
-fn on<T>(path: &Path, done: std::io::Result<T>) -> Result<T, TaskError> {
-    done.map_err(|error| TaskError::Write {
+/// Adds the path to the error of a file operation.
+fn with_path<T>(path: &Path, result: std::io::Result<T>) -> Result<T, TaskError> {
+    result.map_err(|error| TaskError::Write {
         path: path.to_owned(),
         error,
     })
 }
 
-/// Flags after which the program does not know where it was built.
-fn same_places(root: &Path) -> String {
+/// Compiler flags that keep the paths of this computer out of the program.
+fn remap_flags(root: &Path) -> String {
     let home = env::var_os("CARGO_HOME").map(PathBuf::from);
     let home = home.or_else(|| env::home_dir().map(|home| home.join(".cargo")));
-    let called = |path: &Path, name| format!("--remap-path-prefix={}={name}", path.display());
-    let mut flags = vec![called(root, "gsk980td"), called(&target(root), "target")];
-    flags.extend(home.map(|home| called(&home, "cargo")));
-    flags.join(NEXT)
+    let remap = |path: &Path, name| format!("--remap-path-prefix={}={name}", path.display());
+    let mut flags = vec![remap(root, "gsk980td"), remap(&target(root), "target")];
+    flags.extend(home.map(|home| remap(&home, "cargo")));
+    flags.join(FLAG_SEPARATOR)
 }
 
-/// Makes what is given to users.
+/// Builds one kind of release file.
 type Make = fn(&Path) -> Result<(), TaskError>;
 
-/// All there is, by name: the notes first, they are the cheapest to fail.
+/// Every kind by name: the release notes first, because they fail fastest.
 const ALL: [(&str, Make); 4] = [
     ("notes", notes::make),
     ("linux", linux::make),
@@ -80,25 +80,25 @@ const ALL: [(&str, Make); 4] = [
     ("web", web::make),
 ];
 
-/// Makes everything that can be made here; what lacks its tools is left out, and said so.
-/// `SHA256SUMS` then holds the checksums of all files in the folder.
+/// Builds everything whose tools are installed, prints what is left out, and writes the
+/// checksums of all files in the folder into `SHA256SUMS`.
 ///
 /// # Errors
-/// What fails for another reason than a missing tool.
+/// A build fails for another reason than a missing tool.
 pub fn all(root: &Path) -> Result<(), TaskError> {
     let mut left_out = Vec::new();
     for (name, make) in ALL {
         match make(root) {
             Ok(()) => {}
-            Err(said @ TaskError::Tools { .. }) => {
-                println!("{name} is left out: {said}");
+            Err(error @ TaskError::Tools { .. }) => {
+                println!("{name} is left out: {error}");
                 left_out.push(name);
             }
             Err(error) => return Err(error),
         }
     }
-    let folder = folder(root)?;
-    sums(&folder)?;
+    let folder = dist_folder(root)?;
+    write_all_checksums(&folder)?;
     println!("in {}, with SHA256SUMS", folder.display());
     if !left_out.is_empty() {
         println!("left out: {}", left_out.join(", "));
@@ -106,35 +106,35 @@ pub fn all(root: &Path) -> Result<(), TaskError> {
     Ok(())
 }
 
-/// Writes `SHA256SUMS` of the files in a folder, by name; checksums of a single archive
-/// are none of them.
-fn sums(folder: &Path) -> Result<(), TaskError> {
+/// Writes `SHA256SUMS` of the files in a folder, in the order of their names. The checksum
+/// files of single archives are left out.
+fn write_all_checksums(folder: &Path) -> Result<(), TaskError> {
     let mut names = Vec::new();
-    for entry in on(folder, fs::read_dir(folder))? {
-        let entry = on(folder, entry)?;
+    for entry in with_path(folder, fs::read_dir(folder))? {
+        let entry = with_path(folder, entry)?;
         let name = entry.file_name().to_string_lossy().into_owned();
         if entry.path().is_file() && name != "SHA256SUMS" && !name.ends_with(".sha256") {
             names.push(name);
         }
     }
     names.sort();
-    sum(folder, "SHA256SUMS", &names).map(drop)
+    write_checksums(folder, "SHA256SUMS", &names).map(drop)
 }
 
-/// Writes the checksums of files into one beside them, and returns its text.
-fn sum(folder: &Path, name: &str, files: &[String]) -> Result<String, TaskError> {
+/// Writes the checksums of files into a file beside them, and returns its text.
+fn write_checksums(folder: &Path, name: &str, files: &[String]) -> Result<String, TaskError> {
     let mut command = Command::new("sha256sum");
-    let text = told(command.arg("--").args(files).current_dir(folder))?;
+    let text = stdout_of(command.arg("--").args(files).current_dir(folder))?;
     let path = folder.join(name);
-    on(&path, fs::write(&path, &text))?;
+    with_path(&path, fs::write(&path, &text))?;
     Ok(text)
 }
 
-/// The help of the program as one page a language, beside the documentation.
+/// Writes the program's help as one page for each language, beside the documentation.
 ///
 /// # Errors
-/// The program cannot be built, or a page not written.
-pub fn manuals(root: &Path) -> Result<(), TaskError> {
+/// The program cannot be built, or a page cannot be written.
+pub fn write_manuals(root: &Path) -> Result<(), TaskError> {
     for language in ["en", "zh"] {
         let arguments = [
             "run",
@@ -145,23 +145,25 @@ pub fn manuals(root: &Path) -> Result<(), TaskError> {
             "--lang",
             language,
         ];
-        let page = told(Command::new("cargo").args(arguments).current_dir(root))?;
+        let page = stdout_of(Command::new("cargo").args(arguments).current_dir(root))?;
         let path = target(root).join(format!("doc/help-{language}.html"));
-        on(&path, fs::write(&path, page))?;
+        with_path(&path, fs::write(&path, page))?;
         println!("{}", path.display());
     }
     Ok(())
 }
 
-/// What a command writes to standard output.
-fn told(command: &mut Command) -> Result<String, TaskError> {
+/// Runs a command and returns its standard output.
+fn stdout_of(command: &mut Command) -> Result<String, TaskError> {
     let line = format!("{command:?}");
     match command.output() {
         Err(error) => Err(TaskError::Start { line, error }),
-        Ok(done) if done.status.success() => Ok(String::from_utf8_lossy(&done.stdout).into_owned()),
-        Ok(done) => Err(TaskError::Failed {
+        Ok(output) if output.status.success() => {
+            Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+        }
+        Ok(output) => Err(TaskError::Failed {
             line,
-            status: done.status,
+            status: output.status,
         }),
     }
 }

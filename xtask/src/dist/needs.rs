@@ -1,4 +1,4 @@
-//! What a program for Linux needs of the system it runs on, read out of the program.
+//! Reads the packages that a Linux program requires out of its ELF file.
 
 use std::collections::BTreeSet;
 
@@ -6,8 +6,8 @@ use object::elf::{EM_AARCH64, EM_X86_64, FileHeader64};
 use object::read::elf::{Dyn, FileHeader};
 use object::{Endianness, elf};
 
-/// Packages of Debian by the libraries that a program may link. Versions of symbols that
-/// begin with the word are versions of the package.
+/// Debian packages of the libraries that the program may link, with the prefix of symbol
+/// versions that are also versions of the package.
 const LINKED: [(&str, &str, &str); 5] = [
     ("libc.so.6", "libc6", "GLIBC_"),
     ("libm.so.6", "libc6", "GLIBC_"),
@@ -16,8 +16,8 @@ const LINKED: [(&str, &str, &str); 5] = [
     ("ld-linux-aarch64.so.1", "libc6", "GLIBC_"),
 ];
 
-/// Packages of Debian by the libraries that the window loads while it runs: without them
-/// every command works, and the window says what it lacks.
+/// Debian packages of the libraries that the window loads at run time. Commands work
+/// without them.
 const LOADED: [(&str, &str); 10] = [
     ("libEGL.so.1", "libegl1"),
     ("libGL.so.1", "libgl1"),
@@ -31,26 +31,26 @@ const LOADED: [(&str, &str); 10] = [
     ("libxkbcommon-x11.so.0", "libxkbcommon-x11-0"),
 ];
 
-/// What a program needs.
+/// The requirements of a program.
 #[derive(Debug, Default)]
-pub struct Needs {
-    /// The processor as Rust calls it, and as Debian does.
+pub struct Requirements {
+    /// The processor's names in Rust and in Debian.
     pub processor: (&'static str, &'static str),
-    /// Packages without which it does not start, with the lowest version.
+    /// Packages that the program needs to start, each with its lowest version.
     pub depends: Vec<String>,
-    /// Packages of libraries that it loads for its window.
+    /// Packages of the libraries that the window loads.
     pub loads: Vec<String>,
 }
 
-/// Reads what a program needs.
+/// Reads the requirements of a program.
 ///
 /// # Errors
-/// It is no program for Linux on a processor that is known here, or links a library of
-/// which no package is known.
-pub fn read(program: &[u8]) -> Result<Needs, String> {
+/// The file is not a Linux program, its processor is unknown, or it links a library whose
+/// package is unknown.
+pub fn read(program: &[u8]) -> Result<Requirements, String> {
     let processor = processor(program).map_err(|error| error.to_string())?;
     let (libraries, versions) = linked(program).map_err(|error| error.to_string())?;
-    let processor = processor.ok_or("a processor that has no name here")?;
+    let processor = processor.ok_or("unknown processor")?;
     let packages = libraries
         .iter()
         .map(|library| {
@@ -77,7 +77,7 @@ pub fn read(program: &[u8]) -> Result<Needs, String> {
         .filter(|(library, _)| named(library))
         .map(|&(_, package)| package.to_owned())
         .collect();
-    Ok(Needs {
+    Ok(Requirements {
         processor,
         depends,
         loads,
@@ -93,7 +93,7 @@ fn processor(program: &[u8]) -> object::Result<Option<(&'static str, &'static st
     })
 }
 
-/// The libraries that a program links, and the versions of symbols that it asks them for.
+/// The libraries that a program links, and the symbol versions that it requires.
 fn linked(program: &[u8]) -> object::Result<(BTreeSet<String>, BTreeSet<String>)> {
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     let header = FileHeader64::<Endianness>::parse(program)?;
@@ -120,7 +120,7 @@ fn linked(program: &[u8]) -> object::Result<(BTreeSet<String>, BTreeSet<String>)
     Ok((libraries, versions))
 }
 
-/// The newest of the versions that begin with a word, without it.
+/// The newest version with the prefix `word`, without the prefix.
 fn newest(versions: &BTreeSet<String>, word: &str) -> Option<String> {
     let numbers = |version: &&str| {
         let parts = version.split('.').map(|part| part.parse().ok());
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn versions_are_compared_as_numbers() {
+    fn newest_version_is_found_by_number() {
         let names = [
             "GLIBC_2.4",
             "GLIBC_2.34",
@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     #[cfg(target_os = "linux")]
-    fn this_test_needs_the_library_of_c() {
+    fn this_test_requires_libc() {
         let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
         let needs = read(&program).unwrap();
         assert_eq!(needs.processor.0, std::env::consts::ARCH);
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_program_is_refused() {
+    fn other_files_are_refused() {
         assert!(read(b"#!/bin/sh\n").is_err());
     }
 }

@@ -1,18 +1,18 @@
-//! What the changelog says of a version: release notes, and the date of all files in
-//! archives.
+//! Reads a version's section of the changelog: release notes, and the date that all files
+//! in archives get.
 
 use std::fs;
 use std::path::Path;
 
-use super::{VERSION, folder, on};
+use super::{VERSION, dist_folder, with_path};
 use crate::error::TaskError;
 
-/// A version in the changelog.
+/// The changelog's section of a version.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Section<'a> {
     /// Year, month, day.
     pub date: (i64, i64, i64),
-    /// What stands below its heading.
+    /// The text below its heading.
     pub text: &'a str,
 }
 
@@ -23,20 +23,23 @@ pub struct Section<'a> {
 pub fn make(root: &Path) -> Result<(), TaskError> {
     let changelog = read(root)?;
     let section = section(&changelog, VERSION)?;
-    let path = folder(root)?.join("RELEASE-NOTES.md");
+    let path = dist_folder(root)?.join("RELEASE-NOTES.md");
     let text = format!("# gsk980td {VERSION}\n\n{}\n", section.text);
-    on(&path, fs::write(&path, text))?;
+    with_path(&path, fs::write(&path, text))?;
     println!("{}", path.display());
     Ok(())
 }
 
-/// The changelog.
+/// Reads CHANGELOG.md.
 pub fn read(root: &Path) -> Result<String, TaskError> {
     let path = root.join("CHANGELOG.md");
-    on(&path, fs::read_to_string(&path))
+    with_path(&path, fs::read_to_string(&path))
 }
 
-/// The section of a version.
+/// Finds the section of a version.
+///
+/// # Errors
+/// The changelog has no heading with this version and a date.
 pub fn section<'a>(changelog: &'a str, version: &str) -> Result<Section<'a>, TaskError> {
     let missing = || TaskError::NoHeading(version.to_owned());
     let start = format!("## [{version}]");
@@ -63,33 +66,33 @@ pub fn section<'a>(changelog: &'a str, version: &str) -> Result<Section<'a>, Tas
 }
 
 impl Section<'_> {
-    /// Days from 1970-01-01 to its date.
+    /// Days from 1970-01-01 to the version's date.
     fn days(&self) -> i64 {
         let (year, month, day) = self.date;
-        // Years begin in March: the leap day is the last of a year.
+        // Years begin in March here, so that the leap day is the last day of a year.
         let year = if month <= 2 { year - 1 } else { year };
         let month = (month + 9) % 12;
         let leap_days = year / 4 - year / 100 + year / 400;
         year * 365 + leap_days + (month * 153 + 2) / 5 + day - 1 - 719_468
     }
 
-    /// Midnight of its date in seconds since 1970.
+    /// Midnight of the version's date, in seconds since 1970.
     pub fn seconds(&self) -> u64 {
         u64::try_from(self.days() * 86_400).unwrap_or(0)
     }
 
-    /// Its date as mail and Debian's changelogs write it.
-    pub fn in_words(&self) -> String {
+    /// The version's date in the format of RFC 5322, which Debian's changelogs use.
+    pub fn to_rfc_5322(&self) -> String {
         const DAYS: [&str; 7] = ["Thu", "Fri", "Sat", "Sun", "Mon", "Tue", "Wed"];
         const MONTHS: [&str; 12] = [
             "Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec",
         ];
-        let place = |number: i64| usize::try_from(number).unwrap_or(0);
+        let index = |number: i64| usize::try_from(number).unwrap_or(0);
         let (year, month, day) = self.date;
         format!(
             "{}, {day:02} {} {year} 00:00:00 +0000",
-            DAYS[place(self.days().rem_euclid(7))],
-            MONTHS[place(month - 1) % 12],
+            DAYS[index(self.days().rem_euclid(7))],
+            MONTHS[index(month - 1) % 12],
         )
     }
 }
@@ -113,8 +116,8 @@ mod tests {
 
     #[test]
     fn a_missing_heading_is_named() {
-        let said = section(TEXT, "2.0.0").unwrap_err().to_string();
-        assert!(said.contains("## [2.0.0]"), "{said}");
+        let error = section(TEXT, "2.0.0").unwrap_err().to_string();
+        assert!(error.contains("## [2.0.0]"), "{error}");
         assert!(section(TEXT, "Unreleased").is_err(), "it has no date");
     }
 
@@ -125,11 +128,11 @@ mod tests {
         assert_eq!(at((2024, 2, 29)).seconds(), 1_709_164_800);
         assert_eq!(at((2026, 11, 22)).seconds(), 1_795_305_600);
         assert_eq!(
-            at((2024, 2, 29)).in_words(),
+            at((2024, 2, 29)).to_rfc_5322(),
             "Thu, 29 Feb 2024 00:00:00 +0000"
         );
         assert_eq!(
-            at((2026, 11, 22)).in_words(),
+            at((2026, 11, 22)).to_rfc_5322(),
             "Sun, 22 Nov 2026 00:00:00 +0000"
         );
     }

@@ -1,6 +1,6 @@
-//! The page for browsers: the standard library is built along by Debian's compiler, as
-//! for Windows; the linker for it comes with the usual tool chain, `wasm-bindgen` in its
-//! version from the registry.
+//! Builds the page for browsers. Debian's compiler builds the standard library with it, as
+//! for Windows. The linker comes with the usual tool chain; `wasm-bindgen` is installed in
+//! the version of Cargo.lock.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,30 +8,30 @@ use std::process::Command;
 
 use super::archive::{self, Entry};
 use super::debian::{self, CARGO, PATH, RUSTC};
-use super::{VERSION, folder, on, same_places, sum, target, told};
+use super::{VERSION, dist_folder, remap_flags, stdout_of, target, with_path, write_checksums};
 use crate::error::TaskError;
 use crate::run;
 
 const TRIPLE: &str = "wasm32-unknown-unknown";
 const SYSTEM: &str = "browsers";
-/// Linker of the usual tool chain, below its own folder.
+/// The linker of the usual tool chain, below its sysroot.
 const LINKER: &str = "lib/rustlib/x86_64-unknown-linux-gnu/bin/rust-lld";
 const CURE: &str = "on Debian: apt-get install rustc-web cargo-web rust-web-src";
 const LINKER_CURE: &str = "it is part of the Rust tool chain that rustup installs";
-/// What the page is made of, besides the program.
-const BESIDE: [(&str, &str); 2] = [
+/// Files of the page besides the program: name and source.
+const PAGE_FILES: [(&str, &str); 2] = [
     ("index.html", "web/index.html"),
     ("gsk980td.png", "assets/icon/gsk980td.png"),
 ];
-/// Compressed it must not be larger, bytes.
-const LARGEST: u64 = 4_000_000;
+/// Limit of the compressed page, bytes.
+const MAX_BYTES: u64 = 4_000_000;
 
 /// Makes the folder `web` and its .zip with a checksum in `target/dist`.
 ///
 /// # Errors
-/// A tool is missing, or what it says; the page is too large.
+/// A tool is missing or fails, or the page is too large.
 pub fn make(root: &Path) -> Result<(), TaskError> {
-    debian::is_there(SYSTEM, CURE, &[])?;
+    debian::require_tools(SYSTEM, CURE, &[])?;
     let linker = debian::sysroot("rustc").map(|sysroot| sysroot.join(LINKER));
     let linker = linker.filter(|linker| linker.exists());
     let linker = linker.ok_or_else(|| TaskError::Tools {
@@ -39,27 +39,27 @@ pub fn make(root: &Path) -> Result<(), TaskError> {
         missing: LINKER.to_owned(),
         cure: LINKER_CURE,
     })?;
-    let bindgen = bindgen(root)?;
-    let page = folder(root)?.join("web");
-    // What an earlier one has left is none of this page.
+    let bindgen = bindgen_path(root)?;
+    let page = dist_folder(root)?.join("web");
+    // Files of an earlier build do not belong to this page.
     if page.exists() {
-        on(&page, fs::remove_dir_all(&page))?;
+        with_path(&page, fs::remove_dir_all(&page))?;
     }
-    on(&page, fs::create_dir_all(&page))?;
+    with_path(&page, fs::create_dir_all(&page))?;
     build(root, &linker)?;
-    bind(root, &bindgen, "gsk980td-web", "gsk980td", &page)?;
-    for (name, from) in BESIDE {
+    run_bindgen(root, &bindgen, "gsk980td-web", "gsk980td", &page)?;
+    for (name, from) in PAGE_FILES {
         let to = page.join(name);
-        on(&to, fs::copy(root.join(from), &to))?;
+        with_path(&to, fs::copy(root.join(from), &to))?;
     }
-    // What `tools/page_check.py` opens first is no part of what is given to users.
+    // `tools/page_check.py` opens this one first; users do not get it.
     let check = target(root).join("page-check");
-    on(&check, fs::create_dir_all(&check))?;
-    bind(root, &bindgen, "golden", "golden", &check)?;
+    with_path(&check, fs::create_dir_all(&check))?;
+    run_bindgen(root, &bindgen, "golden", "golden", &check)?;
     pack(root, &page)
 }
 
-/// Builds the program, and the session whose every tick is hashed.
+/// Builds the program, and the test session that hashes every tick.
 fn build(root: &Path, linker: &Path) -> Result<(), TaskError> {
     let target = target(root);
     let (target, linker) = (target.to_string_lossy(), linker.to_string_lossy());
@@ -85,13 +85,13 @@ fn build(root: &Path, linker: &Path) -> Result<(), TaskError> {
             "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER",
             linker.as_ref(),
         ),
-        ("CARGO_ENCODED_RUSTFLAGS", &same_places(root)),
+        ("CARGO_ENCODED_RUSTFLAGS", &remap_flags(root)),
     ];
     run(CARGO, &arguments, &environment)
 }
 
-/// Makes of a program what a page can load.
-fn bind(
+/// Runs `wasm-bindgen` on a program, so that a page can load it.
+fn run_bindgen(
     root: &Path,
     bindgen: &Path,
     program: &str,
@@ -115,15 +115,15 @@ fn bind(
     run(&bindgen.to_string_lossy(), &arguments, &[])
 }
 
-/// `wasm-bindgen` of the version that the program is built with, installed below
-/// `target` when it is not there.
-fn bindgen(root: &Path) -> Result<PathBuf, TaskError> {
+/// Path of `wasm-bindgen` in the version of Cargo.lock; installs it below `target` if it is
+/// missing.
+fn bindgen_path(root: &Path) -> Result<PathBuf, TaskError> {
     let version = locked_version(root, "wasm-bindgen")?;
     let home = target(root).join("wasm-bindgen");
     let program = home.join("bin/wasm-bindgen");
-    let is_it = told(Command::new(&program).arg("--version"))
-        .is_ok_and(|said| said.split_whitespace().nth(1) == Some(&version));
-    if !is_it {
+    let is_installed = stdout_of(Command::new(&program).arg("--version"))
+        .is_ok_and(|output| output.split_whitespace().nth(1) == Some(&version));
+    if !is_installed {
         let home = home.to_string_lossy();
         let arguments = [
             "install",
@@ -141,7 +141,7 @@ fn bindgen(root: &Path) -> Result<PathBuf, TaskError> {
 /// The version of a package in `Cargo.lock`.
 fn locked_version(root: &Path, package: &str) -> Result<String, TaskError> {
     let path = root.join("Cargo.lock");
-    let text = on(&path, fs::read_to_string(&path))?;
+    let text = with_path(&path, fs::read_to_string(&path))?;
     let named = format!("name = \"{package}\"\nversion = \"");
     let version = text
         .split(&named)
@@ -154,7 +154,7 @@ fn locked_version(root: &Path, package: &str) -> Result<String, TaskError> {
     })
 }
 
-/// The archive and its checksum; says how large the page is.
+/// Writes the archive and its checksum, and prints the size of the page.
 fn pack(root: &Path, page: &Path) -> Result<(), TaskError> {
     let name = format!("gsk980td-{VERSION}-web");
     let mut files: Vec<Entry> = Vec::new();
@@ -166,24 +166,24 @@ fn pack(root: &Path, page: &Path) -> Result<(), TaskError> {
     ] {
         files.push((file.to_owned(), page.join(file)));
     }
-    for beside in ["LICENSE-APACHE", "LICENSE-MIT", "NOTICE", "THIRD-PARTY.md"] {
-        files.extend(archive::entries(root, beside)?);
+    for bundled in ["LICENSE-APACHE", "LICENSE-MIT", "NOTICE", "THIRD-PARTY.md"] {
+        files.extend(archive::entries(root, bundled)?);
     }
-    let folder = folder(root)?;
+    let folder = dist_folder(root)?;
     let zip = folder.join(format!("{name}.zip"));
     archive::zip(&zip, &name, &files, archive::Effort::Small)?;
-    let size = on(&zip, fs::metadata(&zip))?.len();
+    let size = with_path(&zip, fs::metadata(&zip))?.len();
     println!("{}: {} kB", zip.display(), size / 1000);
-    if size > LARGEST {
+    if size > MAX_BYTES {
         return Err(TaskError::Large {
             path: zip,
             size,
-            largest: LARGEST,
+            largest: MAX_BYTES,
         });
     }
     print!(
         "{}",
-        sum(&folder, &format!("{name}.sha256"), &[format!("{name}.zip")])?
+        write_checksums(&folder, &format!("{name}.sha256"), &[format!("{name}.zip")])?
     );
     Ok(())
 }

@@ -1,13 +1,12 @@
-//! The program for Windows, built on Debian: its compiler brings the sources of the
-//! standard library, which are built along, and mingw links. Nothing of it is in the
-//! way of the usual tool chain.
+//! Builds the program for Windows on Debian. Debian's compiler builds the standard library
+//! with it, and mingw links. The usual tool chain is not affected.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::archive::{self, Entry};
 use super::debian::{self, CARGO, PATH, RUSTC};
-use super::{BESIDE, VERSION, folder, on, same_places, sum, target};
+use super::{BUNDLED, VERSION, dist_folder, remap_flags, target, with_path, write_checksums};
 use crate::error::TaskError;
 use crate::run;
 
@@ -20,17 +19,17 @@ const CURE: &str = "on Debian: apt-get install rustc-web cargo-web rust-web-src 
 /// Makes the `.exe` and the `.zip` with its checksum in `target/dist`.
 ///
 /// # Errors
-/// A tool is missing, or what it says.
+/// A tool is missing or fails.
 pub fn make(root: &Path) -> Result<(), TaskError> {
-    debian::is_there("Windows", CURE, &[LINKER, RESOURCES])?;
-    let folder = folder(root)?;
+    debian::require_tools("Windows", CURE, &[LINKER, RESOURCES])?;
+    let folder = dist_folder(root)?;
     let built = build(root, &resources(root)?)?;
     let program = folder.join("gsk980td.exe");
-    on(&program, fs::copy(&built, &program))?;
+    with_path(&program, fs::copy(&built, &program))?;
     pack(root, &folder, &program)
 }
 
-/// Icon, manifest and version, as an object that is linked into the program.
+/// Compiles icon, manifest and version into an object that is linked into the program.
 fn resources(root: &Path) -> Result<PathBuf, TaskError> {
     let numbers = VERSION.replace('.', ",");
     let text = format!(
@@ -47,9 +46,9 @@ fn resources(root: &Path) -> Result<PathBuf, TaskError> {
          BLOCK \"VarFileInfo\"\nBEGIN\nVALUE \"Translation\", 0x0409, 1200\nEND\nEND\n"
     );
     let folder = target(root).join(TRIPLE);
-    on(&folder, fs::create_dir_all(&folder))?;
+    with_path(&folder, fs::create_dir_all(&folder))?;
     let (script, object) = (folder.join("gsk980td.rc"), folder.join("gsk980td.rc.o"));
-    on(&script, fs::write(&script, text))?;
+    with_path(&script, fs::write(&script, text))?;
     let include = root.join("app/windows");
     let paths = [&include, &script, &object].map(|path| path.to_string_lossy());
     let arguments = ["-O", "coff", "-I", &paths[0], &paths[1], &paths[2]];
@@ -57,7 +56,7 @@ fn resources(root: &Path) -> Result<PathBuf, TaskError> {
     Ok(object)
 }
 
-/// Builds the program and says where it is.
+/// Builds the program and returns its path.
 fn build(root: &Path, resources: &Path) -> Result<PathBuf, TaskError> {
     let target = target(root);
     let resources = format!("link-arg={}", resources.display());
@@ -76,7 +75,7 @@ fn build(root: &Path, resources: &Path) -> Result<PathBuf, TaskError> {
         "--",
         "-C",
         &resources,
-        // The time of the build is none of the program's business.
+        // Without this flag the linker writes the time of the build into the program.
         "-C",
         "link-arg=-Wl,--no-insert-timestamp",
     ];
@@ -85,22 +84,25 @@ fn build(root: &Path, resources: &Path) -> Result<PathBuf, TaskError> {
         ("RUSTC", RUSTC),
         ("RUSTC_BOOTSTRAP", "1"),
         ("CARGO_TARGET_X86_64_PC_WINDOWS_GNU_LINKER", LINKER),
-        ("CARGO_ENCODED_RUSTFLAGS", &same_places(root)),
+        ("CARGO_ENCODED_RUSTFLAGS", &remap_flags(root)),
     ];
     run(CARGO, &arguments, &environment)?;
     Ok(target.join(TRIPLE).join("release/gsk980td.exe"))
 }
 
-/// The archive and its checksum.
+/// Writes the archive and its checksum.
 fn pack(root: &Path, folder: &Path, program: &Path) -> Result<(), TaskError> {
     let name = format!("gsk980td-{VERSION}-windows-x86_64");
     let mut files: Vec<Entry> = vec![("gsk980td.exe".to_owned(), program.to_owned())];
-    for beside in BESIDE {
-        files.extend(archive::entries(root, beside)?);
+    for bundled in BUNDLED {
+        files.extend(archive::entries(root, bundled)?);
     }
     let zip = folder.join(format!("{name}.zip"));
     archive::zip(&zip, &name, &files, archive::Effort::Quick)?;
     let both = ["gsk980td.exe".to_owned(), format!("{name}.zip")];
-    print!("{}", sum(folder, &format!("{name}.sha256"), &both)?);
+    print!(
+        "{}",
+        write_checksums(folder, &format!("{name}.sha256"), &both)?
+    );
     Ok(())
 }
