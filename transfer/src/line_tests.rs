@@ -268,10 +268,10 @@ fn what_the_control_refuses_is_refused_with_its_reason_before_a_byte_of_it_goes(
         let mut line = Line::at(115_200);
         line.memory.refuses = Some(refuses);
         line.order(Order::Connect);
-        let before = line.wires[0].given();
+        let before = line.wires[0].sent_count();
         let outcome = line.order(Order::Put(file("O1.CNC", &[b'X'; 5000], false)));
         assert_eq!(outcome, Outcome::Refused(refuses));
-        assert!(line.wires[0].given() - before < 100);
+        assert!(line.wires[0].sent_count() - before < 100);
         assert!(line.memory.files.is_empty());
         let refused = ControlEvent::Refused(name("O1.CNC"), refuses);
         assert_eq!(line.events, [refused]);

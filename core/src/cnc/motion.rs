@@ -3,7 +3,7 @@
 use super::Cnc;
 use crate::motion::{DryRun, MotionInputs, RapidOverride};
 use crate::operation::{JOG_RATE_MAX, Mode, RunState, jog_rate};
-use crate::units::{Axis, PerAxis, Point, factor};
+use crate::units::{Axis, PerAxis, Point, percent_to_factor};
 
 /// Motions shorter than a tick that are carried out in one.
 const MOTIONS_PER_TICK: usize = 16;
@@ -61,7 +61,7 @@ impl Cnc {
         if self.plc.signals.override_cancel || self.run.registers.off.feed_override() {
             return 1.0;
         }
-        factor(self.plc.signals.feed_override)
+        percent_to_factor(self.plc.signals.feed_override)
     }
 
     /// Rates of the dry run (manual III-5.3.3): cuts at the jog rate, or at its

@@ -1,6 +1,6 @@
 //! Rows of the tables as lines of the instruction list: `.MSG`, `.CMT`, `.INIT`.
 
-use gsk_core::plc::Subject;
+use gsk_core::plc::PlcAddress;
 use gsk_core::plc::address::{BitAddress, ByteAddress};
 
 use gsk_messages::{Message, say};
