@@ -339,10 +339,12 @@ impl Cnc {
             };
             return Some(returns.iter().any(rapid));
         }
-        if self.run.automatic.state == RunState::Run {
+        // Motion laid aside for jogging is not under way.
+        let programmed = self.run.automatic.action();
+        if let Some(action) = programmed.filter(|_| self.run.held.is_none()) {
             // A dry run without manual rapid has its rapids at the jog rate.
             let at_rapid_rate = self.dry_run().is_none_or(|dry| dry.rapid.is_none());
-            return match self.run.automatic.action()? {
+            return match action {
                 Action::Rapid { .. } => Some(at_rapid_rate),
                 action => action.is_motion().then_some(false),
             };

@@ -9,10 +9,10 @@ fn order_in_a_block() {
     assert_eq!(
         trace,
         [
-            "1: T0101",
-            "1: frame X0 Z0 offset X0.04 Z0.02",
             "1: Speed(600.0)",
             "1: M03",
+            "1: T0101",
+            "1: frame X0 Z0 offset X0.04 Z0.02",
             "1: rapid X100.04 Z300 |",
             "2: M08 |",
             "3: M05",
