@@ -57,6 +57,7 @@ class Part:
         self.bar = pick.choice([40, 46, 50, 60, 70])
         self.bore = 0
         self.face = 0.0
+        self.beyond = False  # all of its X are negative
         self.outline = None  # what the witness says is left, over the compared box
         self.compared = None
 
@@ -71,7 +72,8 @@ class Part:
         self.add("G00 X120 Z80")
 
     def text(self):
-        return "\n".join(["O0007", "G50 X120 Z80", *self.lines, "M30", ""])
+        side = -1 if self.beyond else 1
+        return "\n".join(["O0007", f"G50 X{side * 120} Z80", *self.lines, "M30", ""])
 
     def job(self):
         form = f"Bar(diameter: {self.bar})"
@@ -179,7 +181,7 @@ def make_facing(part, manner):
         z = 0
         while z > -depth:
             z = max(z - 2, -depth)
-            part.add(f"G00 X{start} Z{z}", f"G01 X{diameter} F80", "G00 Z2", f"X{start}")
+            part.add(f"G00 X{start} Z{z}", f"G01 X{diameter} F80", f"G00 X{diameter + 4} Z2", f"X{start}")
     part.away()
     part.outline = box(-depth, 0, 0, diameter / 2)
     part.compared = box(-depth, 0, 0, part.bar / 2)
@@ -196,7 +198,7 @@ def make_face_groove(part, manner):
         part.add("G74 R0.5", f"G74 Z{-depth} Q2000 F50")
     elif manner == "g74wide":
         x_end = x - 8
-        part.add("G74 R0.5", f"G74 X{x_end} Z{-depth} P2000 Q2000 F50")
+        part.add("G74 R0.5", f"G74 X{x_end} Z{-depth} P2500 Q2000 F50")
         ends = [x, x_end]
     else:
         part.add(f"G01 Z{-depth} F30", "G04 X1", "G00 Z3")
@@ -246,7 +248,7 @@ def make_parting(part, _manner):
 
 def make_drill(part, manner):
     pick = part.pick
-    part.tool(4, drill(10))
+    part.tool(1, drill(10))
     depth = pick.choice([12, 20, 35])
     part.add("G00 X0 Z4")
     if manner == "g74":
@@ -264,13 +266,13 @@ def bored(part, manner, drilled):
     hole = pick.choice([16, 18, 20])
     depth = pick.choice([20, 25, 30])
     if drilled:
-        part.tool(4, drill(hole), 400)
+        part.tool(1, drill(hole), 400)
         part.add("G00 X0 Z5", f"G01 Z{-depth - 10} F60", "G00 Z60")
         part.away()
     else:
         part.bore = hole
     diameter = hole + pick.choice([4, 6, 8])
-    part.tool(5, BORE)
+    part.tool(2, BORE)
     part.add(f"G00 X{hole} Z3")
     if manner == "g90":
         part.add(f"G90 X{hole + 2} Z{-depth} F80")
@@ -303,7 +305,7 @@ def make_bore(part, manner):
 def make_inside_groove(part, manner):
     hole, diameter, depth = bored(part, "g90", manner == "drilled")
     z = -depth + part.pick.choice([0, 5])
-    part.tool(6, BAR_GROOVE, 300)
+    part.tool(3, BAR_GROOVE, 300)
     part.add(
         f"G00 X{diameter - 2} Z3", f"G00 Z{z}", f"G01 X{diameter + 5} F30",
         f"X{diameter - 2} F100", "G00 Z60",
@@ -318,7 +320,7 @@ def make_inside_thread(part, manner):
     hole, diameter, depth = bored(part, "g90", drilled == "drilled")
     lead = part.pick.choice([1, 1.5, 2])
     end = diameter + round(1.0825 * lead, 3)
-    part.tool(7, BAR_THREAD, 400)
+    part.tool(4, BAR_THREAD, 400)
     part.add(f"G00 X{diameter - 2} Z{3 * lead}")
     if cycle == "g92":
         cut = diameter + 0.3
@@ -340,7 +342,7 @@ def make_thread(part, manner):
     diameter, end = steps[0]
     lead = part.pick.choice([1, 1.5, 2])
     root = diameter - 1.2268 * lead
-    part.tool(7, THREAD, 400)
+    part.tool(4, THREAD, 400)
     start = part.bar + 4 if manner == "high" else diameter + 4
     part.add(f"G00 X{start} Z6")
     taper = "R-0.5 " if manner == "taper" else ""
@@ -353,22 +355,21 @@ def make_thread(part, manner):
     part.outline = None
 
 
-def make_left_hand(part, manner):
+def make_left_hand(part, _manner):
     pick = part.pick
+    # A groove is cut first, in which the left-hand tool begins.
     z_end, z_begin = -pick.choice([10, 15]), -pick.choice([35, 40, 45])
     diameter = part.bar - pick.choice([4, 6, 8])
-    if manner == "only":
-        part.tool(8, GROOVE.format(reach=16, tip=3), 400)
-        part.add(f"G00 X{part.bar + 4} Z{z_begin - 3}", f"G01 X{diameter} F40")
-        part.add(f"G00 X{part.bar + 4}")
-        part.away()
-    part.tool(9, LEFT_HAND)
+    part.tool(3, GROOVE.format(reach=16, tip=3), 400)
+    part.add(f"G00 X{part.bar + 4} Z{z_begin - 3}", f"G01 X{diameter} F40")
+    part.add(f"G00 X{part.bar + 4}")
+    part.away()
+    part.tool(2, LEFT_HAND)
     part.add(f"G00 X{part.bar + 4} Z{z_begin}")
     cut = part.bar
     while cut > diameter:
         cut = max(cut - 2, diameter)
-        part.add(f"G00 X{cut}" if manner == "only" and cut == part.bar else f"G01 X{cut} F60")
-        part.add(f"G01 Z{z_end} F80", f"X{part.bar + 4}", f"G00 Z{z_begin}")
+        part.add(f"G00 X{cut}", f"G01 Z{z_end} F80", f"X{part.bar + 4}", f"G00 Z{z_begin}")
     part.away()
     part.outline = None
     part.compared = box(z_begin, 0, z_end, diameter / 2 + 0.5)
@@ -400,18 +401,18 @@ def make_outside(part, manner):
 def make_no_tool(part, manner):
     outside_passes(part, manner)
     part.lines = [line for line in part.lines if not line.startswith("T")]
-    part.tools = {0: TURN}
+    part.tools = {1: TURN}
 
 
 def make_beyond(part, _manner):
     """A tool on the far side: X is negative."""
     pick = part.pick
+    part.beyond = True
     part.tool(1, TURN.replace("tip: 3", "tip: 2"))
     diameter = part.bar - pick.choice([6, 10])
     length = pick.choice([15, 25])
     part.add(f"G00 X{-part.bar - 2} Z2")
     cut = part.bar
-    first = True
     while cut > diameter:
         cut = max(cut - 4, diameter)
         part.add(f"G00 X{-cut}", f"G01 Z{-length} F100", f"X{-part.bar - 2}", "G00 Z2")
@@ -444,7 +445,7 @@ KINDS = [
     (make_inside_groove, ["drilled", "tube"]),
     (make_inside_thread, ["drilled g92", "drilled g76", "tube g92", "tube g76"]),
     (make_thread, ["straight", "taper", "high"]),
-    (make_left_hand, ["plunge", "only"]),
+    (make_left_hand, [""]),
     (make_undercut, [""]),
     (make_no_tool, ["g90", "g71"]),
     (make_beyond, [""]),

@@ -194,9 +194,15 @@ impl Guess<'_> {
             || self.uses.get(&tool).is_some_and(is_drill)
     }
 
+    /// Whether its cuts show how wide the bar is.
+    fn is_outside(&self, tool: u8) -> bool {
+        let faces = |used: &Use| used.work == Some(Work::FaceGroove);
+        !self.is_internal(tool) && !self.uses.get(&tool).is_some_and(faces)
+    }
+
     /// Where outside cuts begin and end, and a little more than the widest cut along.
     fn radii(&self, cuts: &[&Step]) -> Vec<f64> {
-        let outside = |cut: &&&Step| !self.is_internal(cut.tool) && !cut.threads;
+        let outside = |cut: &&&Step| self.is_outside(cut.tool) && !cut.threads;
         let mut radii: Vec<f64> = cuts
             .iter()
             .filter(outside)
@@ -228,10 +234,7 @@ impl Guess<'_> {
 
     /// The greatest radius of a cut along the outside, mm.
     fn widest(&self) -> f64 {
-        let outside = self
-            .uses
-            .iter()
-            .filter(|(tool, _)| !self.is_internal(**tool));
+        let outside = self.uses.iter().filter(|(tool, _)| self.is_outside(**tool));
         outside.map(|(_, used)| used.widest).fold(0.0, f64::max)
     }
 

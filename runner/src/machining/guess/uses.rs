@@ -77,7 +77,8 @@ pub(super) struct Use {
     /// Feeds into a groove: straight back comes next; of the rest, something else.
     grooves: [u32; 2],
     rings: [u32; 2],
-    /// Feeds into a ring that were broken to let go of the chip.
+    /// Feeds into a ring that were broken to let go of the chip, or that dwelt at its
+    /// bottom.
     pecks: u32,
     /// How often it leaves a cut towards the axis and away from it.
     leaves: [u32; 2],
@@ -121,8 +122,14 @@ pub(super) fn steps(moves: &[ExecutedMove], rates: RapidRates) -> Vec<Step> {
 /// The uses of tools that cut.
 pub(super) fn uses(moves: &[ExecutedMove], steps: &[Step], front: f64) -> BTreeMap<u8, Use> {
     let mut uses = BTreeMap::<u8, Use>::new();
+    let mut before: Option<&ExecutedMove> = None;
     for executed in moves {
         let used = uses.entry(executed.conditions.tool).or_default();
+        if executed.kind == MoveKind::Dwell && before.is_some_and(is_along_inwards) {
+            // A ring is cut round before the tool goes back.
+            used.pecks += 1;
+        }
+        before = Some(executed);
         if executed.conditions.offset != 0 {
             used.offset = executed.conditions.offset;
         }
@@ -148,6 +155,12 @@ pub(super) fn uses(moves: &[ExecutedMove], steps: &[Step], front: f64) -> BTreeM
         used.work = Some(used.judge(front, outermost, drilled));
     }
     uses
+}
+
+/// Whether a move cuts straight towards the chuck, beside the axis.
+fn is_along_inwards(executed: &ExecutedMove) -> bool {
+    let (from, to) = (executed.from, executed.to);
+    executed.kind == MoveKind::Feed && from.x == to.x && to.z < from.z && to.x.abs() > ON_AXIS
 }
 
 impl Use {
