@@ -375,10 +375,11 @@ pub(super) fn check_values(block: &Block, syntax: Syntax) -> Result<(), BlockErr
     if syntax.model.is_mill() {
         return check_mill(block);
     }
-    let all_usual = !narrows_words(syntax) && block.words().iter().all(|word| {
-        let (low, high) = usual_range(word.address);
-        word.value.variable().is_none() && (low..=high).contains(&word.value.millionths())
-    });
+    let all_usual = !narrows_words(syntax)
+        && block.words().iter().all(|word| {
+            let (low, high) = usual_range(word.address);
+            word.value.variable().is_none() && (low..=high).contains(&word.value.millionths())
+        });
     match all_usual {
         true => Ok(()),
         false => check_each(block, syntax),
