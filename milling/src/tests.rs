@@ -181,7 +181,7 @@ fn ranges_of_the_appendices() {
     assert_eq!(alarm("G51 P-1\n"), (43, 1));
     assert_eq!(alarm("G10 L10 P1 R1000\n"), (43, 1));
     // 99.9999 inches.
-    run("G20 G10 L10 P1 R99.9999\nM30\n");
+    run("G20\nG10 L10 P1 R99.9999\nM30\n");
     assert_eq!(alarm("G20 G10 L10 P1 R100\n"), (43, 1));
 }
 
