@@ -13,9 +13,7 @@ use std::collections::BTreeMap;
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-pub use conventions::{
-    Conventions, Increments, MacroForm, ToolForm, WorkPlane, XMeasure,
-};
+pub use conventions::{Conventions, Increments, MacroForm, ToolForm, WorkPlane, XMeasure};
 pub use meaning::{GCode, MCode};
 pub(crate) use record::{Edge, LadderOutput, MFunction, Side, Wire};
 pub use record::{ModelParameter, Record};

@@ -56,7 +56,12 @@ fn collect(model: ModelId) -> Vec<Topic> {
     let mut all: Vec<Topic> = own.map(|topic| topic.of(model)).collect();
     all.extend(codes(record).map(|topic| topic.of(model)));
     all.extend(parameters(record).map(|topic| topic.of(model)));
-    all.extend(topics().iter().filter(|topic| holds(topic, record)).copied());
+    all.extend(
+        topics()
+            .iter()
+            .filter(|topic| holds(topic, record))
+            .copied(),
+    );
     // What has a text of the model stands before what has none, and before the others.
     all.sort_by_key(|topic| topic.subject);
     all.dedup_by_key(|topic| topic.subject);
@@ -71,7 +76,10 @@ fn holds(topic: &Topic, record: &Record) -> bool {
     let main = ModelId::default().record();
     // `G65 H01` belongs to G65.
     let code = name.split(' ').next().unwrap_or(name);
-    let number = |letter| code.strip_prefix(letter).and_then(|it| it.parse::<u8>().ok());
+    let number = |letter| {
+        code.strip_prefix(letter)
+            .and_then(|it| it.parse::<u8>().ok())
+    };
     if let Some(number) = number('G') {
         let meaning = main.g_code(number.into());
         return meaning.is_some() && meaning == record.g_code(number.into());
@@ -86,12 +94,14 @@ fn holds(topic: &Topic, record: &Record) -> bool {
 /// The codes of a model that its tables have no text about: what they mean.
 fn codes(record: &'static Record) -> impl Iterator<Item = Topic> {
     let main = ModelId::default().record();
-    let g = record.g.iter().filter(|(number, meaning)| {
-        main.g_code(i64::from(**number)) != Some(**meaning)
-    });
+    let g = record
+        .g
+        .iter()
+        .filter(|(number, meaning)| main.g_code(i64::from(**number)) != Some(**meaning));
     let g = g.map(|(number, meaning)| (format!("G{number:02}"), meaning.text()));
     let m = record.m.iter().filter(|(number, function)| {
-        main.m_function(**number).is_none_or(|it| it.does != function.does)
+        main.m_function(**number)
+            .is_none_or(|it| it.does != function.does)
     });
     let m = m.map(|(number, function)| (format!("M{number:02}"), function.does.text()));
     g.chain(m).map(|(code, meaning)| {

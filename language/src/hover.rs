@@ -1,8 +1,8 @@
 //! What is said of the word under the pointer.
 
 use gsk_core::memory::Variables;
-use gsk_core::program::limits;
 use gsk_core::model::ModelId;
+use gsk_core::program::limits;
 use gsk_help::{Subject, Topic, article, topic_of};
 use gsk_messages::{Language, say};
 

@@ -279,10 +279,7 @@ pub(crate) fn scale(
                 .value(parameter::of(parameter::AXIS_SCALE, axis))
                 .into()
         };
-        letters
-            .center
-            .get(axis)
-            .map_or_else(own, Number::integer)
+        letters.center.get(axis).map_or_else(own, Number::integer)
     };
     let of_all = match letters.p {
         Some(p) if !by_axis => Some(p.integer()),

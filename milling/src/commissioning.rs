@@ -313,7 +313,10 @@ mod tests {
         let one = table(0, 10_000, (0, 199), &[(0, 9), (1, 7), (2, -6), (3, 4)]);
         let found = [-10_000, -5000, 0, 10_000].map(|at| one.commanded(at));
         assert_eq!(found, [-10_000, -5000, 0, 10_007]);
-        assert_eq!((one.number_at(-10_000), one.number_at(10_000)), (None, Some(1)));
+        assert_eq!(
+            (one.number_at(-10_000), one.number_at(10_000)),
+            (None, Some(1))
+        );
         // Half the way, half the error: 3.5 goes away from zero.
         assert_eq!(one.commanded(5000), 5004);
     }

@@ -39,8 +39,8 @@ mod words;
 mod tests;
 
 pub use axes::{Axes, Further};
-pub use caution::{Caution, Slip};
 pub use bounds::{Bounds, Lengths};
+pub use caution::{Caution, Slip};
 pub use homing::{ParameterValues, homing};
 pub use memory::{MillMemory, Offset, parameter};
 pub use modal::{Modal, Spindle};

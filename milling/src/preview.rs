@@ -3,8 +3,8 @@
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::command::{ProgramId, Source};
 use gsk_core::compensation::cutter::Side;
-use gsk_core::memory::{Counters, DayTime};
 use gsk_core::interpreter::{Back, PlainCall, Read, T_VARIABLE, Walker};
+use gsk_core::memory::{Counters, DayTime};
 use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::program::{Block, Number, Program, ProgramMemory, Syntax};
 use gsk_messages::say;
@@ -13,8 +13,8 @@ pub use gsk_core::preview::{End, Progress};
 
 use crate::axes::Axes;
 use crate::block::{self, Flow};
-use crate::caution::{self, Caution};
 use crate::bounds::{Bounds, Lengths};
+use crate::caution::{self, Caution};
 use crate::cutter::Cutter;
 use crate::memory::{MillMemory, parameter};
 use crate::modal::{Modal, Motion};

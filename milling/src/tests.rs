@@ -131,7 +131,14 @@ fn what_a_check_cannot_know_is_said() {
     let (ladder, word) = ("ladder-code", "word-without-effect");
     assert_eq!(
         said,
-        [(1, ladder), (2, ladder), (3, ladder), (5, word), (6, word), (7, word)]
+        [
+            (1, ladder),
+            (2, ladder),
+            (3, ladder),
+            (5, word),
+            (6, word),
+            (7, word)
+        ]
     );
     let text = "G17 G02 X2 Y0 R1 F100\nG03 X0 I-1 J0\nG81 X1 Z-5 R1 F100 K2\nG80\nG83 Z-5 R1 Q2 P100\nG10 L12 P1 R3\nG68 X0 Y0 R10\nG69\nM98 P5 L2\nM30\n";
     let (preview, _) = carried_out(&MillSetup::default(), text, &["O5\nM99\n"]);
@@ -163,9 +170,8 @@ fn ranges_of_the_appendices() {
     assert_eq!(alarm("G68 X0 Y0 R-360.001\n"), (43, 1));
     run("G68 X0 Y0 R360.\nG69\nG68 X0 Y0 R-360\nG69\nM30\n");
     let each = with(&[(562, 0b1_0111)]);
-    let number = |setup: &MillSetup, text: &str| {
-        carried_out(setup, text, &[]).0.alarm.map(|it| it.number)
-    };
+    let number =
+        |setup: &MillSetup, text: &str| carried_out(setup, text, &[]).0.alarm.map(|it| it.number);
     assert_eq!(number(&each, "G51 X0 Y0 I9999 J-9999 K1\nM30\n"), None);
     assert_eq!(number(&each, "G51 X0 Y0 I10000 J1000\nM30\n"), Some(43));
     assert_eq!(number(&each, "G51 X0 Y0 I1000 J0\nM30\n"), Some(43));
@@ -175,7 +181,7 @@ fn ranges_of_the_appendices() {
     assert_eq!(alarm("G51 P-1\n"), (43, 1));
     assert_eq!(alarm("G10 L10 P1 R1000\n"), (43, 1));
     // 99.9999 inches.
-    run("G20 G10 L10 P1 R99.9999\nM30\n");
+    run("G20\nG10 L10 P1 R99.9999\nM30\n");
     assert_eq!(alarm("G20 G10 L10 P1 R100\n"), (43, 1));
 }
 
@@ -191,10 +197,18 @@ fn timers_and_counters_are_written() {
     let (_, moves) = run("#3005=16\n#1=#4006\nG21\nG00 X#1 Y#3005\nM30\n");
     near(&ends(&moves), &[[20.0, 0.0, 100.0]]);
     let number = |text: &str| alarm(text).0;
-    for wrong in ["#3001=65536", "#3003=4", "#3004=8", "#1132=65536", "#3902=-1"] {
+    for wrong in [
+        "#3001=65536",
+        "#3003=4",
+        "#3004=8",
+        "#1132=65536",
+        "#3902=-1",
+    ] {
         assert_eq!(number(&format!("{wrong}\n")), 111, "{wrong}");
     }
-    for read_only in ["#3011=1", "#3012=1", "#4001=1", "#5001=1", "#1000=1", "#1032=1"] {
+    for read_only in [
+        "#3011=1", "#3012=1", "#4001=1", "#5001=1", "#1000=1", "#1032=1",
+    ] {
         assert_eq!(number(&format!("{read_only}\n")), 116, "{read_only}");
     }
 }

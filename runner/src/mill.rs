@@ -11,7 +11,8 @@ use gsk_milling::{Axis, Move, MoveKind, Position, Preview, Progress, preview_whi
 use crate::decimal::Line;
 use crate::moves::rounded;
 use crate::report::{
-    AlarmReport, Bounds, Final, MillPlace, PathReport, Place, Report, Seconds, ToolSeconds, WarningReport,
+    AlarmReport, Bounds, Final, MillPlace, PathReport, Place, Report, Seconds, ToolSeconds,
+    WarningReport,
 };
 
 pub use gsk_milling::MillSetup;

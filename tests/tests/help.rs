@@ -192,7 +192,8 @@ fn what_is_pointed_at_on_the_lcd_is_found() {
     ] {
         emulator.panel.show(page);
         let screen = emulator.screen();
-        let found = on_screen(ModelId::default(), page, &screen, row, column).map(|it| it.subject.to_string());
+        let found = on_screen(ModelId::default(), page, &screen, row, column)
+            .map(|it| it.subject.to_string());
         assert_eq!(
             found.as_deref(),
             Some(subject),

@@ -167,10 +167,7 @@ fn selected(mut setup: Setup, opened: &Opened) -> Setup {
 }
 
 /// Reads a program and its subprograms.
-pub fn read(
-    path: &Path,
-    model: &ControlModel,
-) -> Result<(Opened, Vec<Message>), LoadError> {
+pub fn read(path: &Path, model: &ControlModel) -> Result<(Opened, Vec<Message>), LoadError> {
     let mut programs = ProgramMemory::default();
     let (program, notices) = loading::open_into(&mut programs, model, path, &[])?;
     let subprograms = programs

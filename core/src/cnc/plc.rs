@@ -137,7 +137,11 @@ impl Cnc {
         let now_on = |index: usize| levels >> index & 1 == 1;
         for (index, follower) in record.followers.iter().enumerate() {
             if changed(index) {
-                self.act_by_hand(if now_on(index) { follower.on } else { follower.off });
+                self.act_by_hand(if now_on(index) {
+                    follower.on
+                } else {
+                    follower.off
+                });
             }
         }
         let brake = record.followers.len();

@@ -375,10 +375,11 @@ pub(super) fn check_values(block: &Block, syntax: Syntax) -> Result<(), BlockErr
     if syntax.model.is_mill() {
         return check_mill(block);
     }
-    let all_usual = !narrows_words(syntax) && block.words().iter().all(|word| {
-        let (low, high) = usual_range(word.address);
-        word.value.variable().is_none() && (low..=high).contains(&word.value.millionths())
-    });
+    let all_usual = !narrows_words(syntax)
+        && block.words().iter().all(|word| {
+            let (low, high) = usual_range(word.address);
+            word.value.variable().is_none() && (low..=high).contains(&word.value.millionths())
+        });
     match all_usual {
         true => Ok(()),
         false => check_each(block, syntax),
@@ -399,6 +400,8 @@ fn check_mill(block: &Block) -> Result<(), BlockError> {
             b'L' | b'M' | b'T' => (0, 9999 * ONE),
             b'S' => (0, 99_999 * ONE),
             b'F' | b'P' => usual_range(word.address),
+            // Scales of G51 in 0.00001.
+            b'I' | b'J' | b'K' if block.has_g(51) => (-999_999 * ONE, 999_999 * ONE),
             _ => (-MILL_LENGTH, MILL_LENGTH),
         };
         if !(low..=high).contains(&word.value.millionths()) && word.value.variable().is_none() {

@@ -1,9 +1,7 @@
 //! Differences of two models that lie in no code: what X measures, increments, planes,
 //! feeds, tools, variables, ranges. Each is found once, at its first block.
 
-use gsk_core::model::{
-    GCode, Increments, MacroForm, Record, ToolForm, WorkPlane, XMeasure,
-};
+use gsk_core::model::{GCode, Increments, MacroForm, Record, ToolForm, WorkPlane, XMeasure};
 use gsk_messages::{Message, say};
 
 use super::{Block, Word};

@@ -455,7 +455,11 @@ mod tests {
         assert_eq!(kinds("G04 X1\nG01 Z1 F100\n", td, mdi), []);
         assert_eq!(
             kinds("G00 Y1\n#1=2\nM98 P5 L2\n", mdi, td),
-            [Difference::Address('Y'), Difference::Macros, Difference::CallCount]
+            [
+                Difference::Address('Y'),
+                Difference::Macros,
+                Difference::CallCount
+            ]
         );
         let hx31 = ModelId::Hx31;
         assert_eq!(

@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::interpreter::context::place::Call;
 use crate::interpreter::context::words::Words;
-use crate::model::{ControlModel, code_calls};
 use crate::model::code_calls::{OF_G, OF_M, OF_PLAIN_M, OF_T};
+use crate::model::{ControlModel, code_calls};
 
 /// Where T stands when it calls.
 pub const T_VARIABLE: u16 = 149;
