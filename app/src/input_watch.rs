@@ -236,7 +236,6 @@ mod tests {
 
     #[test]
     fn a_display_that_shows_a_key_up_proves_nothing() {
-        let watch = InputWatch::default();
         for (holders, keys, pointer, held) in [
             (ONE_KEY, 0, true, false),
             (ONE_KEY, 1, false, true),
@@ -259,6 +258,7 @@ mod tests {
                 true,
             ),
         ] {
+            let watch = InputWatch::default();
             watch.hold(holders);
             watch.answer(
                 ms(10_000),
