@@ -134,7 +134,7 @@ fn a_program_in_a_dwell_does_not_go_on_after_a_sleep() {
 fn a_board_that_falls_silent_in_motion_is_lost_and_not_late() {
     for variant in LINES {
         let ready = Machine::referenced(variant);
-        for after in 600..640 {
+        for after in (600..640).step_by(4) {
             let mut machine = moving(&ready, Motion::Cut, after);
             machine.cut_cable();
             machine.pass(3000);
