@@ -20,7 +20,7 @@ use web_time::Duration;
 pub const ASK_EVERY: Duration = Duration::from_millis(50);
 /// Held keys are let go when nothing has proved them held for so long. With the lookahead of
 /// a board and the ramp of a rapid the axis stands within 600 ms.
-const LEASE: Duration = Duration::from_millis(150);
+const LEASE: Duration = Duration::from_millis(130);
 /// The same of the simulated lathe, which hurts nobody.
 const LEASE_SIMULATED: Duration = Duration::from_millis(600);
 /// Held keys are let go when the window has said nothing for so long: it draws, which takes
@@ -220,9 +220,9 @@ mod tests {
             pointer: false,
         };
         answers_until(&watch, 1000, down);
-        assert!(!watch.has_lapsed(ms(100), ms(1050)));
-        assert!(watch.has_lapsed(ms(100), ms(1051)));
-        assert!(!watch.is_silent(ms(1050)) && watch.is_silent(ms(1051)));
+        assert!(!watch.has_lapsed(ms(100), ms(1030)));
+        assert!(watch.has_lapsed(ms(100), ms(1031)));
+        assert!(!watch.is_silent(ms(1030)) && watch.is_silent(ms(1031)));
         assert!(watch.has_window_lapsed(ms(700), ms(1000)));
         // An answer that comes late proves the moment of its question.
         watch.answer(ms(1000), ms(4000), down);
@@ -236,7 +236,6 @@ mod tests {
 
     #[test]
     fn a_display_that_shows_a_key_up_proves_nothing() {
-        let watch = InputWatch::default();
         for (holders, keys, pointer, held) in [
             (ONE_KEY, 0, true, false),
             (ONE_KEY, 1, false, true),
@@ -259,8 +258,16 @@ mod tests {
                 true,
             ),
         ] {
+            let watch = InputWatch::default();
             watch.hold(holders);
-            watch.answer(ms(10_000), ms(10_001), Shown::Down { keys: 0, pointer: false });
+            watch.answer(
+                ms(10_000),
+                ms(10_001),
+                Shown::Down {
+                    keys: 0,
+                    pointer: false,
+                },
+            );
             watch.answer(ms(20_000), ms(20_001), Shown::Down { keys, pointer });
             assert!(watch.has_lapsed(ms(0), ms(20_601)));
             assert_eq!(!watch.has_lapsed(ms(0), ms(20_600)), held, "{holders:?}");

@@ -79,7 +79,9 @@ fn painted_pictures_do_not_hold_a_key() {
             console.send(Command::Alive);
             if let Some(keys) = shown {
                 let (now, pointer) = (time_with_sleep(), false);
-                console.watch.answer(now, now, Shown::Down { keys, pointer });
+                console
+                    .watch
+                    .answer(now, now, Shown::Down { keys, pointer });
             }
         };
         let (mut thread, console) = held(alive);
@@ -195,7 +197,11 @@ fn ends_in_time<T: Board>(ready: &Machine<T>, kind: &str) {
                 let mut machine = ready.clone();
                 let stood = machine.twin.pulses();
                 let on = moves_on(&mut machine, hand, display, fails);
-                assert_ne!(machine.twin.pulses(), stood, "{kind} {hand:?}: it never moved");
+                assert_ne!(
+                    machine.twin.pulses(),
+                    stood,
+                    "{kind} {hand:?}: it never moved"
+                );
                 longest = longest.max(on);
             }
             assert!(

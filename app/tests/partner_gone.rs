@@ -220,7 +220,9 @@ fn a_board_of_timed_steps_is_stopped_when_the_program_is_killed() {
 #[test]
 fn a_line_board_is_stopped_when_the_program_stands_still() {
     for firmware in LINE_BOARDS {
-        line_board(firmware, "stopped", |program, _| signal("STOP", program.id()));
+        line_board(firmware, "stopped", |program, _| {
+            signal("STOP", program.id())
+        });
     }
 }
 

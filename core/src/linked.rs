@@ -204,9 +204,8 @@ impl Linked {
     /// Whether the board has to be stopped when this program falls silent. One of timed
     /// steps stops by itself then.
     pub fn needs_guard(&self) -> bool {
-        let on = |outputs: BoardOutputs| {
-            outputs.spindle != SpindleDirection::Stop || outputs.coolant
-        };
+        let on =
+            |outputs: BoardOutputs| outputs.spindle != SpindleDirection::Stop || outputs.coolant;
         self.config.protocol == Protocol::Line
             && (self.is_behind()
                 || self.thread.pass.is_some()

@@ -223,8 +223,9 @@ pub trait Backend: Positioned + Debug {
     /// Whether a stop is still under way: where the axes come to stand is not known.
     fn is_stopping(&self) -> bool;
 
-    /// Whether the board answers what it is asked.
-    fn is_responding(&self) -> bool {
+    /// Whether the board has answered a question that was asked no earlier than this.
+    fn has_answered_since(&self, moment: HostTime) -> bool {
+        let _ = moment;
         true
     }
 

@@ -18,9 +18,9 @@ use web_time::Duration;
 use super::Snapshot;
 use super::link_view::{LinkView, PositionCheck};
 use crate::carrier::{Carrier, Line};
+use crate::files::{atomic, time::utc};
 use crate::guard::Orphan;
 use crate::host_clock::HostClock;
-use crate::files::{atomic, time::utc};
 use crate::ports;
 
 /// Lines of the traffic that are kept for the link page.

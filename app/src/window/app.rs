@@ -17,9 +17,9 @@ use crate::files::data_dir::DataDir;
 use crate::files::lessons;
 use crate::files::models;
 use crate::kernel::{self, Console, Kernel, KernelThread, Outside};
+use crate::platform::DisplayServer;
 use crate::project::{self, Taking, Who};
 use crate::retained::{Keeper, Restored};
-use crate::platform::DisplayServer;
 use crate::{output, platform, transfer};
 
 /// Size of the window before the monitor is known, points: the LCD at two pixels a dot.
@@ -196,9 +196,8 @@ impl App {
         let started = another(model, self.window.settings());
         self.another = Some(another);
         let (ending, display) = (self.ending.clone(), self.display);
-        let app = started.and_then(|start| {
-            App::new(start, ending, display, context).map_err(say::as_written)
-        });
+        let app = started
+            .and_then(|start| App::new(start, ending, display, context).map_err(say::as_written));
         match app {
             Ok(app) => {
                 let mut before = core::mem::replace(self, app);
@@ -248,9 +247,8 @@ impl App {
         let said = then(&directory);
         let started = another(self.model, self.window.settings());
         let (ending, display) = (self.ending.clone(), self.display);
-        let app = started.and_then(|start| {
-            App::new(start, ending, display, context).map_err(say::as_written)
-        });
+        let app = started
+            .and_then(|start| App::new(start, ending, display, context).map_err(say::as_written));
         match app {
             Ok(app) => {
                 *self = app;

@@ -368,8 +368,7 @@ impl Window {
             // The kernel lets go of keys when it hears nothing of the window, or when the
             // display does not show them held.
             self.console.send(Command::Alive);
-            ui.ctx()
-                .request_repaint_after(ASK_EVERY);
+            ui.ctx().request_repaint_after(ASK_EVERY);
         }
     }
 

@@ -175,7 +175,7 @@ impl Linked {
     /// What was handed over is made; nothing more follows, and the count is compared.
     fn stop_late(&mut self, why: Message) {
         self.report(BoardReport::Stopped);
-        self.reports.late = Some(why);
+        self.reports.late = Some((why, self.clock.now));
         if let Err(refused) = self.link.finish() {
             self.refuse(refused);
         }

@@ -27,7 +27,9 @@ mod tests {
     fn a_panic_of_this_thread_alone_calls_it() {
         let called = Arc::new(AtomicU32::new(0));
         let hook = Arc::clone(&called);
-        before_panic(move || drop(hook.fetch_add(1, Ordering::Relaxed)));
+        before_panic(move || {
+            hook.fetch_add(1, Ordering::Relaxed);
+        });
         let other = thread::spawn(|| panic!("another thread, on purpose"));
         assert!(other.join().is_err());
         assert_eq!(called.load(Ordering::Relaxed), 0);

@@ -25,7 +25,9 @@ pub use display::{DisplayServer, display_server, watch_display};
 pub use files::{is_device, is_serial_port, same_file};
 pub use log_file::{LogFile, LogGuard, log_file};
 pub use page::{Asked, begin};
-pub use process::{before_panic, hear_ending, name_process, outlive_ending, own_program, processor_time};
+pub use process::{
+    before_panic, hear_ending, name_process, outlive_ending, own_program, processor_time,
+};
 pub use serial::{PULLED, Serial, has_ports, pseudo_terminal, unchanging_names};
 pub use sound::{Player, has_sound};
 pub use tie::{ToHolder, ToProgram};

@@ -207,8 +207,8 @@ impl Backend for LineLink {
             && (!self.stopping.is_none() || self.stopping.limit.is_some() || unread)
     }
 
-    fn is_responding(&self) -> bool {
-        self.reports.is_responding(self.session.now)
+    fn has_answered_since(&self, moment: HostTime) -> bool {
+        self.reports.has_answered_since(moment)
     }
 
     fn takes_motion(&self) -> bool {

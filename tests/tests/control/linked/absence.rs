@@ -128,6 +128,21 @@ fn a_program_in_a_dwell_does_not_go_on_after_a_sleep() {
     }
 }
 
+/// The board is gone in the middle of a motion: what is said is that, and not that it takes
+/// no motion.
+#[test]
+fn a_board_that_falls_silent_in_motion_is_lost_and_not_late() {
+    for variant in LINES {
+        let ready = Machine::referenced(variant);
+        for after in (600..640).step_by(4) {
+            let mut machine = moving(&ready, Motion::Cut, after);
+            machine.cut_cable();
+            machine.pass(3000);
+            assert_eq!(machine.alarms(), [605], "{variant:?} after {after} ms");
+        }
+    }
+}
+
 /// The line to the host hangs: reports come late, the answers behind them, too.
 fn late(machine: &mut Machine<GrblTwin>, bytes: u64, ms: u64) {
     let byte = machine.twin.to_host.given() + bytes;

@@ -208,6 +208,39 @@ fn a_spindle_that_begins_to_waver_spoils_one_pass_only() {
     lathe.agrees();
 }
 
+/// How fast the speed may change while a thread is cut: an index then comes beside the angle
+/// that was foreseen from the turns before it.
+#[test]
+fn a_speed_that_drifts_is_followed_or_spoils_the_thread() {
+    /// Slow enough for a change at a steady rate within a pass, 1/s.
+    const SLOW: f64 = 0.01;
+    for (spindle, percent_a_second, spoilt) in [
+        ("M03 S200", 0.3, false),
+        ("M03 S200", 2.5, true),
+        ("M03 S600", 0.5, false),
+        ("M03 S600", 1.5, true),
+        ("M03 S1000", 0.3, false),
+        ("M03 S1000", 1.0, true),
+    ] {
+        let mut lathe = turning(true, &[]);
+        lathe.start(&(head(spindle) + LONG));
+        assert!(lathe.wait(90_000, |lathe| {
+            lathe.simulation.cnc.position_absolute().z < 0.0
+        }));
+        let pi = core::f64::consts::PI;
+        lathe
+            .twin
+            .set_ripple(percent_a_second / (2.0 * pi * SLOW), SLOW);
+        lathe.wait(60_000, |lathe| {
+            lathe.simulation.cnc.position_absolute().z < -79.0
+        });
+        lathe.pass(500);
+        let alarms = lathe.alarms();
+        let said = alarms.iter().any(|alarm| alarm.contains("091"));
+        assert_eq!(said, spoilt, "{spindle} {percent_a_second} %/s: {alarms:?}");
+    }
+}
+
 #[test]
 fn without_an_index_the_thread_ends_where_it_is() {
     let mut lathe = turning(true, &[]);
