@@ -9,6 +9,7 @@ use super::macro_b::{Expression, Statement};
 use super::number::{Number, Variable, is_length};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm;
+use crate::model::Record;
 
 /// Words a block can hold besides N and O; more raise alarm 012.
 pub(crate) const MAX_WORDS: usize = 24;
@@ -174,6 +175,11 @@ impl Block {
     /// Whether a G code occurs.
     pub(crate) const fn has_g(&self, code: u8) -> bool {
         code < 100 && self.codes & (1 << code) != 0
+    }
+
+    /// Whether two different G codes occur.
+    pub(crate) const fn has_two_codes(&self) -> bool {
+        self.codes.count_ones() > 1
     }
 
     /// The G codes in order.
@@ -420,6 +426,16 @@ fn check_each(block: &Block, syntax: Syntax) -> Result<(), BlockError> {
         }
     }
     Ok(())
+}
+
+/// Whether words of a model begin with a letter.
+pub(super) fn is_address_of(letter: u8, record: &Record) -> bool {
+    is_address(letter) || record.has_address(letter)
+}
+
+/// Table 2-1, with J and L, which the thread codes use.
+const fn is_address(letter: u8) -> bool {
+    matches!(letter, b'F'..=b'U' | b'W' | b'X' | b'Z')
 }
 
 /// Addresses whose values are as great as the coordinates of the model.
