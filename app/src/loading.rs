@@ -528,6 +528,20 @@ mod tests {
     }
 
     #[test]
+    fn no_number_of_a_machine_file_is_infinite() {
+        for (text, line) in [
+            ("(\n  x: (motor_turn: NaN),\n)", 2),
+            ("(z: (start: -1e999))", 1),
+        ] {
+            let refused = machine_of(Path::new("lathe.ron"), text)
+                .expect_err(text)
+                .to_string();
+            assert!(refused.contains(&format!("line {line}")), "{refused}");
+            assert!(refused.contains("is not a finite number"), "{refused}");
+        }
+    }
+
+    #[test]
     fn the_tool_starts_where_the_slides_can_go() {
         let machine = Path::new(env!("CARGO_MANIFEST_DIR"));
         let machine = Some(machine.join("../assets/machines/small-flat-bed.ron"));

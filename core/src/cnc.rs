@@ -67,8 +67,10 @@ pub enum Event {
     PartFinished,
     /// A program came to its end; `m30` tells M30 from the end of the text.
     ProgramEnded {
-        /// By M30.
+        /// By M30 or M02.
         m30: bool,
+        /// By M02.
+        m02: bool,
     },
 }
 

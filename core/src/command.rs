@@ -325,8 +325,12 @@ pub enum Action {
     End {
         /// Whether the part counter counts it (M30, main-program M99).
         counts: bool,
-        /// Whether M30 was programmed (its decode signals go to the PLC).
+        /// Whether M30 was programmed (its decode signals go to the PLC), or M02 on models
+        /// that have it.
         m30: bool,
+        /// It was M02.
+        #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+        m02: bool,
     },
     /// M99 in the main program: the part counter counts, the run goes on.
     Repeat,

@@ -61,6 +61,8 @@ const LONGEST_S: f64 = 3.6e6;
 pub enum End {
     /// M30.
     M30,
+    /// M02, on models that have it.
+    M02,
     /// M99 of the main program.
     M99,
     /// The end of the text without either.
@@ -244,11 +246,13 @@ fn interpret(
     interpreter.set_tool(setup.tool_in_position());
     interpreter.set_machine_codes(MachineCodes::of(setup.ladder.m_codes()));
     interpreter.set_frame(frame, &host);
+    interpreter.audit_words();
     let mut walk = Walk::new(setup, programs, *interpreter.modal(), on_move);
     walk.explains = wanted.explanations;
     let met = match programs.current() {
         Some(program) => {
             interpreter.start(program, 1, &host);
+            walk.look_at_text(program);
             walk.run(&mut interpreter, &mut host, go_on)
         }
         None => {
@@ -262,7 +266,7 @@ fn interpret(
     walk.look_at_end();
     let mut preview = walk.result(&host.parameters);
     preview.modal = *interpreter.modal();
-    if matches!(preview.end, End::M30 | End::Text) {
+    if matches!(preview.end, End::M30 | End::M02 | End::Text) {
         // The end of a program is a reset.
         preview.modal.nose_compensation = 40;
     }
@@ -405,7 +409,11 @@ impl<'a> Walk<'a> {
                     return None;
                 }
             }
-            match interpreter.advance(host) {
+            let advance = interpreter.advance(host);
+            if interpreter.has_remarks() {
+                self.take_remarks(interpreter);
+            }
+            match advance {
                 Ok(Advance::Command(command)) => {
                     if self.explains {
                         self.explanation = interpreter.explanation();

@@ -11,7 +11,7 @@ use gsk_milling::{MillSetup, Move, preview_while};
 use gsk_runner::report::AlarmReport;
 
 use crate::line_times::LineTimes;
-use crate::locate::{Located, locate, whole};
+use crate::locate::{Located, bytes_at, locate, whole};
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -182,7 +182,10 @@ fn warning(code: &str, text: String, source: Source, programs: &ProgramMemory) -
         program: source.program,
         at: Some(Located {
             line: source.line,
-            bytes: whole(line),
+            bytes: match caution.columns() {
+                Some((first, _)) => bytes_at(line, Some(first as usize)),
+                None => whole(line),
+            },
         }),
         level: Level::Warning,
         code: code.to_owned(),

@@ -337,7 +337,10 @@ impl<'a> Run<'a> {
                 self.finish_part();
                 self.walker.end();
                 self.reset();
-                return Ok(Some(End::M30));
+                return Ok(Some(match words.letters.m.map(Number::integer) {
+                    Some(2) => End::M02,
+                    _ => End::M30,
+                }));
             }
             Flow::Call {
                 program,

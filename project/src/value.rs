@@ -123,3 +123,17 @@ fn selected(text: &str) -> Option<Value> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_is_finite() {
+        let key = Key::Variable(500);
+        assert_eq!(read(key, "-2.5e3"), Ok(Value::Real(-2500.0)));
+        for text in ["nan", "NaN", "inf", "-inf", "infinity", "1e999", "1,5", ""] {
+            assert!(read(key, text).is_err(), "{text}");
+        }
+    }
+}

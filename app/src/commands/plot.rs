@@ -92,6 +92,6 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
     Ok(match preview.end {
         _ if collided => COLLISION,
         End::Alarm | End::Limit => ALARM,
-        End::M30 | End::M99 | End::Text => FINE,
+        End::M30 | End::M02 | End::M99 | End::Text => FINE,
     })
 }

@@ -314,7 +314,7 @@ fn motion(
             Ok(Motion::One(action))
         }
         Kind::ThreadCycle => {
-            let data = state.cycle.take(words, axes, state.position);
+            let data = state.cycle.take_thread(words, axes, state.position);
             let cycle = thread_cycle::plan(state, context.parameters, data, context.reach())?;
             let motion = Motion::cycle(state, Maker::Thread(cycle));
             state.return_here();
@@ -407,6 +407,7 @@ fn follow(
             plan.after = Some(Action::End {
                 counts: true,
                 m30: true,
+                m02: words.m == Some(2),
             });
             plan.flow = Flow::End;
             state.cycle.clear();

@@ -95,14 +95,18 @@ impl Walk<'_> {
                 self.so_far.blocks += 1;
                 return Ok(Some(End::M99));
             }
-            Action::End { counts, m30 } => {
+            Action::End { counts, m30, m02 } => {
                 self.so_far.parts += u32::from(*counts);
                 self.so_far.blocks += u64::from(*m30);
                 if *m30 {
                     self.spindle.output_m(5);
                     self.so_far.coolant = false;
                 }
-                return Ok(Some(if *m30 { End::M30 } else { End::Text }));
+                return Ok(Some(match (m30, m02) {
+                    (_, true) => End::M02,
+                    (true, false) => End::M30,
+                    (false, false) => End::Text,
+                }));
             }
             Action::Macro => self.clock.advance(TICK_S),
             Action::ZeroReturn { .. } | Action::Referenced { .. } => {

@@ -98,8 +98,10 @@ impl Walk<'_> {
         let so_far = &self.so_far;
         let offset = match so_far.end {
             End::M99 => so_far.frame.offset,
-            End::M30 | End::Text if so_far.parameters.reset_keeps_offset() => so_far.frame.offset,
-            End::M30 | End::Text => Point::default(),
+            End::M30 | End::M02 | End::Text if so_far.parameters.reset_keeps_offset() => {
+                so_far.frame.offset
+            }
+            End::M30 | End::M02 | End::Text => Point::default(),
             End::Alarm | End::Limit => return,
         };
         let Some(preset) = self.set_place.preset.filter(|_| !self.set_place.returned) else {

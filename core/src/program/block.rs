@@ -177,6 +177,11 @@ impl Block {
         code < 100 && self.codes & (1 << code) != 0
     }
 
+    /// Whether two different G codes occur.
+    pub(crate) const fn has_two_codes(&self) -> bool {
+        self.codes.count_ones() > 1
+    }
+
     /// The G codes in order.
     pub fn g_codes(&self) -> impl Iterator<Item = u8> {
         let words = if self.has(b'G') { self.words() } else { &[] };
@@ -431,6 +436,16 @@ fn check_each(block: &Block, syntax: Syntax) -> Result<(), BlockError> {
         }
     }
     Ok(())
+}
+
+/// Whether words of a model begin with a letter.
+pub(super) fn is_address_of(letter: u8, record: &Record) -> bool {
+    is_address(letter) || record.has_address(letter)
+}
+
+/// Table 2-1, with J and L, which the thread codes use.
+const fn is_address(letter: u8) -> bool {
+    matches!(letter, b'F'..=b'U' | b'W' | b'X' | b'Z')
 }
 
 /// Addresses whose values are as great as the coordinates of the model.

@@ -312,7 +312,10 @@ impl Cnc {
     fn after(&mut self, command: &Command) {
         match command.action {
             Action::ProgramStop => return self.run.automatic.state = RunState::Stop,
-            Action::End { counts, m30 } => return self.program_end(counts, m30),
+            Action::End { counts, m30, m02 } => {
+                self.program_end(counts);
+                return self.events.push(Event::ProgramEnded { m30, m02 });
+            }
             Action::Repeat => self.count_part(),
             _ => {}
         }
@@ -385,7 +388,7 @@ impl Cnc {
         self.events.push(Event::PartFinished);
     }
 
-    fn program_end(&mut self, counts: bool, m30: bool) {
+    fn program_end(&mut self, counts: bool) {
         if counts {
             self.count_part();
         }
@@ -404,7 +407,6 @@ impl Cnc {
             self.run.cursor_line = end.unwrap_or(self.run.cursor_line);
             self.run.rewind_at_start = true;
         }
-        self.events.push(Event::ProgramEnded { m30 });
     }
 
     /// Reports an executed (or interrupted) piece of motion.

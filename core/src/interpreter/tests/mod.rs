@@ -380,7 +380,7 @@ impl Bench {
             Action::Spindle(speed) => format!("{speed:?}"),
             Action::Tool { tool, offset, .. } => format!("T{tool:02}{offset:02}"),
             Action::ProgramStop => "stop".into(),
-            Action::End { counts, m30 } => format!("end counts {counts} m30 {m30}"),
+            Action::End { counts, m30, .. } => format!("end counts {counts} m30 {m30}"),
             Action::Repeat => "repeat".into(),
             Action::Macro => "macro".into(),
             Action::Nothing => "nothing".into(),

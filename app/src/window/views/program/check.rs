@@ -9,11 +9,11 @@ use crossbeam::queue::ArrayQueue;
 use egui::Context;
 use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
-use gsk_core::preview::{End, WorkBudget};
+use gsk_core::preview::{Caution, End, WorkBudget};
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_language::locate;
-use gsk_messages::Language;
+use gsk_messages::{Language, Message};
 use gsk_runner::first_look::{self, FirstLook};
 use gsk_runner::report::AlarmReport;
 
@@ -52,6 +52,8 @@ pub struct Checked {
     pub revision: u64,
     /// What is wrong, in the order of execution.
     pub findings: Vec<Finding>,
+    /// What is no alarm and yet likely a slip, each with its line.
+    pub warnings: Vec<Message>,
     /// What the program does.
     pub look: FirstLook,
     /// The programs of the control's memory.
@@ -179,7 +181,7 @@ fn check(
     let memory = programs.iter().map(|(number, _)| number).collect();
     programs.open_external(program.clone());
     programs.select(ProgramId::External);
-    let (look, alarms) = first_look::look_beyond(name, &setup, goes_on);
+    let (look, alarms, cautions) = first_look::look_beyond(name, &setup, goes_on);
     let programs = &setup.memory.programs;
     Checked {
         revision: job.revision,
@@ -187,6 +189,7 @@ fn check(
             .iter()
             .map(|alarm| finding(alarm, programs, &program))
             .collect(),
+        warnings: cautions.iter().map(Caution::sentence).collect(),
         look,
         memory,
     }

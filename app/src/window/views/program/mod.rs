@@ -435,6 +435,9 @@ impl ProgramView {
                         ui.label(said.text(language));
                     }
                 }
+                for warning in &checked.warnings {
+                    ui.label(warning.text(language));
+                }
             });
         if let Some((line, columns)) = go {
             let start = self.document.character_of(self.document.line_start(line));
