@@ -13,7 +13,7 @@ use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::line::LineLink;
 use gsk_link::{Backend, LinkConfig, LinkState, RunTime, Sample, Stop};
-use gsk_twins::grbl::{GrblTwin, GrblSettings, Variant};
+use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 
 use super::watch;
 

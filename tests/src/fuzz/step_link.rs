@@ -14,7 +14,7 @@ use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::step_queue::StepLink;
 use gsk_link::{Awaited, Backend, Input, LinkConfig, RunTime, Sample, Stop, Until};
-use gsk_twins::klipper::{KlipperTwin, KlipperHardware, encode_block};
+use gsk_twins::klipper::{KlipperHardware, KlipperTwin, encode_block};
 
 use super::watch;
 

@@ -8,7 +8,7 @@ use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::line::LineLink;
 use gsk_link::{Backend, Difference, Event, Input, LinkConfig, LinkState, RunTime, Sample, Stop};
-use gsk_twins::grbl::{GrblTwin, GrblSettings, Variant};
+use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 use gsk_twins::wire::Damage;
 
 const ALL: [Variant; 3] = [Variant::Grbl, Variant::GrblHal, Variant::FluidNc];
@@ -543,7 +543,10 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
         let clean = {
             let mut bench = ready.clone();
             assert!(bench.job() && bench.ends_ready());
-            (bench.twin.to_board.sent_count(), bench.twin.to_host.sent_count())
+            (
+                bench.twin.to_board.sent_count(),
+                bench.twin.to_host.sent_count(),
+            )
         };
         let (mut proved, mut stopped) = (0, 0);
         for (to_board, first, last) in [

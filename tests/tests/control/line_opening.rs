@@ -6,7 +6,7 @@ use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
 use gsk_link::line::{LineLink, Required};
 use gsk_link::{Backend, Event, LinkConfig, LinkState};
-use gsk_twins::grbl::{GrblTwin, GrblSettings, Variant};
+use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 
 /// What another firmware says when it is spoken to; alarm and text that come of it.
 fn alarm_of(answers: impl Fn(&str) -> String, banner: &str) -> (u16, String, LinkState) {
@@ -148,7 +148,8 @@ fn the_example_of_a_config_yaml_fits_its_machine_file() {
             sections.truncate((line.len() - line.trim_start().len()) / 2);
             sections.push(name);
             if !value.is_empty() {
-                twin.set_config_item(&sections.join("/"), value.trim()).unwrap();
+                twin.set_config_item(&sections.join("/"), value.trim())
+                    .unwrap();
             }
         }
         let mut link = LineLink::open(config.clone(), &drives(&parameters), Duration::ZERO);

@@ -4,7 +4,7 @@
 use crate::commands::CommandError;
 
 use gsk_messages::{Message, say};
-use gsk_twins::grbl::{GrblTwin, GrblSettings, GrblState, Variant};
+use gsk_twins::grbl::{GrblSettings, GrblState, GrblTwin, Variant};
 use gsk_twins::klipper::{self, KlipperTwin, SpindleWiring, TravelSwitch};
 use gsk_twins::wire::{Damage, Wire};
 use web_time::{Duration, Instant};
@@ -74,10 +74,10 @@ impl Twin {
                 let mut board = KlipperTwin::new(klipper::KlipperHardware::default());
                 for (pin, axis, from, to, turn) in SWITCHES {
                     let travel = TravelSwitch {
-                        axis,
-                        from,
-                        to,
-                        turn,
+                        stepper: axis,
+                        first_pulse: from,
+                        last_pulse: to,
+                        pulses_per_turn: turn,
                     };
                     board.place_switch(pin, travel);
                 }

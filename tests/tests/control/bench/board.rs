@@ -11,8 +11,8 @@ use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Axis;
 use gsk_link::{LinkConfig, LinkState};
-use gsk_twins::grbl::{GrblTwin, GrblSettings, Variant};
-use gsk_twins::klipper::{self, KlipperTwin, KlipperHardware};
+use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
+use gsk_twins::klipper::{self, KlipperHardware, KlipperTwin};
 use gsk_twins::wire::Wire;
 
 use super::keys::{AUTO, CYCLE_START, MDI, RESET, X_PLUS, Z_PLUS, ZERO};

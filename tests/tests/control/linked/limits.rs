@@ -3,7 +3,7 @@
 
 use gsk_core::plc::address::BitAddress;
 use gsk_link::{LinkConfig, LinkState};
-use gsk_twins::grbl::{GrblTwin, GrblSettings, Variant};
+use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 
 use crate::bench::board::{Board, Machine};
 use crate::bench::keys::{JOG, RESET, X_PLUS, Z_MINUS, Z_PLUS, ZERO};

@@ -119,7 +119,8 @@ fn the_spindle_turns_before_the_cut_and_stops_with_reset() {
     machine.load(SHORT, None);
     machine.start();
     machine.watch = Some(|machine| {
-        let cuts = machine.simulation.cnc.modal().motion == 1 && machine.twin.state() == GrblState::Run;
+        let cuts =
+            machine.simulation.cnc.modal().motion == 1 && machine.twin.state() == GrblState::Run;
         let (way, speed, coolant) = machine.twin.outputs();
         // 500 of 9999 r/min at 10 V.
         assert!(

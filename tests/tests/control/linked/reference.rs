@@ -100,7 +100,10 @@ fn fluidnc_returns_when_it_says_so() {
     machine.pass(500);
     assert!(machine.twin.pulses()[0] < x);
     // The place is set, nothing moves.
-    machine.twin.set_config_item("axes/z/homing/cycle", "-1").unwrap();
+    machine
+        .twin
+        .set_config_item("axes/z/homing/cycle", "-1")
+        .unwrap();
     let stood = machine.twin.pulses();
     machine.press(ZERO);
     machine.press(Z_PLUS);

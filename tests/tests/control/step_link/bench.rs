@@ -7,7 +7,7 @@ use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::step_queue::StepLink;
 use gsk_link::{Backend, Event, FINE, LinkConfig, LinkState, Refused, RunTime, Sample};
-use gsk_twins::klipper::{KlipperTwin, KlipperHardware};
+use gsk_twins::klipper::{KlipperHardware, KlipperTwin};
 
 /// One millisecond of both.
 pub const MS: u64 = 1_000_000;

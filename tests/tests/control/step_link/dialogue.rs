@@ -20,7 +20,7 @@ fn a_board_is_identified_set_up_and_locked() {
     let board = bench.link.board();
     assert_eq!(board.firmware, "atmega2560 v0.13.0-730");
     assert_eq!((board.blocks, board.receive_bytes), (657, 192));
-    assert_eq!(bench.twin.statistics().identify, 91);
+    assert_eq!(bench.twin.statistics().identify_count, 91);
     assert_eq!(bench.made(), (0, 0), "knowing each other moves nothing");
     bench.pass(200);
     assert_eq!(bench.link.input(Input::EmergencyStop), Some(false));

@@ -31,7 +31,9 @@ fn a_dead_host_stops_the_axes_within_250_ms() {
     bench.twin.advance(2000 * MS);
     let stood = bench.twin.last_pulse_ns() - died;
     assert!(stood <= 250 * MS, "{stood}");
-    assert!(matches!(bench.twin.state(), KlipperState::Shutdown(text) if text.starts_with("Missed")));
+    assert!(
+        matches!(bench.twin.state(), KlipperState::Shutdown(text) if text.starts_with("Missed"))
+    );
     let made = bench.made();
     // It comes back and finds all it needs to know.
     bench.host();
@@ -57,7 +59,10 @@ fn a_host_that_pauses_is_not_noticed_or_ends_in_the_defined_stop() {
         bench.host();
         whole &= bench.feed(-4.0, 500);
         assert_eq!(whole, !noticed, "{pause}: {:?}", bench.events);
-        assert!(bench.twin.statistics().lead > 0, "{pause}: a step came late");
+        assert!(
+            bench.twin.statistics().min_lead_ns > 0,
+            "{pause}: a step came late"
+        );
         if noticed {
             bench.pass(1000);
             let known = [605, 612];
@@ -174,7 +179,7 @@ fn ends_defined(mut bench: Bench, place: &str) -> (bool, i64) {
         state => panic!("{place}: {state:?} {:?}", bench.events),
     };
     bench.stands(500);
-    (proved, bench.twin.statistics().lead)
+    (proved, bench.twin.statistics().min_lead_ns)
 }
 
 /// A fault at every byte of a short job, either way.
@@ -194,7 +199,10 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
     let clean = {
         let mut bench = ready.clone();
         assert!(bench.job() && bench.gets(LinkState::Ready, 1000));
-        (bench.twin.to_board.sent_count(), bench.twin.to_host.sent_count())
+        (
+            bench.twin.to_board.sent_count(),
+            bench.twin.to_host.sent_count(),
+        )
     };
     let (mut proved, mut stopped) = (0, 0);
     // Jobs on a line that becomes slow at this byte, and those that broke off.
@@ -271,7 +279,10 @@ fn a_reset_at_any_moment_of_a_job_is_606() {
 #[test]
 fn a_bad_line_is_survived() {
     let mut bench = Bench::ready();
-    let (out, back) = (bench.twin.to_board.sent_count(), bench.twin.to_host.sent_count());
+    let (out, back) = (
+        bench.twin.to_board.sent_count(),
+        bench.twin.to_host.sent_count(),
+    );
     for k in 1..200 {
         bench.twin.to_board.damage(out + k * 601, Damage::Lost);
         bench

@@ -11,7 +11,7 @@ use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Axis;
 use gsk_link::{LinkConfig, LinkState};
-use gsk_twins::klipper::{KlipperTwin, KlipperHardware, TravelSwitch};
+use gsk_twins::klipper::{KlipperHardware, KlipperTwin, TravelSwitch};
 
 use super::bench::{MS, config};
 use crate::bench::keys::{AUTO, CYCLE_START, RESET, X_PLUS, Z_PLUS, ZERO};
@@ -67,10 +67,10 @@ impl Machine {
         for (pin, axis, from, to) in [("PC4", 0, 800, 4800), ("PC6", 1, 400, 2400)] {
             let turn = None;
             let travel = TravelSwitch {
-                axis,
-                from,
-                to,
-                turn,
+                stepper: axis,
+                first_pulse: from,
+                last_pulse: to,
+                pulses_per_turn: turn,
             };
             machine.twin.place_switch(pin, travel);
         }
@@ -111,10 +111,10 @@ impl Machine {
         self.twin.advance(MS);
         let [x, _] = self.twin.pulses();
         for step in self.twin.take_recorded_steps() {
-            if step.axis == 1 {
+            if step.stepper == 1 {
                 self.cuts.push(Cut {
-                    place: step.place - self.origin[1],
-                    turns: self.twin.spindle_turns(step.at),
+                    place: step.position - self.origin[1],
+                    turns: self.twin.spindle_turns(step.at_ns),
                     x: x - self.origin[0],
                 });
             }
@@ -135,7 +135,9 @@ impl Machine {
         let tx = self.linked.tx().to_vec();
         self.twin.write(&tx);
         self.linked.consumed(tx.len());
-        self.worst_queue = self.worst_queue.max(self.twin.statistics().queue);
+        self.worst_queue = self
+            .worst_queue
+            .max(self.twin.statistics().max_queue_entries);
     }
 
     pub fn pass(&mut self, ms: u32) {

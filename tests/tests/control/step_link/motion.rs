@@ -11,7 +11,7 @@ use super::bench::{Bench, MS, config};
 fn a_job_ends_on_the_commanded_pulse() {
     for ppm in [-100, 0, 100] {
         let mut bench = Bench::new(KlipperHardware {
-            clock_error_ppm,
+            clock_error_ppm: ppm,
             ..KlipperHardware::default()
         });
         assert!(bench.gets(LinkState::Locked, 3000));
@@ -25,10 +25,10 @@ fn a_job_ends_on_the_commanded_pulse() {
         assert_eq!(bench.alarms(), [0_u16; 0]);
         assert!(bench.events.contains(&Event::Drained));
         let figures = bench.twin.statistics();
-        assert!(figures.queue <= 657 - 32, "{figures:?}");
-        assert!(figures.lead > 15_000_000, "{figures:?}");
+        assert!(figures.max_queue_entries <= 657 - 32, "{figures:?}");
+        assert!(figures.min_lead_ns > 15_000_000, "{figures:?}");
         // X 800 there and back; Z 2450 there, 2350 back.
-        assert_eq!(figures.steps, 3 * (1600 + 4800));
+        assert_eq!(figures.step_count, 3 * (1600 + 4800));
     }
 }
 
@@ -139,12 +139,15 @@ fn steps_of_two_fast_axes_keep_their_times() {
     for (axis, apart) in [(0, APART), (1, APART / 0.97)] {
         let fast: Vec<_> = steps
             .iter()
-            .filter(|step| step.axis == axis)
+            .filter(|step| step.stepper == axis)
             .skip(10_000)
             .collect();
         assert!(fast.len() > 10_000, "{}", fast.len());
-        let told: Vec<f64> = fast.iter().map(|step| step.due as f64 / 1000.0).collect();
-        let made: Vec<f64> = fast.iter().map(|step| step.at as f64 / 1000.0).collect();
+        let told: Vec<f64> = fast
+            .iter()
+            .map(|step| step.due_ns as f64 / 1000.0)
+            .collect();
+        let made: Vec<f64> = fast.iter().map(|step| step.at_ns as f64 / 1000.0).collect();
         let begin = told[0];
         let off = |times: &[f64]| {
             let off = times

@@ -23,10 +23,10 @@ const PLACE_C: [i64; 2] = [-4000, -2000];
 
 const fn travel(axis: usize, from: i64, to: i64, turn: Option<i64>) -> TravelSwitch {
     TravelSwitch {
-        axis,
-        from,
-        to,
-        turn,
+        stepper: axis,
+        first_pulse: from,
+        last_pulse: to,
+        pulses_per_turn: turn,
     }
 }
 

@@ -44,7 +44,7 @@ const TEXTS: [(&str, u16, &str); 12] = [
 /// A board that resets itself, and one that only forgets.
 fn makes() -> [KlipperHardware; 2] {
     [true, false].map(|resets| KlipperHardware {
-        resets,
+        has_reset_command: resets,
         ..KlipperHardware::default()
     })
 }
@@ -152,7 +152,7 @@ fn a_configuration_that_changes_under_way_is_606() {
 fn a_board_met_before_is_not_asked_for_its_dictionary() {
     let mut bench = Bench::new(KlipperHardware::default());
     assert!(bench.gets(LinkState::Locked, 5000));
-    assert_eq!(bench.twin.statistics().identify, 91);
+    assert_eq!(bench.twin.statistics().identify_count, 91);
     let learned = bench.learned();
     assert_eq!(learned.len(), 1);
     assert_eq!(learned[0].0, "atmega2560 v0.13.0-730");
@@ -174,22 +174,22 @@ fn a_board_met_before_is_not_asked_for_its_dictionary() {
         (vec![damaged], 91, 91),
     ] {
         let mut again = bench.clone();
-        let before = again.twin.statistics().identify;
+        let before = again.twin.statistics().identify_count;
         again.open_again();
         let count = known.len();
         again.link.know(known);
         assert!(again.gets(LinkState::Locked, 5000), "{:?}", again.events);
-        let asked = again.twin.statistics().identify - before;
+        let asked = again.twin.statistics().identify_count - before;
         assert!((fewest..=most).contains(&asked), "{count} known: {asked}");
         assert_eq!(again.link.board().firmware, "atmega2560 v0.13.0-730");
         assert_eq!(again.learned().len(), usize::from(most > 3));
     }
     // And not by the same link, after RESET.
     let mut bench = Bench::ready();
-    let before = bench.twin.statistics().identify;
+    let before = bench.twin.statistics().identify_count;
     bench.twin.force_shutdown("Invalid command");
     bench.pass(100);
     bench.link.reset();
     assert!(bench.gets(LinkState::Locked, 3000));
-    assert_eq!(bench.twin.statistics().identify - before, 2);
+    assert_eq!(bench.twin.statistics().identify_count - before, 2);
 }

@@ -52,7 +52,10 @@ fn a_kill_loses_the_position_and_reset_sets_the_board_up_again() {
     bench.link.stop(Stop::Kill);
     bench.write();
     bench.pass(20);
-    assert_eq!(bench.twin.state(), KlipperState::Shutdown("Command request"));
+    assert_eq!(
+        bench.twin.state(),
+        KlipperState::Shutdown("Command request")
+    );
     assert_eq!(bench.twin.output("PL0"), Some(0));
     assert_eq!(
         (bench.link.state(), bench.alarms()),
