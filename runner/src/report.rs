@@ -88,6 +88,7 @@ impl WarningReport {
             rule: caution.slip.id(),
             program: caution.source.program,
             line: caution.source.line,
+            columns: None,
             text: said(&caution.slip.message(), language),
             sentence: said(&caution.sentence(), language),
         }

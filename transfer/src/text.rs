@@ -339,7 +339,7 @@ impl TextWriter {
     }
 
     /// Bytes that the port has taken.
-    pub const fn sent_count(&self) -> usize {
+    pub const fn given(&self) -> usize {
         self.given
     }
 
