@@ -117,7 +117,7 @@ pub fn analyse_mill(
     let slips = preview.cautions.iter();
     findings.extend(slips.map(|it| {
         let text = it.slip.message().text(language);
-        warning(it.slip.id(), text, it.source, programs)
+        warning(it.slip.id(), text, it.source, None, programs)
     }));
     Analysis {
         findings,
@@ -170,11 +170,24 @@ fn of_alarm(alarm: &Alarm, programs: &ProgramMemory, language: Language) -> Find
 
 fn of_caution(caution: &Caution, programs: &ProgramMemory, language: Language) -> Finding {
     let text = caution.slip.message().text(language);
-    warning(caution.slip.id(), text, caution.source, programs)
+    let first_column = caution.columns().map(|(first, _)| first);
+    warning(
+        caution.slip.id(),
+        text,
+        caution.source,
+        first_column,
+        programs,
+    )
 }
 
-/// A slip at its block.
-fn warning(code: &str, text: String, source: Source, programs: &ProgramMemory) -> Finding {
+/// A warning at its block, or at the word in `first_column` (characters from 1).
+fn warning(
+    code: &str,
+    text: String,
+    source: Source,
+    first_column: Option<u32>,
+    programs: &ProgramMemory,
+) -> Finding {
     let line = programs
         .get(source.program)
         .map_or("", |it| it.line(source.line));
@@ -182,8 +195,8 @@ fn warning(code: &str, text: String, source: Source, programs: &ProgramMemory) -
         program: source.program,
         at: Some(Located {
             line: source.line,
-            bytes: match caution.columns() {
-                Some((first, _)) => bytes_at(line, Some(first as usize)),
+            bytes: match first_column {
+                Some(first) => bytes_at(line, Some(first as usize)),
                 None => whole(line),
             },
         }),
