@@ -31,7 +31,7 @@ pub trait Board: Clone {
     /// Pulses at the pins.
     fn pulses(&self) -> [i64; 2];
     /// The board counts wrong from here on.
-    fn miscount(&mut self, pulses: [i64; 2]);
+    fn add_position_error(&mut self, pulses: [i64; 2]);
     /// Power or the reset line.
     fn press_reset(&mut self);
     /// Its firmware gives up by itself.
@@ -59,7 +59,7 @@ impl Board for GrblTwin {
     fn pulses(&self) -> [i64; 2] {
         self.pulses()
     }
-    fn miscount(&mut self, pulses: [i64; 2]) {
+    fn add_position_error(&mut self, pulses: [i64; 2]) {
         self.add_position_error(pulses);
     }
     fn press_reset(&mut self) {
@@ -106,7 +106,7 @@ impl Board for Timed {
     fn pulses(&self) -> [i64; 2] {
         self.0.pulses()
     }
-    fn miscount(&mut self, pulses: [i64; 2]) {
+    fn add_position_error(&mut self, pulses: [i64; 2]) {
         self.0.add_position_error(pulses);
     }
     fn press_reset(&mut self) {

@@ -145,7 +145,7 @@ fn a_board_that_falls_silent_in_motion_is_lost_and_not_late() {
 
 /// The line to the host hangs: reports come late, the answers behind them, too.
 fn late(machine: &mut Machine<GrblTwin>, bytes: u64, ms: u64) {
-    let byte = machine.twin.to_host.given() + bytes;
+    let byte = machine.twin.to_host.sent_count() + bytes;
     machine.twin.to_host.damage(byte, Damage::Stalled(ms * MS));
 }
 

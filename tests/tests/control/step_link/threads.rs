@@ -230,7 +230,7 @@ fn a_speed_that_drifts_is_followed_or_spoils_the_thread() {
         let pi = core::f64::consts::PI;
         lathe
             .twin
-            .set_ripple(percent_a_second / (2.0 * pi * SLOW), SLOW);
+            .set_speed_ripple(percent_a_second / (2.0 * pi * SLOW), SLOW);
         lathe.wait(60_000, |lathe| {
             lathe.simulation.cnc.position_absolute().z < -79.0
         });
