@@ -136,7 +136,10 @@ fn the_work_zero_of_a_job_says_where_the_machine_zero_lies() {
     let text = "O0005\nM03 S500\nT0101\nG00 X46 Z2\nG01 Z-20 F100\nX52\nG28 U0 W0\nM30\n";
     let program = folder.file("zero.CNC", text);
     let (code, out, _) = said(&["check", "--part", &program]);
-    assert!(code == 0 && out.contains("not checked for collisions"), "{out}");
+    assert!(
+        code == 0 && out.contains("not checked for collisions"),
+        "{out}"
+    );
     // The machine zero in the part: the way there goes through it.
     let job = folder.file(
         "zero.ron",
@@ -144,7 +147,10 @@ fn the_work_zero_of_a_job_says_where_the_machine_zero_lies() {
          tools: {1: (insert: Turning(letter: C, entering: 95, size: 12.7, nose: 0.8), tip: 3)})",
     );
     let (code, _, err) = said(&["check", "--job", &job, &program]);
-    assert!(code == 3 && err.contains("work zero is taken from the job"), "{err}");
+    assert!(
+        code == 3 && err.contains("work zero is taken from the job"),
+        "{err}"
+    );
 }
 
 #[test]
