@@ -124,6 +124,14 @@ impl Chosen {
         Machining::new(self.job.clone())
     }
 
+    /// Where nobody else says where the work lies on the machine, the job does: returns
+    /// what has to be said then.
+    pub fn set_work_zero(&self, setup: &mut Setup) -> Option<Message> {
+        let zero = self.job.zero.filter(|_| setup.absolute.is_none())?;
+        setup.absolute = Some(setup.start.unwrap_or_default() - zero.point());
+        Some(say::job_work_zero(zero.x.0, zero.z))
+    }
+
     /// The name of its file.
     pub fn name(&self) -> Option<String> {
         let file = self.file.as_ref()?;

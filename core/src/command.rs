@@ -10,7 +10,7 @@ use core::num::NonZeroU32;
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-use crate::units::{Axis, Feed, Point, round};
+use crate::units::{Axis, Feed, PerAxis, Point, round};
 
 /// Which program a block stands in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -510,6 +510,26 @@ pub struct Conditions {
     pub rpm: f64,
     /// How a thread follows the angle of the spindle.
     pub thread: Option<ThreadPhase>,
+    /// Which of its coordinates are not known.
+    #[serde(default, skip_serializing_if = "Unplaced::is_none")]
+    pub unplaced: Unplaced,
+}
+
+/// Coordinates of a move that lead to or from a machine zero whose position to the work
+/// is unknown: numbers are computed for them, but they say nothing about the part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Unplaced {
+    /// Axes of the start point.
+    pub from: PerAxis<bool>,
+    /// Axes of the end point.
+    pub to: PerAxis<bool>,
+}
+
+impl Unplaced {
+    /// Whether all coordinates are known.
+    pub const fn is_none(&self) -> bool {
+        !(self.from.x || self.from.z || self.to.x || self.to.z)
+    }
 }
 
 /// How a thread follows the angle of the spindle.
@@ -546,6 +566,7 @@ impl Conditions {
             frame: *frame,
             rpm,
             thread,
+            unplaced: Unplaced::default(),
         }
     }
 }

@@ -260,6 +260,7 @@ fn interpret(
             Some((alarm, Raised::Reading))
         }
     };
+    walk.show_return(None);
     if let Some((alarm, _)) = &met {
         walk.fail(alarm.clone());
     }
@@ -329,6 +330,8 @@ struct Walk<'a> {
     /// time is known when the next command is.
     sequel: Sequel,
     unsettled: Option<(ExecutedMove, Option<Explanation>)>,
+    /// A rapid that may lead to a machine zero, until the next command says so.
+    returning: Option<(ExecutedMove, Option<Explanation>)>,
     shown: Option<Shown>,
     /// Time the spindle needs for a new speed, s.
     settle_s: f64,
@@ -362,6 +365,7 @@ impl<'a> Walk<'a> {
             owed: 0.0,
             sequel: Sequel::default(),
             unsettled: None,
+            returning: None,
             shown: None,
             settle_s: f64::from(setup.lathe.spindle.settle_ms) / 1000.0,
             so_far: Preview {

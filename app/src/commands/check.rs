@@ -77,6 +77,9 @@ fn check_file(
         return Ok(report);
     }
     let chosen = job::choose(&args.part.job, Some(file), &setup)?;
+    if let Some(said) = chosen.set_work_zero(&mut setup) {
+        complain!("gsk980td: {}", report::said(&said, language));
+    }
     let mut machining = chosen.machining();
     let rates = RapidRates::of(&setup.memory);
     let mut take = |executed: &ExecutedMove| {

@@ -39,7 +39,13 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
     let rates = RapidRates::of(&setup.memory);
     let mut drawing = Drawing::new(title(&args.file), args.picture.look());
     let mut machining = match args.part.wanted() || args.solid || args.picture.needs_part() {
-        true => Some(job::choose(&args.part, Some(main), &setup)?.machining()),
+        true => {
+            let chosen = job::choose(&args.part, Some(main), &setup)?;
+            if let Some(said) = chosen.set_work_zero(&mut setup) {
+                complain!("gsk980td: {}", report::said(&said, language));
+            }
+            Some(chosen.machining())
+        }
         false => None,
     };
     let mut watch = output::watch(&setup.memory.programs, args.look.limits.begin(), true);

@@ -4,12 +4,13 @@ use super::{End, Walk};
 use crate::alarm::Alarm;
 use crate::command::{Action, Command, Frame, MoveKind, ThreadStart};
 use crate::motion::ThreadMove;
-use crate::units::{Point, TICK_S};
+use crate::units::{PerAxis, Point, TICK_S};
 
 impl Walk<'_> {
     pub(super) fn carry_out(&mut self, command: &Command) -> Result<Option<End>, Alarm> {
         self.motionless += 1;
         self.source = Some(command.source);
+        self.show_return(Some(command));
         self.settle_uncertainty(command);
         if self.owed > 0.0 {
             self.pay(&command.action);
@@ -109,8 +110,8 @@ impl Walk<'_> {
                 }));
             }
             Action::Macro => self.clock.advance(TICK_S),
-            Action::ZeroReturn { .. } | Action::Referenced { .. } => {
-                self.look_at_return(command.source);
+            Action::ZeroReturn { x, z } | Action::Referenced { x, z } => {
+                self.look_at_return(command.source, PerAxis::new(*x, *z));
             }
             // When an input comes is not known before it does.
             Action::Outputs { .. } | Action::InputWait { .. } | Action::Nothing => {}

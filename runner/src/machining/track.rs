@@ -35,12 +35,13 @@ impl Track {
         &mut self.mounting
     }
 
-    /// The motions of a move: none of a dwell, two of a rapid that bends.
+    /// The motions of a move: none of a dwell, and of one to or from a machine zero that
+    /// may lie anywhere; two of a rapid that bends.
     pub(super) fn motions(&mut self, executed: &ExecutedMove, rates: RapidRates) -> Vec<Motion> {
-        if executed.kind == MoveKind::Dwell {
+        let conditions = &executed.conditions;
+        if executed.kind == MoveKind::Dwell || !conditions.unplaced.is_none() {
             return Vec::new();
         }
-        let conditions = &executed.conditions;
         let (tool, frame) = (conditions.tool, &conditions.frame);
         if executed.kind != MoveKind::Rapid {
             self.mounting.settle(tool, frame);
