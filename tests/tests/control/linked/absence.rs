@@ -143,6 +143,31 @@ fn a_board_that_falls_silent_in_motion_is_lost_and_not_late() {
     }
 }
 
+/// The process that held the port is gone, and another one has stopped the board: its
+/// banner proves that the spindle is off, and the control shows that.
+#[test]
+fn a_board_that_another_holder_has_stopped_is_shown_without_its_spindle() {
+    let mut machine = Machine::referenced(Variant::Grbl);
+    machine.load(DWELL, None);
+    machine.start();
+    machine.pass(2500);
+    assert!(machine.simulation.cnc.spindle_switched() > 0.0);
+    machine.linked.lost(gsk_messages::say::port_holder_gone());
+    machine.pass(500);
+    assert!(
+        machine.simulation.cnc.spindle_switched() > 0.0,
+        "nobody knows"
+    );
+    machine.linked.stopped_by_holder(b"ok\r\n");
+    machine.pass(100);
+    assert!(machine.simulation.cnc.spindle_switched() > 0.0, "no banner");
+    machine
+        .linked
+        .stopped_by_holder(b"\r\nGrbl 1.1h ['$' for help]\r\n");
+    machine.pass(500);
+    assert!(machine.simulation.cnc.spindle_switched() == 0.0);
+}
+
 /// The line to the host hangs: reports come late, the answers behind them, too.
 fn late(machine: &mut Machine<GrblTwin>, bytes: u64, ms: u64) {
     let byte = machine.twin.to_host.sent_count() + bytes;
