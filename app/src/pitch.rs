@@ -10,7 +10,7 @@ use gsk_commission::{
 use gsk_core::memory::{Parameters, PitchTable};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
-use gsk_project::{Difference, Key, Set, State, Value};
+use gsk_project::{DataSet, ProjectDifference, ProjectKey, ProjectState, ProjectValue};
 
 use crate::files::program_file;
 
@@ -91,28 +91,31 @@ pub const fn letter(axis: Axis) -> char {
 }
 
 /// Changes as differences of what a control holds.
-pub fn differences(changes: &[Change], state: &State) -> Vec<Difference> {
+pub fn differences(changes: &[Change], state: &ProjectState) -> Vec<ProjectDifference> {
     let entries = state.entries();
-    let row = |key: Key, new: i64| Difference {
+    let row = |key: ProjectKey, new: i64| ProjectDifference {
         key,
         old: entries.get(&key).cloned(),
-        new: Some(Value::Whole(new)),
+        new: Some(ProjectValue::Whole(new)),
     };
     let mut rows = Vec::new();
     for change in changes {
         match *change {
             Change::Value { number, value } => {
                 rows.push(row(
-                    Key::Parameter(Set::Control, number, None),
+                    ProjectKey::Parameter(DataSet::Control, number, None),
                     value.into(),
                 ));
             }
             Change::Bit { number, bit, on } => {
-                let key = Key::Parameter(Set::Control, number, Some(bit));
+                let key = ProjectKey::Parameter(DataSet::Control, number, Some(bit));
                 rows.push(row(key, on.into()));
             }
             Change::Pitch { axis, point, value } => {
-                rows.push(row(Key::Pitch(Set::Control, point, axis), value.into()));
+                rows.push(row(
+                    ProjectKey::Pitch(DataSet::Control, point, axis),
+                    value.into(),
+                ));
             }
         }
     }

@@ -15,7 +15,7 @@ use gsk_commission::{
 };
 use gsk_core::units::{Axis, PerAxis};
 use gsk_messages::{Language, Message, say};
-use gsk_project::refused;
+use gsk_project::refusal_message;
 
 use super::written;
 use crate::kernel::monitor::MachineView;
@@ -375,7 +375,7 @@ impl CommissionView {
             });
         let refusal = machine.parameters_refused;
         let (words, colour) = match refusal {
-            Some(refusal) => (say::data_cannot_write(refused(refusal)), NOT_NOW),
+            Some(refusal) => (say::data_cannot_write(refusal_message(refusal)), NOT_NOW),
             None => (say::commission_can_write(), FINE),
         };
         ui.label(RichText::new(words.text(language)).color(colour));

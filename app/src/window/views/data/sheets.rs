@@ -5,7 +5,7 @@ use egui::{Button, CentralPanel, ComboBox, Panel, RichText, Role, ScrollArea, Ui
 use gsk_commission::Undo;
 use gsk_core::memory::{ParameterGroup, Refusal};
 use gsk_messages::{Language, Message, say};
-use gsk_project::refused;
+use gsk_project::refusal_message;
 
 use super::super::{bar_frame, side_frame, written};
 use super::edit::{Drafts, Edit};
@@ -194,7 +194,7 @@ impl Sheets {
         let (words, colour) = match (of_drafts.or(of_page), self.into) {
             // It stands against what is typed alone.
             (Some(refusal), _) => (
-                say::data_cannot_write(refused(refusal)),
+                say::data_cannot_write(refusal_message(refusal)),
                 match self.drafts.count() {
                     0 => ui.visuals().weak_text_color(),
                     _ => TYPED,
