@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use egui::Ui;
-use gsk_commission::Change;
+use gsk_commission::ParameterChange;
 use gsk_core::memory::ParameterGroup;
 use gsk_messages::Language;
 use gsk_project::{
@@ -87,23 +87,23 @@ fn values(edit: Edit) -> Vec<(ProjectKey, Option<ProjectValue>)> {
     let set = DataSet::Control;
     let whole = |value: i32| Some(ProjectValue::Whole(value.into()));
     match edit {
-        Edit::Parameter(Change::Value { number, value }) if is_state(number) => {
+        Edit::Parameter(ParameterChange::Value { number, value }) if is_state(number) => {
             let bit = |bit: u8| {
                 let on = value >> bit & 1;
                 (ProjectKey::Parameter(set, number, Some(bit)), whole(on))
             };
             (0..8).map(bit).collect()
         }
-        Edit::Parameter(Change::Value { number, value }) => {
+        Edit::Parameter(ParameterChange::Value { number, value }) => {
             vec![(ProjectKey::Parameter(set, number, None), whole(value))]
         }
-        Edit::Parameter(Change::Bit { number, bit, on }) => {
+        Edit::Parameter(ParameterChange::Bit { number, bit, on }) => {
             vec![(
                 ProjectKey::Parameter(set, number, Some(bit)),
                 whole(on.into()),
             )]
         }
-        Edit::Parameter(Change::Pitch { axis, point, value }) => {
+        Edit::Parameter(ParameterChange::Pitch { axis, point, value }) => {
             vec![(ProjectKey::Pitch(set, point, axis), whole(value.into()))]
         }
         Edit::Offset {
