@@ -70,7 +70,7 @@ pub(crate) fn read(text: &str) -> Result<Measurement, FileFault> {
     let (first, heading) = rows.next().unwrap_or((1, ""));
     let separator = find_separator(heading).unwrap_or(',');
     let columns: Vec<Column> = heading.split(separator).map(parse_column).collect();
-    let has = |wanted| columns.contains(&wanted);
+    let has = |column| columns.contains(&column);
     if !has(Column::Target) || has(Column::Deviation) == has(Column::Measured) {
         return Err(FileFault::new(first, say::pitch_csv_columns()));
     }
@@ -96,11 +96,11 @@ pub(crate) fn read(text: &str) -> Result<Measurement, FileFault> {
                 }
             })
             .collect();
-        let field = |wanted| {
-            let at = columns.iter().position(|it| *it == wanted)?;
+        let field = |column| {
+            let at = columns.iter().position(|it| *it == column)?;
             fields.get(at).map(String::as_str)
         };
-        let required = |wanted| field(wanted).filter(|it| !it.is_empty());
+        let required = |column| field(column).filter(|it| !it.is_empty());
         let missing = || FileFault::new(line, say::pitch_csv_field_missing(columns.len()));
         let target =
             file_line::parse_position(line, required(Column::Target).ok_or_else(missing)?)?;

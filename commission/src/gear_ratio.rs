@@ -55,20 +55,25 @@ impl DriveTrain {
 ///
 /// # Errors
 /// The ratio is outside 1/127 to 127.
-pub fn find_nearest_ratio(wanted: f64, tolerance: f64) -> Result<GearRatio, Message> {
+pub fn find_nearest_ratio(target_ratio: f64, tolerance: f64) -> Result<GearRatio, Message> {
     let largest = f64::from(MAX_FACTOR);
-    if !(wanted.is_finite() && wanted >= 0.999 / largest && wanted <= 1.001 * largest) {
-        return Err(say::commission_gear_out_of_reach(wanted, MAX_FACTOR));
+    if !(target_ratio.is_finite()
+        && target_ratio >= 0.999 / largest
+        && target_ratio <= 1.001 * largest)
+    {
+        return Err(say::commission_gear_out_of_reach(target_ratio, MAX_FACTOR));
     }
     let mut best = (1, 1, f64::INFINITY);
     for divide in 1..=MAX_FACTOR {
-        let multiply = (wanted * f64::from(divide)).round().clamp(1.0, largest);
-        let off = (multiply / (wanted * f64::from(divide)) - 1.0).abs();
+        let multiply = (target_ratio * f64::from(divide))
+            .round()
+            .clamp(1.0, largest);
+        let relative_error = (multiply / (target_ratio * f64::from(divide)) - 1.0).abs();
         // A pair of larger numbers must be better by more than rounding.
-        if off < best.2 - 1e-12 {
-            best = (multiply as i32, divide, off);
+        if relative_error < best.2 - 1e-12 {
+            best = (multiply as i32, divide, relative_error);
         }
-        if off <= tolerance {
+        if relative_error <= tolerance {
             break;
         }
     }
@@ -77,7 +82,7 @@ pub fn find_nearest_ratio(wanted: f64, tolerance: f64) -> Result<GearRatio, Mess
     Ok(GearRatio {
         multiply,
         divide,
-        error_um_per_m: (actual / wanted - 1.0) * 1e6,
+        error_um_per_m: (actual / target_ratio - 1.0) * 1e6,
     })
 }
 
@@ -94,9 +99,9 @@ mod tests {
             screw_teeth: 40,
             motor_teeth: 20,
         };
-        let wanted = drive.gear_ratio(SlideTravel(0.001)).unwrap();
-        assert!((wanted - 0.16).abs() < 1e-12);
-        let ratio = find_nearest_ratio(wanted, 0.0).unwrap();
+        let target_ratio = drive.gear_ratio(SlideTravel(0.001)).unwrap();
+        assert!((target_ratio - 0.16).abs() < 1e-12);
+        let ratio = find_nearest_ratio(target_ratio, 0.0).unwrap();
         assert_eq!((ratio.multiply, ratio.divide), (4, 25));
         assert!(ratio.error_um_per_m.abs() < 1e-6);
         let none = DriveTrain {

@@ -128,15 +128,15 @@ pub fn propose_reference(
     method: ZeroMethod,
     parameters: &Parameters,
 ) -> Result<Proposal, Message> {
-    let own = axis_bit(axis);
+    let axis_bit_number = axis_bit(axis);
     let changes = match method {
-        ZeroMethod::NoSwitch => vec![set_bit(14, own, false)],
+        ZeroMethod::NoSwitch => vec![set_bit(14, axis_bit_number, false)],
         ZeroMethod::SwitchAndSignal => vec![
             set_bit(4, 5, false),
-            set_bit(6, own, false),
-            set_bit(7, own, false),
+            set_bit(6, axis_bit_number, false),
+            set_bit(7, axis_bit_number, false),
             set_bit(11, 2, true),
-            set_bit(14, own, true),
+            set_bit(14, axis_bit_number, true),
             set_value(parameter::ZERO_LOW_SPEED, 200),
             set_value(
                 parameter::ZERO_HIGH_SPEED,
@@ -145,10 +145,10 @@ pub fn propose_reference(
         ],
         ZeroMethod::OneSwitch => vec![
             set_bit(4, 5, false),
-            set_bit(6, own, false),
-            set_bit(7, own, true),
+            set_bit(6, axis_bit_number, false),
+            set_bit(7, axis_bit_number, true),
             set_bit(11, 2, false),
-            set_bit(14, own, true),
+            set_bit(14, axis_bit_number, true),
             set_value(parameter::ZERO_LOW_SPEED, 200),
             set_value(
                 parameter::ZERO_HIGH_SPEED,

@@ -27,16 +27,16 @@ pub fn propose_table_values(
     let mut changes = Vec::new();
     let mut changed_parameters = parameters.clone();
     if let Some((line, spacing)) = table.spacing {
-        let wanted = (spacing.0 * units).round();
+        let interval_units = (spacing.0 * units).round();
         let number = select_by_axis(
             axis,
             parameter::X_PITCH_INTERVAL,
             parameter::Z_PITCH_INTERVAL,
         );
-        if !(1.0..=999_999.0).contains(&wanted) {
+        if !(1.0..=999_999.0).contains(&interval_units) {
             return Err(at_line(line, say::pitch_interval_wrong(spacing.0)));
         }
-        if wanted as i64 != parameters.pitch_interval(axis) {
+        if interval_units as i64 != parameters.pitch_interval(axis) {
             if !clear {
                 let current = parameters.pitch_interval(axis) as f64 / units;
                 let rule = say::pitch_ren_spacing(spacing.0, number, current);
@@ -44,7 +44,7 @@ pub fn propose_table_values(
             }
             let change = ParameterChange::Value {
                 number,
-                value: wanted as i32,
+                value: interval_units as i32,
             };
             changes.push(change);
             let mut empty = PitchTable::default();
@@ -184,10 +184,10 @@ mod tests {
             ("10 0.5\n", "1"),
             ("backlash -3\n10 1\n", "1"),
         ] {
-            let refused =
+            let result =
                 propose_table_values(Axis::Z, &table_of(text), &parameters, &pitch, false);
-            let said = refused.unwrap_err();
-            assert_eq!(said.plain_value("line"), Some(line), "{text}");
+            let message = result.unwrap_err();
+            assert_eq!(message.plain_value("line"), Some(line), "{text}");
         }
     }
 }

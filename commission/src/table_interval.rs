@@ -75,9 +75,9 @@ impl CorrectionTask<'_> {
             .map(|index| {
                 let from = (index * interval) as f64;
                 let to = (from + interval as f64).min(end.max(from));
-                let wanted = self.required_units(sign * (from + to) / 2.0);
+                let required = self.required_units(sign * (from + to) / 2.0);
                 let factor = self.factor as f64;
-                (wanted / factor).round() as i64 * self.factor
+                (required / factor).round() as i64 * self.factor
             })
             .collect()
     }

@@ -121,9 +121,9 @@ impl StateBuilder<'_> {
 
     fn has_set(&self, set: DataSet) -> bool {
         self.remaining.keys().any(|key| match key {
-            ProjectKey::Parameter(own, ..)
-            | ProjectKey::Offset(own, ..)
-            | ProjectKey::Pitch(own, ..) => *own == set,
+            ProjectKey::Parameter(key_set, ..)
+            | ProjectKey::Offset(key_set, ..)
+            | ProjectKey::Pitch(key_set, ..) => *key_set == set,
             _ => false,
         })
     }
@@ -346,10 +346,10 @@ impl StateBuilder<'_> {
                 continue;
             };
             let rule = match Program::new(&**text).number() {
-                Some(own) if own == number => {
+                Some(text_number) if text_number == number => {
                     programs.store(&**text).err().map(|alarm| alarm.reason())
                 }
-                Some(own) => Some(say::project_program_other_number(own)),
+                Some(text_number) => Some(say::project_program_other_number(text_number)),
                 None => Some(say::program_number_missing()),
             };
             if let Some(rule) = rule {

@@ -65,8 +65,8 @@ pub fn unit(key: ProjectKey, model: ModelId) -> &'static str {
     match key {
         ProjectKey::Parameter(..) => parameter_row(key).map_or("", |row| row.unit),
         ProjectKey::ModelParameter(number) => {
-            let own = model.record().parameters.get(&number);
-            own.map_or("", |own| own.unit.as_str())
+            let parameter = model.record().parameters.get(&number);
+            parameter.map_or("", |parameter| parameter.unit.as_str())
         }
         ProjectKey::Offset(_, _, OffsetColumn::T) => "",
         ProjectKey::Offset(..) => "mm",
@@ -77,8 +77,10 @@ pub fn unit(key: ProjectKey, model: ModelId) -> &'static str {
 
 fn parameter_name(key: ProjectKey, model: ModelId, language: Language) -> String {
     if let ProjectKey::ModelParameter(number) = key {
-        let own = model.record().parameters.get(&number);
-        return own.map_or("", |own| own.name(language)).to_owned();
+        let parameter = model.record().parameters.get(&number);
+        return parameter
+            .map_or("", |parameter| parameter.name(language))
+            .to_owned();
     }
     let Some(row) = parameter_row(key) else {
         return String::new();

@@ -71,11 +71,11 @@ pub fn propose_gear_from_move(
 
 fn propose_gear(
     axis: Axis,
-    wanted: f64,
+    target_ratio: f64,
     tolerance: f64,
     parameters: &Parameters,
 ) -> Result<Proposal, Message> {
-    let ratio = find_nearest_ratio(wanted, tolerance)?;
+    let ratio = find_nearest_ratio(target_ratio, tolerance)?;
     let mut changes = vec![
         set_value(
             select_by_axis(axis, parameter::X_MULTIPLIER, parameter::Z_MULTIPLIER),
@@ -119,10 +119,10 @@ const fn max_approach_rate(axis: Axis, limit: f64) -> f64 {
 }
 
 /// Limits an approach rate to what both axes reach: parameter 113 applies to both.
-pub(super) fn limit_approach_rate(wanted: i32, parameters: &Parameters) -> i32 {
+pub(super) fn limit_approach_rate(requested_rate: i32, parameters: &Parameters) -> i32 {
     let limits = [Axis::X, Axis::Z].into_iter().filter_map(|axis| {
         let limit = gear_speed_limit(axis, parameters)?;
         Some(max_approach_rate(axis, limit).floor() as i32)
     });
-    limits.fold(wanted, i32::min)
+    limits.fold(requested_rate, i32::min)
 }

@@ -148,12 +148,12 @@ fn backlash_is_measured_without_compensation() {
     let readings = [reading(0.0, 0.022), reading(1.001, 1.025)];
     let proposal = propose_backlash(Axis::X, &readings, &parameters).unwrap();
     assert_eq!(changed(&proposal), [(parameter::X_BACKLASH, 23)]);
-    let said = proposal
+    let notes = proposal
         .notes
         .iter()
         .map(ToString::to_string)
         .collect::<Vec<_>>();
-    assert_eq!(said, ["mean of 2 readings 23.0 µm, spread 2.0 µm"]);
+    assert_eq!(notes, ["mean of 2 readings 23.0 µm, spread 2.0 µm"]);
     parameters.set(parameter::X_BACKLASH, 5).unwrap();
     assert!(propose_backlash(Axis::X, &readings, &parameters).is_err());
     assert_eq!(
