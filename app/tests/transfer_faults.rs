@@ -277,7 +277,7 @@ fn prepare(port: &str, held: &Held) {
     for entry in talk.list(Partition::User).expect("listed") {
         if entry.name.program_number().is_some() && !held.contains_key(entry.name.as_str()) {
             let name = entry.name.clone();
-            let order = gsk_transfer::TransferCommand::Delete(place(name.as_str()));
+            let order = gsk_transfer::PcCommand::Delete(place(name.as_str()));
             talk.change(&name, order).expect("deleted");
         }
     }

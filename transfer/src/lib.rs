@@ -30,7 +30,7 @@ pub use control_port::{ControlPort, Framing};
 pub use control_side::{ControlEvent, ControlSide, FileStore, PortStatus};
 pub use file_name::{FileName, FileNameError, Partition};
 pub use frame::{BLOCK_BYTES, PutRequest, RemotePath, TransferRequest};
-pub use pc_side::{ConnectionLoss, PcSide, TransferCommand, TransferOutcome};
+pub use pc_side::{ConnectionLoss, PcCommand, PcSide, TransferOutcome};
 pub use program_text::{
     InvalidCharacter, TextEvent, TextLineEnd, TextReader, TextWriter, parse_program_number,
     split_programs,

@@ -164,7 +164,7 @@ impl Line {
         outcome.expect("an outcome within five minutes")
     }
 
-    fn run(&mut self, command: TransferCommand) -> TransferOutcome {
+    fn run(&mut self, command: PcCommand) -> TransferOutcome {
         self.pc.start(command);
         self.outcome()
     }
@@ -219,8 +219,8 @@ fn name(name: &str) -> FileName {
 fn all_commands_succeed() {
     let mut line = Line::new(115_200);
     let bytes = Random(1).bytes(2000);
-    assert_eq!(line.run(TransferCommand::Connect), TransferOutcome::Done);
-    let put = |overwrite| TransferCommand::Put(file("O0001.CNC", &bytes, overwrite));
+    assert_eq!(line.run(PcCommand::Connect), TransferOutcome::Done);
+    let put = |overwrite| PcCommand::Put(file("O0001.CNC", &bytes, overwrite));
     assert_eq!(line.run(put(false)), TransferOutcome::Done);
     assert_eq!(line.events, [ControlEvent::Received(name("O0001.CNC"))]);
     assert_eq!(
@@ -229,11 +229,10 @@ fn all_commands_succeed() {
     );
     assert_eq!(line.run(put(true)), TransferOutcome::Done);
     assert_eq!(
-        line.run(TransferCommand::Put(file("A.CNC", b"", false))),
+        line.run(PcCommand::Put(file("A.CNC", b"", false))),
         TransferOutcome::Done
     );
-    let TransferOutcome::Listed(entries) = line.run(TransferCommand::Directory(Partition::User))
-    else {
+    let TransferOutcome::Listed(entries) = line.run(PcCommand::Directory(Partition::User)) else {
         panic!("no list");
     };
     let sizes: Vec<_> = entries
@@ -241,9 +240,9 @@ fn all_commands_succeed() {
         .map(|entry| (entry.name.as_str(), entry.size))
         .collect();
     assert_eq!(sizes, [("O0001.CNC", 2000), ("A.CNC", 0)]);
-    let got = line.run(TransferCommand::Get(path("O0001.CNC")));
+    let got = line.run(PcCommand::Get(path("O0001.CNC")));
     assert_eq!(got, TransferOutcome::Got(file("O0001.CNC", &bytes, true)));
-    let rename = |from, to| TransferCommand::Rename {
+    let rename = |from, to| PcCommand::Rename {
         from: path(from),
         to: name(to),
     };
@@ -253,18 +252,18 @@ fn all_commands_succeed() {
     );
     assert_eq!(line.run(rename("A.CNC", "B.CNC")), TransferOutcome::Done);
     assert_eq!(
-        line.run(TransferCommand::Delete(path("B.CNC"))),
+        line.run(PcCommand::Delete(path("B.CNC"))),
         TransferOutcome::Done
     );
     assert_eq!(
-        line.run(TransferCommand::Delete(path("B.CNC"))),
+        line.run(PcCommand::Delete(path("B.CNC"))),
         TransferOutcome::Refused(TransferFault::NotFound)
     );
     assert_eq!(
-        line.run(TransferCommand::Get(path("B.CNC"))),
+        line.run(PcCommand::Get(path("B.CNC"))),
         TransferOutcome::Refused(TransferFault::NotFound)
     );
-    assert_eq!(line.run(TransferCommand::Bye), TransferOutcome::Done);
+    assert_eq!(line.run(PcCommand::Bye), TransferOutcome::Done);
     line.run_for(1000);
     assert_eq!(line.pc.retransmissions(), 0);
     assert_eq!(line.statuses.last(), Some(&PortStatus::Idle));
@@ -284,9 +283,9 @@ fn refusal_reports_reason_before_file_bytes() {
     ] {
         let mut line = Line::new(115_200);
         line.memory.refusal = Some(refusal);
-        line.run(TransferCommand::Connect);
+        line.run(PcCommand::Connect);
         let before = line.wires[0].given();
-        let outcome = line.run(TransferCommand::Put(file("O1.CNC", &[b'X'; 5000], false)));
+        let outcome = line.run(PcCommand::Put(file("O1.CNC", &[b'X'; 5000], false)));
         assert_eq!(outcome, TransferOutcome::Refused(refusal));
         assert!(line.wires[0].given() - before < 100);
         assert!(line.memory.files.is_empty());
@@ -325,9 +324,9 @@ fn control_sends_files_to_idle_pc() {
     );
     // A restarted control knows no connection.
     line.control = ControlPort::new(115_200, Framing::Frames, TextLineEnd::CrLf);
-    let lost = line.run(TransferCommand::Get(path("O1.CNC")));
+    let lost = line.run(PcCommand::Get(path("O1.CNC")));
     assert_eq!(lost, TransferOutcome::Lost(ConnectionLoss::PeerRestarted));
-    assert_eq!(line.run(TransferCommand::Connect), TransferOutcome::Done);
+    assert_eq!(line.run(PcCommand::Connect), TransferOutcome::Done);
 }
 
 #[test]
@@ -335,7 +334,7 @@ fn both_sides_report_missing_peer() {
     let mut line = Line::new(115_200);
     line.wires.iter_mut().for_each(|wire| wire.set_cut(true));
     assert_eq!(
-        line.run(TransferCommand::Connect),
+        line.run(PcCommand::Connect),
         TransferOutcome::Lost(ConnectionLoss::Silent)
     );
     assert_eq!(line.events, []);
@@ -352,7 +351,7 @@ fn both_sides_report_missing_peer() {
 fn both_sides_report_rate_mismatch() {
     let mut line = Line::new(115_200);
     line.has_rate_mismatch = true;
-    line.pc.start(TransferCommand::Connect);
+    line.pc.start(PcCommand::Connect);
     line.control.send(vec![file("O1.CNC", b"x", false)]);
     assert_eq!(line.outcome(), TransferOutcome::Lost(ConnectionLoss::Noise));
     line.run_for(10_000);
@@ -364,7 +363,7 @@ fn both_sides_report_rate_mismatch() {
     let mut line = Line::new(115_200);
     line.has_rate_mismatch = true;
     assert_eq!(
-        line.run(TransferCommand::Connect),
+        line.run(PcCommand::Connect),
         TransferOutcome::Lost(ConnectionLoss::Silent)
     );
     assert!(line.events.iter().any(not_connected), "{:?}", line.events);
@@ -441,7 +440,7 @@ fn text_is_received_beside_frames_and_sent_in_text_mode() {
         text.as_bytes()
     );
     // Frames are accepted after a text.
-    assert_eq!(line.run(TransferCommand::Connect), TransferOutcome::Done);
+    assert_eq!(line.run(PcCommand::Connect), TransferOutcome::Done);
 
     // A slow line carries text only.
     let text = text.replace("O0008", "O0007");
@@ -477,13 +476,13 @@ fn text_is_received_beside_frames_and_sent_in_text_mode() {
 fn throughput(baud: u32) -> [f64; 2] {
     let bytes = Random(9).bytes(97 * 1024);
     [
-        TransferCommand::Put(file("O9.CNC", &bytes, true)),
-        TransferCommand::Get(path("O2.CNC")),
+        PcCommand::Put(file("O9.CNC", &bytes, true)),
+        PcCommand::Get(path("O2.CNC")),
     ]
     .map(|command| {
         let mut line = Line::new(baud);
         line.memory.files = vec![(name("O2.CNC"), bytes.clone())];
-        line.run(TransferCommand::Connect);
+        line.run(PcCommand::Connect);
         let begun = line.now_ns;
         assert!(!matches!(line.run(command), TransferOutcome::Lost(_)));
         assert_eq!(line.pc.retransmissions(), 0);

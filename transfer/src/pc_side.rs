@@ -18,7 +18,7 @@ const MIN_NOISE_BYTES: u64 = 4;
 
 /// Command from the PC to the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum TransferCommand {
+pub enum PcCommand {
     /// Connects to the control.
     Connect,
     /// Lists the files of a partition.
@@ -118,32 +118,30 @@ impl PcSide {
     }
 
     /// Starts a command. The result of the previous one must have been taken.
-    pub fn start(&mut self, command: TransferCommand) {
+    pub fn start(&mut self, command: PcCommand) {
         let send = |station: &mut Station, request| {
             station.send(request);
             Activity::AwaitingReply
         };
         let station = &mut self.station;
         self.activity = match command {
-            TransferCommand::Connect => {
+            PcCommand::Connect => {
                 self.incoming = None;
                 station.connect();
                 Activity::AwaitingReply
             }
-            TransferCommand::Directory(partition) => {
+            PcCommand::Directory(partition) => {
                 station.send(TransferRequest::Directory(partition));
                 Activity::Listing(Vec::new())
             }
-            TransferCommand::Put(file) => Activity::Sending(OutgoingFile::announce(file, station)),
-            TransferCommand::Get(path) => {
+            PcCommand::Put(file) => Activity::Sending(OutgoingFile::announce(file, station)),
+            PcCommand::Get(path) => {
                 station.send(TransferRequest::Get(path.clone()));
                 Activity::Getting(path)
             }
-            TransferCommand::Delete(path) => send(station, TransferRequest::Delete(path)),
-            TransferCommand::Rename { from, to } => {
-                send(station, TransferRequest::Rename { from, to })
-            }
-            TransferCommand::Bye => send(station, TransferRequest::Bye),
+            PcCommand::Delete(path) => send(station, TransferRequest::Delete(path)),
+            PcCommand::Rename { from, to } => send(station, TransferRequest::Rename { from, to }),
+            PcCommand::Bye => send(station, TransferRequest::Bye),
         };
     }
 

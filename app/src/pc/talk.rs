@@ -2,7 +2,7 @@
 
 use gsk_messages::{Message, say};
 use gsk_transfer::{
-    ConnectionLoss, DirectoryEntry, FileName, Partition, PcSide, RemotePath, TransferCommand,
+    ConnectionLoss, DirectoryEntry, FileName, Partition, PcCommand, PcSide, RemotePath,
     TransferFile, TransferOutcome, TransferProgress,
 };
 use web_time::{Duration, Instant};
@@ -106,7 +106,7 @@ impl Talk {
     /// # Errors
     /// It does not, or the port has gone.
     pub fn connect(&mut self) -> Result<(), PcError> {
-        self.order(TransferCommand::Connect).map(drop)
+        self.order(PcCommand::Connect).map(drop)
     }
 
     /// Carries bytes; what has come of it, if anything.
@@ -127,7 +127,7 @@ impl Talk {
     }
 
     /// Gives an order and waits for what comes of it.
-    fn order(&mut self, order: TransferCommand) -> Result<TransferOutcome, PcError> {
+    fn order(&mut self, order: PcCommand) -> Result<TransferOutcome, PcError> {
         self.side.start(order);
         let mut cancelled = false;
         loop {
@@ -141,17 +141,13 @@ impl Talk {
             if !cancelled && self.watch.is_cancelled() {
                 // Connected anew, the control forgets the half of a file that it has.
                 cancelled = true;
-                self.side.start(TransferCommand::Connect);
+                self.side.start(PcCommand::Connect);
             }
         }
     }
 
     /// An order about a file; a refusal is an error.
-    fn order_for(
-        &mut self,
-        name: &FileName,
-        order: TransferCommand,
-    ) -> Result<TransferOutcome, PcError> {
+    fn order_for(&mut self, name: &FileName, order: PcCommand) -> Result<TransferOutcome, PcError> {
         match self.order(order)? {
             TransferOutcome::Refused(fault) => Err(FilesError::Refused {
                 name: name.clone(),
@@ -167,7 +163,7 @@ impl Talk {
     /// # Errors
     /// The control refuses it, or does not answer, or the port has gone.
     pub fn list(&mut self, partition: Partition) -> Result<Vec<DirectoryEntry>, PcError> {
-        match self.order(TransferCommand::Directory(partition))? {
+        match self.order(PcCommand::Directory(partition))? {
             TransferOutcome::Listed(entries) => Ok(entries),
             TransferOutcome::Refused(fault) => Err(FilesError::Refused {
                 name: FileName::from_program(0),
@@ -185,7 +181,7 @@ impl Talk {
     pub fn send(&mut self, file: TransferFile) -> Result<(), PcError> {
         let (name, size) = (file.remote_path.name.clone(), file.bytes.len());
         self.watched(&name, size, |talk| {
-            talk.order_for(&name, TransferCommand::Put(file))?;
+            talk.order_for(&name, PcCommand::Put(file))?;
             talk.traffic.bytes += size;
             Ok(())
         })
@@ -198,7 +194,7 @@ impl Talk {
     pub fn receive(&mut self, place: RemotePath) -> Result<Vec<u8>, PcError> {
         let name = place.name.clone();
         self.watched(&name, 0, |talk| {
-            match talk.order_for(&name, TransferCommand::Get(place))? {
+            match talk.order_for(&name, PcCommand::Get(place))? {
                 TransferOutcome::Got(file) => {
                     talk.traffic.bytes += file.bytes.len();
                     Ok(file.bytes)
@@ -212,7 +208,7 @@ impl Talk {
     ///
     /// # Errors
     /// The control refuses it, or does not answer, or the port has gone.
-    pub fn change(&mut self, name: &FileName, order: TransferCommand) -> Result<(), PcError> {
+    pub fn change(&mut self, name: &FileName, order: PcCommand) -> Result<(), PcError> {
         self.order_for(name, order).map(drop)
     }
 
@@ -268,7 +264,7 @@ impl Talk {
     /// # Errors
     /// The port has gone.
     pub fn take_leave(&mut self) -> Result<(), PcError> {
-        self.side.start(TransferCommand::Bye);
+        self.side.start(PcCommand::Bye);
         let begun = Instant::now();
         while begun.elapsed() < FAREWELL {
             if !matches!(self.pump()?, None | Some(TransferOutcome::Pushed(_))) {

@@ -11,8 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, TryRecvError, unbounded};
 use gsk_messages::{Message, say};
 use gsk_transfer::{
-    DirectoryEntry, FileName, Partition, RemotePath, TransferCommand, TransferFile,
-    TransferProgress,
+    DirectoryEntry, FileName, Partition, PcCommand, RemotePath, TransferFile, TransferProgress,
 };
 use web_time::Duration;
 
@@ -430,7 +429,7 @@ impl Desk {
 
     fn rename(&mut self, from: RemotePath, to: FileName) {
         let (name, new) = (from.name.clone(), to.clone());
-        let renamed = self.at_port(|talk| talk.change(&name, TransferCommand::Rename { from, to }));
+        let renamed = self.at_port(|talk| talk.change(&name, PcCommand::Rename { from, to }));
         if renamed.is_some() {
             self.tell.tell(News::Said(say::transfer_renamed(name, new)));
             self.list();

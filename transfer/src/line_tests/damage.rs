@@ -31,17 +31,15 @@ impl DamagedTransfer {
     /// Starts the transfer on a line with `O1.CNC` and `O2.CNC`.
     fn start(self, line: &mut Line, bytes: &[u8]) {
         match self {
-            Self::Put => line
-                .pc
-                .start(TransferCommand::Put(file("O1.CNC", bytes, true))),
-            Self::Get => line.pc.start(TransferCommand::Get(path("O2.CNC"))),
+            Self::Put => line.pc.start(PcCommand::Put(file("O1.CNC", bytes, true))),
+            Self::Get => line.pc.start(PcCommand::Get(path("O2.CNC"))),
             Self::Push => line.control.send(vec![file("O2.CNC", bytes, true)]),
-            Self::List => line.pc.start(TransferCommand::Directory(Partition::User)),
-            Self::Rename => line.pc.start(TransferCommand::Rename {
+            Self::List => line.pc.start(PcCommand::Directory(Partition::User)),
+            Self::Rename => line.pc.start(PcCommand::Rename {
                 from: path("O1.CNC"),
                 to: name("O3.CNC"),
             }),
-            Self::Delete => line.pc.start(TransferCommand::Delete(path("O1.CNC"))),
+            Self::Delete => line.pc.start(PcCommand::Delete(path("O1.CNC"))),
         }
     }
 
@@ -86,7 +84,7 @@ fn connected_line(bytes: &[u8]) -> Line {
         (name("O1.CNC"), OLD.to_vec()),
         (name("O2.CNC"), bytes.to_vec()),
     ];
-    assert_eq!(line.run(TransferCommand::Connect), TransferOutcome::Done);
+    assert_eq!(line.run(PcCommand::Connect), TransferOutcome::Done);
     line
 }
 
@@ -203,11 +201,11 @@ fn disconnected_cable_stores_all_or_nothing() {
         // After the cable is reconnected everything works.
         line.wires.iter_mut().for_each(|wire| wire.set_cut(false));
         assert_eq!(
-            line.run(TransferCommand::Connect),
+            line.run(PcCommand::Connect),
             TransferOutcome::Done,
             "{context}"
         );
-        let again = TransferCommand::Put(file("O4.CNC", &bytes, false));
+        let again = PcCommand::Put(file("O4.CNC", &bytes, false));
         assert_eq!(line.run(again), TransferOutcome::Done, "{context}");
         assert_eq!(
             line.memory.content(&name("O4.CNC")),
@@ -251,7 +249,7 @@ fn both_sides_report_cable_disconnected_within_file() {
 fn cable_disconnected_in_first_reply_is_silence() {
     // A byte takes a millisecond.
     let mut line = Line::new(9600);
-    line.pc.start(TransferCommand::Connect);
+    line.pc.start(PcCommand::Connect);
     while line.wires[1].given() == 0 {
         assert_eq!(line.step(), None);
     }
@@ -307,7 +305,7 @@ fn reset_aborts_transfer_and_next_one_works() {
         );
         line.run_for(500);
         assert_eq!(line.statuses.last(), Some(&PortStatus::Idle));
-        assert_eq!(line.run(TransferCommand::Connect), TransferOutcome::Done);
+        assert_eq!(line.run(PcCommand::Connect), TransferOutcome::Done);
         DamagedTransfer::Put.start(&mut line, &bytes);
         assert_eq!(line.outcome(), TransferOutcome::Done);
         assert!(DamagedTransfer::Put.check_memory(&line, &bytes));

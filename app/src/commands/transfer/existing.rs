@@ -4,7 +4,7 @@
 use std::io::{self, BufRead, IsTerminal, Write};
 
 use gsk_messages::{Message, say};
-use gsk_transfer::{FileName, TransferCommand, TransferFault, TransferFile};
+use gsk_transfer::{FileName, PcCommand, TransferFault, TransferFile};
 
 use super::CommandError;
 use crate::cli::ExistingFile;
@@ -49,7 +49,7 @@ pub(super) fn send(
             let from = file.remote_path.clone();
             talk.change(
                 &file.remote_path.name,
-                TransferCommand::Rename {
+                PcCommand::Rename {
                     from,
                     to: to.clone(),
                 },

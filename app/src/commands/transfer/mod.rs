@@ -9,7 +9,7 @@ mod text;
 use std::path::Path;
 
 use gsk_messages::say;
-use gsk_transfer::{FileName, Partition, RemotePath, TransferCommand, TransferFile};
+use gsk_transfer::{FileName, Partition, PcCommand, RemotePath, TransferFile};
 
 use super::{ALARM, CommandError, FINE, output};
 use crate::cli::{
@@ -207,7 +207,7 @@ fn delete(args: &TransferDeleteArgs) -> Result<(), CommandError> {
             partition: args.partition,
             name: name.clone(),
         };
-        let deleted = talk.change(name, TransferCommand::Delete(place));
+        let deleted = talk.change(name, PcCommand::Delete(place));
         let deleted = deleted.map(|()| output::say(&say::transfer_deleted(name)));
         goes_on(deleted, &mut failed)?;
     }
@@ -222,7 +222,7 @@ fn rename(args: &TransferRenameArgs) -> Result<(), CommandError> {
         name: args.from.clone(),
     };
     let to = args.to.clone();
-    talk.change(&args.from, TransferCommand::Rename { from, to })?;
+    talk.change(&args.from, PcCommand::Rename { from, to })?;
     talk.end();
     output::say(&say::transfer_renamed(&args.from, &args.to));
     Ok(())

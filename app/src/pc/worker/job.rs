@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 
 use crossbeam::channel::RecvTimeoutError;
 use gsk_messages::say;
-use gsk_transfer::{Partition, RemotePath, TransferCommand, TransferFault, TransferFile};
+use gsk_transfer::{Partition, PcCommand, RemotePath, TransferFault, TransferFile};
 use web_time::Instant;
 
 use super::{
@@ -153,7 +153,7 @@ impl Desk {
                 };
                 let from = new.remote_path.clone();
                 let talk = self.talk()?;
-                talk.change(&name, TransferCommand::Rename { from, to })?;
+                talk.change(&name, PcCommand::Rename { from, to })?;
                 talk.send(new).map(|()| Fate::Done)
             }
         }
@@ -235,7 +235,7 @@ impl Desk {
         let named = places.into_iter().map(|it| (it.name.to_string(), it));
         self.job(Kind::Delete, named.collect(), |desk, place| {
             let name = place.name.clone();
-            let deleted = desk.talk()?.change(&name, TransferCommand::Delete(place));
+            let deleted = desk.talk()?.change(&name, PcCommand::Delete(place));
             deleted.map(|()| Fate::Done)
         });
     }
