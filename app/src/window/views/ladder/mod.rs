@@ -21,7 +21,7 @@ use egui::{Panel, Pos2, RichText, ScrollArea, Sense, Ui, vec2};
 use gsk_core::cnc::{LadderStep, Request};
 use gsk_core::memory::Refusal;
 use gsk_core::plc::address::BitAddress;
-use gsk_core::plc::{Ladder, Statement, PlcAddress};
+use gsk_core::plc::{Ladder, PlcAddress, Statement};
 
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
@@ -375,7 +375,8 @@ impl LadderView {
                 .collect();
             ui.label(RichText::new(about.join("  ")).weak());
             ui.separator();
-            let figures = say::ladder_size(ladder.steps(), ladder.rung_count(), ladder.part_count());
+            let figures =
+                say::ladder_size(ladder.steps(), ladder.rung_count(), ladder.part_count());
             let figures = figures.text(language);
             ui.label(RichText::new(figures).weak());
             if !has_side {
