@@ -490,7 +490,7 @@ impl Kernel {
             _ => rights.parameters(),
         };
         if let Err(refusal) = requests.iter().try_for_each(taken) {
-            let why = gsk_project::refused(refusal);
+            let why = gsk_project::refusal_message(refusal);
             self.say(Notice::Said(say::commission_refused(why)));
             return;
         }

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use gsk_commission::Change;
+use gsk_commission::ParameterChange;
 use gsk_core::cnc::{OffsetEntry, Request};
 use gsk_core::memory::{self, Offsets, PitchTable, Refusal, ToolOffset};
 use gsk_core::units::{Axis, parse_finite};
@@ -76,7 +76,7 @@ pub enum Spot {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Edit {
     /// A parameter.
-    Parameter(Change),
+    Parameter(ParameterChange),
     /// A tool offset.
     Offset {
         /// Row.
@@ -101,7 +101,7 @@ impl Edit {
     /// What is asked of the control.
     pub const fn request(self) -> Request {
         match self {
-            Self::Parameter(change) => change.request(),
+            Self::Parameter(change) => change.to_request(),
             Self::Offset {
                 number,
                 part,
@@ -154,7 +154,7 @@ impl Edit {
     pub fn now(self, machine: &Values<'_>) -> Self {
         match self {
             Self::Parameter(change) => {
-                Self::Parameter(change.now(machine.parameters, machine.pitch))
+                Self::Parameter(change.current(machine.parameters, machine.pitch))
             }
             Self::Offset { number, part, .. } => Self::Offset {
                 number,
@@ -244,7 +244,7 @@ impl Spot {
                 let value = self.parameter(number, text)?;
                 let mut then = machine.parameters.clone();
                 then.set(number, value).map_err(|error| error.message())?;
-                Ok(Edit::Parameter(Change::Value { number, value }))
+                Ok(Edit::Parameter(ParameterChange::Value { number, value }))
             }
             Self::Offset(number, part) => self.offset(number, part, text, machine),
             Self::PitchX(point) => self.pitch_error(Axis::X, point, text),
@@ -285,7 +285,11 @@ impl Spot {
         let mut table = PitchTable::default();
         let set = table.set(axis, point, value);
         set.map_err(|error| error.message())?;
-        Ok(Edit::Parameter(Change::Pitch { axis, point, value }))
+        Ok(Edit::Parameter(ParameterChange::Pitch {
+            axis,
+            point,
+            value,
+        }))
     }
 
     /// A number, with a point or a comma.

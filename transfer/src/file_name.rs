@@ -1,14 +1,13 @@
-//! Names of files at the control: 8.3, letters and digits, in one of three partitions
-//! (manual V-3.5).
+//! File names and partitions of the control: 8.3 names of letters and digits (manual V-3.5).
 
 use core::fmt;
 
 use gsk_messages::{Message, say};
 
-/// Longest name before the point, and ending after it.
-const LONGEST: [usize; 2] = [8, 3];
+/// Most characters before and after the point.
+const MAX_PART_CHARS: [usize; 2] = [8, 3];
 
-/// A user partition of the control's store.
+/// A partition of the file memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Partition {
     /// `USER`: programs and data.
@@ -21,10 +20,10 @@ pub enum Partition {
 }
 
 impl Partition {
-    /// All of them, by their code on the wire.
+    /// All partitions in the order of their codes on the wire.
     pub const ALL: [Self; 3] = [Self::User, Self::User1, Self::User2];
 
-    /// Its name.
+    /// Returns the name of the partition.
     pub const fn name(self) -> &'static str {
         match self {
             Self::User => "USER",
@@ -33,24 +32,24 @@ impl Partition {
         }
     }
 
-    /// Its code on the wire.
+    /// Returns the code on the wire.
     pub(crate) const fn code(self) -> u8 {
         self as u8
     }
 
-    /// From its code.
-    pub(crate) fn of(code: u8) -> Option<Self> {
+    /// Finds the partition of a code.
+    pub(crate) fn from_code(code: u8) -> Option<Self> {
         Self::ALL.get(usize::from(code)).copied()
     }
 }
 
-/// A name that the control cannot have.
+/// A name that is not allowed at the control.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
-pub struct NameError(pub String);
+pub struct FileNameError(pub String);
 
-impl NameError {
-    /// What is said of it.
+impl FileNameError {
+    /// Returns the error as a message.
     pub fn message(&self) -> Message {
         match is_device_name(&self.0) {
             true => say::transfer_name_device(&self.0),
@@ -77,8 +76,8 @@ pub fn is_device_name(name: &str) -> bool {
         || numbered("LPT")
 }
 
-/// A name of a file at the control: up to eight letters and digits, a point, up to three.
-/// Capital and small letters are the same.
+/// A file name at the control: 1 to 8 letters and digits, optionally a point and 1 to 3 more. The
+/// case is ignored.
 #[derive(Clone, Debug, Eq)]
 pub struct FileName(String);
 
@@ -86,34 +85,35 @@ impl FileName {
     /// Checks a name.
     ///
     /// # Errors
-    /// It has another form, or is the name of a device of Windows.
-    pub fn new(name: &str) -> Result<Self, NameError> {
+    /// The name is not a valid 8.3 name, or is a device name of Windows.
+    pub fn new(name: &str) -> Result<Self, FileNameError> {
         let (stem, ending) = name.split_once('.').unwrap_or((name, "x"));
-        let good = |part: &str, longest| {
-            (1..=longest).contains(&part.len()) && part.bytes().all(|b| b.is_ascii_alphanumeric())
+        let is_valid = |part: &str, max_chars| {
+            (1..=max_chars).contains(&part.len()) && part.bytes().all(|b| b.is_ascii_alphanumeric())
         };
-        let stored = !is_device_name(stem);
-        match stored && good(stem, LONGEST[0]) && good(ending, LONGEST[1]) {
+        let is_device = is_device_name(stem);
+        match !is_device && is_valid(stem, MAX_PART_CHARS[0]) && is_valid(ending, MAX_PART_CHARS[1])
+        {
             true => Ok(Self(name.to_owned())),
-            false => Err(NameError(name.to_owned())),
+            false => Err(FileNameError(name.to_owned())),
         }
     }
 
-    /// The name of a program.
-    pub fn of_program(number: u16) -> Self {
+    /// Builds the file name of a program: `O0007.CNC`.
+    pub fn from_program(number: u16) -> Self {
         Self(format!("O{number:04}.CNC"))
     }
 
-    /// The number of a program, when it is the name of one: `Onnnn.CNC`, at most four
-    /// digits.
-    pub fn program(&self) -> Option<u16> {
+    /// Returns the program number of a name like `O0007.CNC` (at most four digits); `None` for
+    /// other names.
+    pub fn program_number(&self) -> Option<u16> {
         let (stem, ending) = self.0.split_once('.')?;
         let digits = stem.strip_prefix(['O', 'o'])?;
-        let few = (1..=4).contains(&digits.len()) && ending.eq_ignore_ascii_case("CNC");
-        few.then(|| digits.parse().ok())?
+        let is_program = (1..=4).contains(&digits.len()) && ending.eq_ignore_ascii_case("CNC");
+        is_program.then(|| digits.parse().ok())?
     }
 
-    /// As it is written.
+    /// Returns the name as it is written.
     pub fn as_str(&self) -> &str {
         &self.0
     }
@@ -136,7 +136,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_eight_and_three_letters_and_digits() {
+    fn names_follow_8_3_rule() {
         for name in ["O0001.CNC", "ParaW.par", "20041223.jpg", "A", "a.b"] {
             assert!(FileName::new(name).is_ok(), "{name}");
         }
@@ -178,15 +178,19 @@ mod tests {
     }
 
     #[test]
-    fn programs_are_known_by_their_names() {
-        let number = |name| FileName::new(name).ok().and_then(|name| name.program());
+    fn program_number_is_parsed_from_name() {
+        let number = |name| {
+            FileName::new(name)
+                .ok()
+                .and_then(|name| name.program_number())
+        };
         assert_eq!(number("O0331.CNC"), Some(331));
         assert_eq!(number("o7.cnc"), Some(7));
         assert_eq!(number("O12345.CNC"), None);
         assert_eq!(number("O+1.CNC"), None);
         assert_eq!(number("ParaW.par"), None);
         assert_eq!(number("O.CNC"), None);
-        assert_eq!(FileName::of_program(7).as_str(), "O0007.CNC");
+        assert_eq!(FileName::from_program(7).as_str(), "O0007.CNC");
         assert_eq!(
             FileName::new("paraw.PAR").ok(),
             FileName::new("ParaW.par").ok()

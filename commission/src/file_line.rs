@@ -1,23 +1,21 @@
-//! What both forms of a file share: lines, numbers, words, and what is wrong with them.
+//! Line parser of the measurement files: numbers, directions, axes, and their errors.
 
 use gsk_core::units::parse_finite;
 use gsk_messages::{Message, say};
 
-use crate::measurement::Direction;
+use crate::measurement::ApproachDirection;
 
-/// Readings that are taken at most.
-pub(crate) const MOST_READINGS: usize = 20_000;
-/// The farthest position, mm.
-const FARTHEST_MM: f64 = 9999.999;
-/// The largest value, µm: beyond it the unit is wrong.
-const LARGEST_UM: f64 = 10_000.0;
+pub(crate) const MAX_READINGS: usize = 20_000;
+const MAX_POSITION_MM: f64 = 9999.999;
+/// Larger values are in a wrong unit.
+const MAX_VALUE_UM: f64 = 10_000.0;
 
-/// What is wrong with a line of a file.
+/// An error in a line of a measurement file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileFault {
-    /// The line, from 1.
+    /// Line in the file, from 1.
     pub line: u32,
-    /// What is wrong with it.
+    /// The rule that is broken, as a message.
     pub rule: Message,
 }
 
@@ -26,13 +24,13 @@ impl FileFault {
         Self { line, rule }
     }
 
-    /// Line and rule.
+    /// Returns the rule with the line number in front.
     pub fn message(&self) -> Message {
         say::pitch_file_line(self.line, self.rule.clone())
     }
 }
 
-/// Lines with content, from 1, without remarks.
+/// Lists the lines with content, numbered from 1, without comments.
 pub(crate) fn lines(text: &str) -> impl Iterator<Item = (u32, &str)> {
     (1..)
         .zip(text.lines())
@@ -40,45 +38,43 @@ pub(crate) fn lines(text: &str) -> impl Iterator<Item = (u32, &str)> {
         .filter(|(_, line)| !line.is_empty() && !line.starts_with(['#', '!']))
 }
 
-/// A number as it stands in a field.
-pub(crate) fn number(line: u32, field: &str) -> Result<f64, FileFault> {
+pub(crate) fn parse_number(line: u32, field: &str) -> Result<f64, FileFault> {
     parse_finite(field.trim()).ok_or_else(|| FileFault::new(line, say::pitch_not_a_number(field)))
 }
 
-/// A position, mm.
-pub(crate) fn position(line: u32, field: &str) -> Result<f64, FileFault> {
-    let value = number(line, field)?;
-    if value.abs() > FARTHEST_MM {
-        let rule = say::pitch_position_too_far(value, FARTHEST_MM);
+/// Parses a position in mm.
+pub(crate) fn parse_position(line: u32, field: &str) -> Result<f64, FileFault> {
+    let value = parse_number(line, field)?;
+    if value.abs() > MAX_POSITION_MM {
+        let rule = say::pitch_position_too_far(value, MAX_POSITION_MM);
         return Err(FileFault::new(line, rule));
     }
     Ok(value)
 }
 
-/// A deviation or a value, µm.
-pub(crate) fn microns(line: u32, value: f64) -> Result<f64, FileFault> {
-    if value.abs() > LARGEST_UM {
-        let rule = say::pitch_value_too_large(value, LARGEST_UM);
+/// Checks a deviation in µm.
+pub(crate) fn check_microns(line: u32, value: f64) -> Result<f64, FileFault> {
+    if value.abs() > MAX_VALUE_UM {
+        let rule = say::pitch_value_too_large(value, MAX_VALUE_UM);
         return Err(FileFault::new(line, rule));
     }
     Ok(value)
 }
 
-/// The word of a direction.
-pub(crate) fn direction(line: u32, field: &str) -> Result<Direction, FileFault> {
+pub(crate) fn parse_direction(line: u32, field: &str) -> Result<ApproachDirection, FileFault> {
     match field.trim().to_ascii_lowercase().as_str() {
         "+" | "+1" | "1" | "plus" | "forward" | "fwd" | "up" | "正" | "正向" => {
-            Ok(Direction::Plus)
+            Ok(ApproachDirection::Plus)
         }
         "-" | "-1" | "2" | "minus" | "reverse" | "rev" | "backward" | "负" | "负向" | "反向" => {
-            Ok(Direction::Minus)
+            Ok(ApproachDirection::Minus)
         }
         _ => Err(FileFault::new(line, say::pitch_not_a_direction(field))),
     }
 }
 
-/// The word of an axis: its letter, one of those of the machine.
-pub(crate) fn axis(line: u32, field: &str, axes: &[char]) -> Result<char, FileFault> {
+/// Parses an axis letter of the machine.
+pub(crate) fn parse_axis(line: u32, field: &str, axes: &[char]) -> Result<char, FileFault> {
     let mut letters = field
         .trim()
         .chars()
