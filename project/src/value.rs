@@ -140,10 +140,10 @@ mod tests {
 
     #[test]
     fn every_number_is_finite() {
-        let key = Key::Variable(500);
-        assert_eq!(read(key, "-2.5e3"), Ok(Value::Real(-2500.0)));
+        let key = ProjectKey::Variable(500);
+        assert_eq!(parse_value(key, "-2.5e3"), Ok(ProjectValue::Real(-2500.0)));
         for text in ["nan", "NaN", "inf", "-inf", "infinity", "1e999", "1,5", ""] {
-            assert!(read(key, text).is_err(), "{text}");
+            assert!(parse_value(key, text).is_err(), "{text}");
         }
     }
 }

@@ -209,7 +209,7 @@ pub(super) fn list(
         if let Some(set) = find_whole_disk(difference) {
             if !whole.contains(&set) {
                 whole.push(set);
-                let name = set.disk().unwrap_or_default();
+                let name = set.disk_name().unwrap_or_default();
                 let text = match difference.old {
                     None => say::project_disk_added(name),
                     Some(_) => say::project_disk_removed(name),
