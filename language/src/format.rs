@@ -184,8 +184,10 @@ fn renumbered(
                     place.line == index && from <= at && at < to
                 };
                 let own = blocks.next_if(|it| here(&it.digits));
-                // An N elsewhere in its block is its number, too, and O names a program.
-                let named = block.iter().any(|it| it.kind == Kind::Name);
+                // An N elsewhere in its block is its number, too; O, or `:` of other controls,
+                // names a program.
+                let named =
+                    block.iter().any(|it| it.kind == Kind::Name) || line[word..].starts_with(':');
                 match own {
                     Some(own) => {
                         anew.insert(&own.digits, next);

@@ -637,7 +637,7 @@ fn a_rotation_begins_with_an_increment_where_it_stands() {
 
 #[test]
 fn more_alarms_are_listed() {
-    let text = "G00 X1\nG12\nX2\nM77\nX3 X4\nG02 X9 R1\nM30\n";
+    let text = "G00 X1\nG12\nX2\nM777\nX3 X4\nG02 X9 R1\nM30\n";
     let (preview, _) = carried_out(&MillSetup::default(), text, &[]);
     assert_eq!(preview.alarm.map(|it| it.number), Some(10));
     let further: Vec<u16> = preview.further.iter().map(|it| it.number).collect();

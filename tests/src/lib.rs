@@ -8,6 +8,7 @@ pub mod compare;
 pub mod determinism;
 pub mod execute;
 pub mod fuzz;
+pub mod rust_text;
 pub mod setup;
 pub mod sources;
 pub mod tree;

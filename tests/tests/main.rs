@@ -34,4 +34,5 @@ mod protections;
 mod runner;
 mod samples;
 mod signal_facts;
+mod vocabulary;
 mod window_texts;

@@ -198,7 +198,7 @@ impl Control {
                     _ if number > 515 => Some(f64::from_bits(numbers.next())),
                     _ => Some(0.1),
                 };
-                let value = value.filter(|value| value.is_finite());
+                let value = value.filter(|value| value.abs() <= 1e47);
                 memory.variables.set_real(number, value).unwrap();
                 let new = memory.variables.real(number);
                 let (old, new) = (old.map(ProjectValue::Real), new.map(ProjectValue::Real));

@@ -347,7 +347,7 @@ mod tests {
             ron::from_str::<Parameters>("{22:4000}").unwrap().value(22),
             4000
         );
-        assert!(ron::from_str::<Parameters>("{22:40000}").is_err());
+        assert!(ron::from_str::<Parameters>("{22:70000}").is_err());
         assert!(ron::from_str::<Parameters>("{999:0}").is_err());
     }
 }

@@ -77,7 +77,7 @@ fn read_words(
             b'*' if block.statement.is_some() => return nothing_more(&mut lexer),
             b'\n' | b';' | b'*' => return Ok(()),
             // Alone in its line it ends the text; there is no block then.
-            b'%' if seen == 0 && !block.skip => return Ok(()),
+            b'%' if seen == 0 && !block.skip && is_blank_after_mark(&lexer) => return Ok(()),
             _ => return Err(misplaced(text, start, byte)),
         };
         if !is_address_of(address, syntax.model.record()) {
@@ -311,6 +311,12 @@ fn foreign_address(text: &str, address: u8, start: usize, syntax: Syntax) -> Blo
     };
     let advice = cycle.or_else(|| dialect::instead_of_address(address));
     BlockError::at(number::BAD_ADDRESS, start, advised(rule, advice))
+}
+
+/// Whether nothing but blanks and more end marks follows the `%` at the lexer.
+fn is_blank_after_mark(lexer: &Lexer<'_>) -> bool {
+    let mut bytes = lexer.rest().iter();
+    bytes.all(|byte| *byte == b'%' || byte.is_ascii_whitespace() || *byte < b' ')
 }
 
 /// A character at a place where a word must begin.

@@ -12,8 +12,6 @@ use crate::board::{Answer, Operator, PulseBoard};
 const RESET_KEY: BitAddress = BitAddress::new(Area::X, 26, 0);
 const MACHINE_ZERO_KEY: BitAddress = BitAddress::new(Area::X, 20, 3);
 const FEED_HOLD_KEY: BitAddress = BitAddress::new(Area::X, 24, 7);
-/// DM00, the decode signal of M00.
-const PROGRAM_STOP: BitAddress = BitAddress::new(Area::F, 9, 7);
 
 /// The key of an axis that leads to its machine zero.
 const fn axis_key(axis: Axis) -> BitAddress {
@@ -61,8 +59,6 @@ pub(super) struct Standing {
     ticks: u32,
     /// The question was put.
     asked: bool,
-    /// M00 was carried out last.
-    program_stop: bool,
 }
 
 impl Run<'_> {
@@ -145,11 +141,7 @@ impl Run<'_> {
     pub(super) fn attend(&mut self) {
         let state = self.simulation.cnc.run_state();
         if state == RunState::Run {
-            let program_stop = self.simulation.cnc.plc().memory().bit(PROGRAM_STOP);
-            self.standing = Standing {
-                program_stop,
-                ..Standing::default()
-            };
+            self.standing = Standing::default();
         }
         if state == RunState::Run || self.ended.is_some() || !self.stands() {
             return;
@@ -194,7 +186,8 @@ impl Run<'_> {
     /// Where the program has come to a stop, and how.
     fn place(&self, hold: bool) -> Message {
         let line = self.simulation.cnc.cursor().line;
-        match self.standing.program_stop {
+        // M00 stays the last M code while the program stands at it.
+        match self.simulation.cnc.modal().m == Some(0) {
             _ if hold => say::run_feed_hold(line),
             true => say::run_program_stop(line),
             false => say::run_stop(line),

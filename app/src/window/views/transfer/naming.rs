@@ -63,26 +63,24 @@ impl Naming {
 
     /// Both names; `free`: the old one, too, can be typed.
     pub fn fields(&mut self, ui: &mut Ui, language: Language, free: bool) {
-        Grid::new("transfer naming fields")
-            .num_columns(2)
-            .show(ui, |ui| {
-                ui.label(say::transfer_view_old_name().text(language));
-                let line = TextEdit::singleline(&mut self.old).desired_width(FIELD);
-                ui.add_enabled(free, line);
-                ui.end_row();
-                ui.label(say::transfer_view_new_name().text(language));
-                let label = say::transfer_view_new_name().text(language);
-                let line = TextEdit::singleline(&mut self.new).desired_width(FIELD);
-                ui.add(line.hint_text("O0001.CNC")).on_hover_text(label);
-                ui.end_row();
-            });
+        Grid::new("naming-fields").num_columns(2).show(ui, |ui| {
+            ui.label(say::transfer_view_old_name().text(language));
+            let line = TextEdit::singleline(&mut self.old).desired_width(FIELD);
+            ui.add_enabled(free, line);
+            ui.end_row();
+            ui.label(say::transfer_view_new_name().text(language));
+            let label = say::transfer_view_new_name().text(language);
+            let line = TextEdit::singleline(&mut self.new).desired_width(FIELD);
+            ui.add(line.hint_text("O0001.CNC")).on_hover_text(label);
+            ui.end_row();
+        });
         complaint(ui, language, &self.new);
     }
 
     /// A click on a file puts its name into the field above.
     pub fn entries(&mut self, ui: &mut Ui, entries: &[DirectoryEntry], free: bool) {
         ScrollArea::vertical()
-            .id_salt("transfer naming entries")
+            .id_salt("naming-entries")
             .max_height(150.0)
             .auto_shrink([false, true])
             .show(ui, |ui| {

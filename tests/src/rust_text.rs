@@ -1,0 +1,208 @@
+//! Splits Rust sources into identifiers and comments, for tests of the language they are
+//! written in.
+
+/// A piece of a source with the line where it begins, from 1.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Token {
+    /// A name or a keyword.
+    Identifier {
+        /// The name as written, without `r#`.
+        name: String,
+        /// Its line.
+        line: usize,
+    },
+    /// A comment or a doc comment of one line, without its slashes.
+    Comment {
+        /// The text as written.
+        text: String,
+        /// Its line.
+        line: usize,
+    },
+}
+
+/// All identifiers and line comments of a source, in their order. Strings, characters,
+/// numbers and block comments are left out.
+pub fn tokens(source: &str) -> Vec<Token> {
+    let mut reader = Reader {
+        rest: source,
+        line: 1,
+        tokens: Vec::new(),
+    };
+    while reader.step() {}
+    reader.tokens
+}
+
+struct Reader<'a> {
+    rest: &'a str,
+    line: usize,
+    tokens: Vec<Token>,
+}
+
+impl Reader<'_> {
+    /// Reads one piece; false at the end.
+    fn step(&mut self) -> bool {
+        let Some(first) = self.rest.chars().next() else {
+            return false;
+        };
+        let length = match first {
+            '/' if self.rest.starts_with("//") => self.comment(),
+            '/' if self.rest.starts_with("/*") => length_to(self.rest, 2, "*/"),
+            '"' => string_length(self.rest, 0),
+            '\'' => character_length(self.rest),
+            'r' | 'b' | 'c' if literal_prefix(self.rest).is_some() => {
+                literal_prefix(self.rest).map_or(1, |at| literal_length(self.rest, at))
+            }
+            letter if letter == '_' || letter.is_alphabetic() => self.identifier(),
+            digit if digit.is_ascii_digit() => word_length(self.rest),
+            other => other.len_utf8(),
+        };
+        self.line += self.rest[..length].matches('\n').count();
+        self.rest = &self.rest[length..];
+        true
+    }
+
+    fn comment(&mut self) -> usize {
+        let length = self.rest.find('\n').unwrap_or(self.rest.len());
+        let text = self.rest[..length].trim_start_matches(['/', '!']);
+        self.tokens.push(Token::Comment {
+            text: text.to_owned(),
+            line: self.line,
+        });
+        length
+    }
+
+    fn identifier(&mut self) -> usize {
+        let length = word_length(self.rest);
+        self.tokens.push(Token::Identifier {
+            name: self.rest[..length].to_owned(),
+            line: self.line,
+        });
+        length
+    }
+}
+
+fn word_length(text: &str) -> usize {
+    let ends = |letter: char| letter != '_' && !letter.is_alphanumeric();
+    text.find(ends).unwrap_or(text.len())
+}
+
+/// From the start of the text to behind `end`, which is looked for from `from` on.
+fn length_to(text: &str, from: usize, end: &str) -> usize {
+    let found = text[from..].find(end);
+    found.map_or(text.len(), |at| from + at + end.len())
+}
+
+/// Where the quote or the number signs begin of a literal such as `r#"…"#` or `b"…"`.
+fn literal_prefix(text: &str) -> Option<usize> {
+    let at = text.find(|letter| !matches!(letter, 'r' | 'b' | 'c'))?;
+    let rest = text[at..].trim_start_matches('#');
+    (at <= 2 && rest.starts_with('"')).then_some(at)
+}
+
+/// The length of the literal whose quote or number signs begin at `at`.
+fn literal_length(text: &str, at: usize) -> usize {
+    let signs = text[at..].chars().take_while(|sign| *sign == '#').count();
+    if text[..at].contains('r') {
+        let end = format!("\"{}", "#".repeat(signs));
+        return length_to(text, at + signs + 1, &end);
+    }
+    string_length(text, at)
+}
+
+/// The length of a string with escapes whose first quote is at `at`.
+fn string_length(text: &str, at: usize) -> usize {
+    let mut escaped = false;
+    for (offset, letter) in text[at + 1..].char_indices() {
+        match letter {
+            '"' if !escaped => return at + 1 + offset + 1,
+            '\\' => escaped = !escaped,
+            _ => escaped = false,
+        }
+    }
+    text.len()
+}
+
+/// The length of a character literal, or 1 at a lifetime.
+fn character_length(text: &str) -> usize {
+    let mut letters = text.chars().skip(1);
+    match (letters.next(), letters.next()) {
+        (Some('\\'), Some(escaped)) => length_to(text, 2 + escaped.len_utf8(), "'"),
+        (Some(letter), Some('\'')) => 2 + letter.len_utf8(),
+        _ => 1,
+    }
+}
+
+/// The words of an identifier in lower case: `FollowingError` and `following_error` have
+/// the words `following` and `error`.
+pub fn words_of(identifier: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut after_small = false;
+    for letter in identifier.chars() {
+        if letter == '_' || (letter.is_uppercase() && after_small) {
+            words.push(String::new());
+        }
+        after_small = letter.is_lowercase() || letter.is_ascii_digit();
+        if letter != '_'
+            && let Some(word) = words.last_mut()
+        {
+            word.extend(letter.to_lowercase());
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(source: &str) -> Vec<(String, usize)> {
+        let identifiers = tokens(source).into_iter().filter_map(|token| match token {
+            Token::Identifier { name, line } => Some((name, line)),
+            Token::Comment { .. } => None,
+        });
+        identifiers.collect()
+    }
+
+    #[test]
+    fn literals_hold_no_identifiers() {
+        let source = "let a = \"told \\\" \\\\\"; b r\"said\" r#\"as\"ked\"# b\"x\" '\\'' 'q' 'l: '\\u{41}' 12u8 z";
+        let found: Vec<String> = names(source).into_iter().map(|(name, _)| name).collect();
+        assert_eq!(found, ["let", "a", "b", "l", "z"]);
+    }
+
+    #[test]
+    fn comments_and_lines_are_counted() {
+        let source = "/// One.\n/* told\n */ fn two() {} // three\n\"\n\" four";
+        let expected = [
+            Token::Comment {
+                text: " One.".to_owned(),
+                line: 1,
+            },
+            Token::Identifier {
+                name: "fn".to_owned(),
+                line: 3,
+            },
+            Token::Identifier {
+                name: "two".to_owned(),
+                line: 3,
+            },
+            Token::Comment {
+                text: " three".to_owned(),
+                line: 3,
+            },
+            Token::Identifier {
+                name: "four".to_owned(),
+                line: 5,
+            },
+        ];
+        assert_eq!(tokens(source), expected);
+    }
+
+    #[test]
+    fn identifiers_split_into_words() {
+        assert_eq!(words_of("FollowingError"), ["following", "error"]);
+        assert_eq!(words_of("X2_TOLD"), ["x2", "told"]);
+        assert_eq!(words_of("_goes_on"), ["goes", "on"]);
+    }
+}
