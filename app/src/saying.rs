@@ -4,7 +4,7 @@
 use std::fmt::Display;
 use std::io::{self, ErrorKind};
 
-use gsk_core::plc::{CompileError, CompileErrors, summary};
+use gsk_core::plc::{CompileError, CompileErrors, compile_summary};
 use gsk_link::Difference;
 use gsk_messages::{Message, say};
 
@@ -35,7 +35,7 @@ pub fn of_finding(error: &CompileError) -> Message {
 /// All that is wrong with a ladder, a line each, and how many they are.
 pub fn of_ladder(errors: &CompileErrors) -> Message {
     let found = errors.errors.iter().chain(&errors.warnings);
-    let summary = summary(errors.errors.len(), errors.warnings.len());
+    let summary = compile_summary(errors.errors.len(), errors.warnings.len());
     lines(found.map(of_finding).chain([summary]))
 }
 

@@ -100,7 +100,7 @@ impl Area {
         !self.is_entry() && !matches!(self, Area::D)
     }
 
-    fn of_letter(letter: &str) -> Option<Area> {
+    fn from_letter(letter: &str) -> Option<Area> {
         Area::ALL
             .into_iter()
             .find(|area| area.letter().eq_ignore_ascii_case(letter))
@@ -219,7 +219,7 @@ impl fmt::Display for AddressError {
 impl std::error::Error for AddressError {}
 
 /// The parts of an address text, before bit and byte are told apart.
-struct Parts {
+struct ParsedAddress {
     area: Area,
     byte: u16,
     bit: Option<u8>,
@@ -227,13 +227,13 @@ struct Parts {
 
 /// A text before and after the first of an ASCII character: `str::split_once` without its
 /// preparations, which take longer than a look at a short text.
-pub(crate) fn cut(text: &str, mark: u8) -> Option<(&str, &str)> {
+pub(crate) fn split_once_at(text: &str, mark: u8) -> Option<(&str, &str)> {
     let at = text.bytes().position(|byte| byte == mark)?;
     Some((text.get(..at)?, text.get(at + 1..)?))
 }
 
 /// A decimal number of any length, leading zeros allowed; too large ones saturate.
-pub(crate) fn digits(text: &str) -> Option<u32> {
+pub(crate) fn parse_decimal(text: &str) -> Option<u32> {
     if text.is_empty() || !text.bytes().all(|byte| byte.is_ascii_digit()) {
         return None;
     }
@@ -245,18 +245,18 @@ pub(crate) fn digits(text: &str) -> Option<u32> {
     Some(value)
 }
 
-fn parts(text: &str) -> Result<Parts, AddressError> {
+fn parse_address(text: &str) -> Result<ParsedAddress, AddressError> {
     let malformed = || AddressError::Malformed(text.to_owned());
     let end = text
         .find(|c: char| !c.is_ascii_alphabetic())
         .unwrap_or(text.len());
     let (letter, rest) = text.split_at(end);
-    let area = Area::of_letter(letter).ok_or_else(malformed)?;
-    let (number, bit) = match cut(rest, b'.') {
+    let area = Area::from_letter(letter).ok_or_else(malformed)?;
+    let (number, bit) = match split_once_at(rest, b'.') {
         Some((number, bit)) => (number, Some(bit)),
         None => (rest, None),
     };
-    let number = digits(number).ok_or_else(malformed)?;
+    let number = parse_decimal(number).ok_or_else(malformed)?;
     let bit = match bit {
         None => None,
         Some(bit) => match bit.as_bytes() {
@@ -265,7 +265,7 @@ fn parts(text: &str) -> Result<Parts, AddressError> {
         },
     };
     match u16::try_from(number) {
-        Ok(byte) if byte < area.count() => Ok(Parts { area, byte, bit }),
+        Ok(byte) if byte < area.count() => Ok(ParsedAddress { area, byte, bit }),
         _ => Err(AddressError::OutOfRange {
             text: text.to_owned(),
             area,
@@ -278,7 +278,7 @@ impl FromStr for BitAddress {
     type Err = AddressError;
 
     fn from_str(text: &str) -> Result<BitAddress, AddressError> {
-        let Parts { area, byte, bit } = parts(text)?;
+        let ParsedAddress { area, byte, bit } = parse_address(text)?;
         if !area.has_bits() {
             return Err(AddressError::NoBits(text.to_owned()));
         }
@@ -291,7 +291,7 @@ impl FromStr for ByteAddress {
     type Err = AddressError;
 
     fn from_str(text: &str) -> Result<ByteAddress, AddressError> {
-        let Parts { area, byte, bit } = parts(text)?;
+        let ParsedAddress { area, byte, bit } = parse_address(text)?;
         if bit.is_some() {
             return Err(AddressError::Bit(text.to_owned()));
         }
@@ -315,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn every_area_ends_where_the_manual_says() {
+    fn every_area_ends_at_its_last_address() {
         for area in Area::ALL {
             let last = format!("{area}{}", area.count() - 1);
             let beyond = format!("{area}{}", area.count());
@@ -325,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_address_is_refused() {
+    fn invalid_addresses_are_refused() {
         for text in [
             "",
             "X",

@@ -37,7 +37,7 @@ pub enum Rule {
 }
 
 /// A finding in one line, before its place is known.
-pub(crate) type Finding = (Rule, Message);
+pub(crate) type RuleViolation = (Rule, Message);
 
 impl Rule {
     /// Whether a ladder that breaks it compiles all the same.
@@ -88,7 +88,7 @@ impl fmt::Display for CompileErrors {
         for error in self.errors.iter().chain(&self.warnings) {
             writeln!(f, "{error}")?;
         }
-        let summary = summary(self.errors.len(), self.warnings.len());
+        let summary = compile_summary(self.errors.len(), self.warnings.len());
         f.write_str(&summary.text(Language::Zh))
     }
 }
@@ -96,7 +96,7 @@ impl fmt::Display for CompileErrors {
 /// The closing line of a compilation, in Chinese in the words of the programming
 /// software.
 #[must_use]
-pub fn summary(errors: usize, warnings: usize) -> Message {
+pub fn compile_summary(errors: usize, warnings: usize) -> Message {
     if errors == 0 {
         say::ladder_compiled(errors, warnings)
     } else {

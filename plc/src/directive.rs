@@ -3,8 +3,8 @@
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use crate::address::{AddressError, Area, BitAddress, ByteAddress, cut, digits};
-use crate::diagnostic::{Finding, Rule};
+use crate::address::{AddressError, Area, BitAddress, ByteAddress, parse_decimal, split_once_at};
+use crate::diagnostic::{Rule, RuleViolation};
 
 /// What the version page says about the ladder.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,7 +21,7 @@ pub struct Header {
 
 /// Text shown while a message request bit is 1 (`.MSG`).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Message {
+pub struct LadderMessage {
     /// The request bit, in A0 to A24.
     pub bit: BitAddress,
     /// Message number, 1000 to 9999.
@@ -32,7 +32,7 @@ pub struct Message {
 
 /// What a comment is attached to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum Subject {
+pub enum PlcAddress {
     /// A bit.
     Bit(BitAddress),
     /// A byte or entry.
@@ -43,7 +43,7 @@ pub enum Subject {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Comment {
     /// The address.
-    pub subject: Subject,
+    pub subject: PlcAddress,
     /// Chinese text, at most 15 characters.
     pub chinese: String,
     /// English text, at most 30 characters.
@@ -70,7 +70,7 @@ pub struct MCode {
 
 /// Title of the rungs that follow (`.NET`).
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Network {
+pub struct NetworkTitle {
     /// Index of the first statement under the title.
     pub statement: usize,
     /// The title.
@@ -85,23 +85,23 @@ pub(crate) struct Directives {
     pub table_from_0: bool,
     /// `.OPT n1`: level 2 is not divided.
     pub undivided: bool,
-    pub networks: Vec<Network>,
+    pub network_titles: Vec<NetworkTitle>,
     pub comments: Vec<Comment>,
-    pub messages: Vec<Message>,
+    pub messages: Vec<LadderMessage>,
     pub start_values: Vec<StartValue>,
     pub m_codes: Vec<MCode>,
 }
 
-const CHINESE_CHARACTERS: usize = 15;
-const ENGLISH_CHARACTERS: usize = 30;
+const MAX_CHINESE_CHARACTERS: usize = 15;
+const MAX_ENGLISH_CHARACTERS: usize = 30;
 
 /// Reads one directive line into `directives`.
 pub(crate) fn parse(
     code: &str,
     statement: usize,
     directives: &mut Directives,
-) -> Result<(), Finding> {
-    let tokens = tokens(code)?;
+) -> Result<(), RuleViolation> {
+    let tokens = split_tokens(code)?;
     let (name, arguments) = match tokens.split_first() {
         Some((Token::Word(name), arguments)) => (name.to_ascii_uppercase(), arguments),
         _ => {
@@ -114,7 +114,7 @@ pub(crate) fn parse(
         (".VERSION", [Token::Text(text)]) => directives.header.version = (*text).to_owned(),
         (".REMARK", [Token::Text(text)]) => directives.header.remark = (*text).to_owned(),
         (".OPT", [Token::Word(option)]) => set_option(option, directives)?,
-        (".NET", [Token::Text(title)]) => directives.networks.push(Network {
+        (".NET", [Token::Text(title)]) => directives.network_titles.push(NetworkTitle {
             statement,
             title: (*title).to_owned(),
         }),
@@ -128,20 +128,22 @@ pub(crate) fn parse(
         ) => {
             directives
                 .comments
-                .push(comment(address, chinese, english)?);
+                .push(parse_comment(address, chinese, english)?);
         }
         (".MSG", [Token::Word(bit), Token::Word(number), Token::Text(text)]) => {
-            let message = message(bit, number, text, &directives.messages)?;
+            let message = parse_message(bit, number, text, &directives.messages)?;
             directives.messages.push(message);
         }
         (".INIT", [Token::Word(address), Token::Word(value)]) => {
-            directives.start_values.push(start_value(address, value)?);
+            directives
+                .start_values
+                .push(parse_start_value(address, value)?);
         }
         (".MCODE", [Token::Word(code), Token::Text(text)]) => {
-            let code = m_code(code, text, &directives.m_codes)?;
+            let code = parse_m_code(code, text, &directives.m_codes)?;
             directives.m_codes.push(code);
         }
-        _ => return Err((Rule::E00, usage(&name))),
+        _ => return Err((Rule::E00, usage_message(&name))),
     }
     Ok(())
 }
@@ -152,12 +154,12 @@ enum Token<'a> {
     Text(&'a str),
 }
 
-fn tokens(code: &str) -> Result<Vec<Token<'_>>, Finding> {
+fn split_tokens(code: &str) -> Result<Vec<Token<'_>>, RuleViolation> {
     let mut tokens = Vec::new();
     let mut rest = code.trim_start();
     while !rest.is_empty() {
         if let Some(quoted) = rest.strip_prefix('"') {
-            let Some((text, after)) = cut(quoted, b'"') else {
+            let Some((text, after)) = split_once_at(quoted, b'"') else {
                 return Err((Rule::E00, say::ladder_quote_missing()));
             };
             tokens.push(Token::Text(text));
@@ -174,7 +176,7 @@ fn tokens(code: &str) -> Result<Vec<Token<'_>>, Finding> {
     Ok(tokens)
 }
 
-fn usage(name: &str) -> gsk_messages::Message {
+fn usage_message(name: &str) -> gsk_messages::Message {
     let form = match name {
         ".UNIT" | ".AUTHOR" | ".VERSION" | ".REMARK" | ".NET" => say::ladder_form_text(),
         ".OPT" => say::ladder_form_option(),
@@ -189,7 +191,7 @@ fn usage(name: &str) -> gsk_messages::Message {
     say::ladder_directive_form(name, form)
 }
 
-fn set_option(option: &str, directives: &mut Directives) -> Result<(), Finding> {
+fn set_option(option: &str, directives: &mut Directives) -> Result<(), RuleViolation> {
     match option.to_ascii_lowercase().as_str() {
         "codb0" => directives.table_from_0 = true,
         "n1" => directives.undivided = true,
@@ -201,16 +203,17 @@ fn set_option(option: &str, directives: &mut Directives) -> Result<(), Finding> 
     Ok(())
 }
 
-fn comment(address: &str, chinese: &str, english: &str) -> Result<Comment, Finding> {
+fn parse_comment(address: &str, chinese: &str, english: &str) -> Result<Comment, RuleViolation> {
     let subject = if address.contains('.') {
-        address.parse().map(Subject::Bit)
+        address.parse().map(PlcAddress::Bit)
     } else {
-        address.parse().map(Subject::Byte)
+        address.parse().map(PlcAddress::Byte)
     };
     let subject = subject.map_err(|error| (Rule::E03, error.message()))?;
-    if chinese.chars().count() > CHINESE_CHARACTERS || english.chars().count() > ENGLISH_CHARACTERS
+    if chinese.chars().count() > MAX_CHINESE_CHARACTERS
+        || english.chars().count() > MAX_ENGLISH_CHARACTERS
     {
-        let message = say::ladder_comment_too_long(CHINESE_CHARACTERS, ENGLISH_CHARACTERS);
+        let message = say::ladder_comment_too_long(MAX_CHINESE_CHARACTERS, MAX_ENGLISH_CHARACTERS);
         return Err((Rule::E03, message));
     }
     Ok(Comment {
@@ -220,7 +223,12 @@ fn comment(address: &str, chinese: &str, english: &str) -> Result<Comment, Findi
     })
 }
 
-fn message(bit: &str, number: &str, text: &str, messages: &[Message]) -> Result<Message, Finding> {
+fn parse_message(
+    bit: &str,
+    number: &str,
+    text: &str,
+    messages: &[LadderMessage],
+) -> Result<LadderMessage, RuleViolation> {
     let bit: BitAddress = bit
         .parse()
         .map_err(|error: AddressError| (Rule::E03, error.message()))?;
@@ -228,7 +236,7 @@ fn message(bit: &str, number: &str, text: &str, messages: &[Message]) -> Result<
         let message = say::ladder_message_bit_wrong(bit);
         return Err((Rule::E03, message));
     }
-    let number = digits(number)
+    let number = parse_decimal(number)
         .and_then(|number| u16::try_from(number).ok())
         .filter(|number| (1000..=9999).contains(number));
     let Some(number) = number else {
@@ -237,15 +245,15 @@ fn message(bit: &str, number: &str, text: &str, messages: &[Message]) -> Result<
     if messages.iter().any(|message| message.bit == bit) {
         return Err((Rule::E04, say::ladder_message_twice(bit)));
     }
-    Ok(Message {
+    Ok(LadderMessage {
         bit,
         number,
         text: text.to_owned(),
     })
 }
 
-fn m_code(code: &str, text: &str, codes: &[MCode]) -> Result<MCode, Finding> {
-    let code = digits(code)
+fn parse_m_code(code: &str, text: &str, codes: &[MCode]) -> Result<MCode, RuleViolation> {
+    let code = parse_decimal(code)
         .and_then(|code| u8::try_from(code).ok())
         .filter(|code| *code <= 99);
     let Some(code) = code else {
@@ -260,7 +268,7 @@ fn m_code(code: &str, text: &str, codes: &[MCode]) -> Result<MCode, Finding> {
     })
 }
 
-fn start_value(address: &str, value: &str) -> Result<StartValue, Finding> {
+fn parse_start_value(address: &str, value: &str) -> Result<StartValue, RuleViolation> {
     let address: ByteAddress = address
         .parse()
         .map_err(|error: AddressError| (Rule::E03, error.message()))?;
@@ -272,7 +280,7 @@ fn start_value(address: &str, value: &str) -> Result<StartValue, Finding> {
             return Err((Rule::E03, message));
         }
     };
-    let value = digits(value)
+    let value = parse_decimal(value)
         .and_then(|value| i32::try_from(value).ok())
         .filter(|value| *value <= largest);
     let Some(value) = value else {

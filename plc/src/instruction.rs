@@ -63,7 +63,7 @@ pub enum Mnemonic {
 
 /// Where in a rung an instruction may stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub enum InstructionRole {
     /// LD, LDI: begin a rung or a branch.
     Start,
     /// Contacts and block instructions inside a rung.
@@ -76,7 +76,7 @@ pub enum Role {
 
 /// What an operand may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum OperandKind {
     /// Any bit: X Y F G R K A.
     Contact,
     /// A bit that may be written: Y G R K A.
@@ -128,23 +128,23 @@ pub enum Kind {
 /// Areas whose bits can be written.
 const COILS: &[Area] = &[Area::Y, Area::G, Area::R, Area::K, Area::A];
 
-impl Kind {
+impl OperandKind {
     /// Areas an address may lie in; empty when the operand is no address.
     #[must_use]
     pub const fn areas(self) -> &'static [Area] {
         use Area::{A, C, D, Dc, Dt, F, G, K, R, T, X, Y};
         match self {
-            Kind::Contact => &[X, Y, F, G, R, K, A],
-            Kind::Coil | Kind::ThreeCoils | Kind::DecodeTarget => COILS,
-            Kind::Value | Kind::Source => &[R, X, Y, F, G, K, A, D, T, C, Dc, Dt],
-            Kind::Target => &[R, Y, G, K, A, D, T, C, Dc, Dt],
-            Kind::Index => &[R, X, Y, G, F, A, K, D],
-            Kind::TableTarget | Kind::RotationTarget => &[R, Y, G, K, A, D, Dt, Dc],
-            Kind::Position => &[R, X, Y, F, G, K, A, D, Dc, Dt],
-            Kind::Timer => &[T],
-            Kind::Counter => &[C],
-            Kind::Time => &[Dt],
-            Kind::Count => &[Dc],
+            OperandKind::Contact => &[X, Y, F, G, R, K, A],
+            OperandKind::Coil | OperandKind::ThreeCoils | OperandKind::DecodeTarget => COILS,
+            OperandKind::Value | OperandKind::Source => &[R, X, Y, F, G, K, A, D, T, C, Dc, Dt],
+            OperandKind::Target => &[R, Y, G, K, A, D, T, C, Dc, Dt],
+            OperandKind::Index => &[R, X, Y, G, F, A, K, D],
+            OperandKind::TableTarget | OperandKind::RotationTarget => &[R, Y, G, K, A, D, Dt, Dc],
+            OperandKind::Position => &[R, X, Y, F, G, K, A, D, Dc, Dt],
+            OperandKind::Timer => &[T],
+            OperandKind::Counter => &[C],
+            OperandKind::Time => &[Dt],
+            OperandKind::Count => &[Dc],
             _ => &[],
         }
     }
@@ -152,7 +152,10 @@ impl Kind {
     /// True when the operand is a single bit.
     #[must_use]
     pub const fn is_bit(self) -> bool {
-        matches!(self, Kind::Contact | Kind::Coil | Kind::ThreeCoils)
+        matches!(
+            self,
+            OperandKind::Contact | OperandKind::Coil | OperandKind::ThreeCoils
+        )
     }
 
     /// True when the instruction writes the operand.
@@ -160,56 +163,56 @@ impl Kind {
     pub(crate) const fn is_written(self) -> bool {
         matches!(
             self,
-            Kind::Coil
-                | Kind::ThreeCoils
-                | Kind::Target
-                | Kind::DecodeTarget
-                | Kind::TableTarget
-                | Kind::RotationTarget
+            OperandKind::Coil
+                | OperandKind::ThreeCoils
+                | OperandKind::Target
+                | OperandKind::DecodeTarget
+                | OperandKind::TableTarget
+                | OperandKind::RotationTarget
         )
     }
 
     /// True when a plain number may stand here.
     #[must_use]
-    pub const fn takes_number(self) -> bool {
+    pub const fn can_be_number(self) -> bool {
         matches!(
             self,
-            Kind::Length
-                | Kind::Value
-                | Kind::Time
-                | Kind::Count
-                | Kind::Number
-                | Kind::Stations
-                | Kind::TableSize
+            OperandKind::Length
+                | OperandKind::Value
+                | OperandKind::Time
+                | OperandKind::Count
+                | OperandKind::Number
+                | OperandKind::Stations
+                | OperandKind::TableSize
         )
     }
 
     /// True when the operand is as many bytes wide as the instruction's length says.
     #[must_use]
-    pub const fn is_wide(self) -> bool {
+    pub const fn has_instruction_length(self) -> bool {
         matches!(
             self,
-            Kind::Value
-                | Kind::Source
-                | Kind::Target
-                | Kind::TableTarget
-                | Kind::Position
-                | Kind::RotationTarget
+            OperandKind::Value
+                | OperandKind::Source
+                | OperandKind::Target
+                | OperandKind::TableTarget
+                | OperandKind::Position
+                | OperandKind::RotationTarget
         )
     }
 }
 
 /// One row of the instruction table.
 #[derive(Debug)]
-pub struct Row {
+pub struct InstructionRow {
     /// The instruction.
     pub mnemonic: Mnemonic,
     /// Its name in a listing.
     pub name: &'static str,
     /// Where in a rung it may stand.
-    pub role: Role,
+    pub role: InstructionRole,
     /// Its operands in order. CODB has its table after them.
-    pub operands: &'static [Kind],
+    pub operands: &'static [OperandKind],
     /// Steps without a table: 1 for basic instructions, SET and RST, else
     /// 1 and one for each operand.
     pub steps: u32,
@@ -218,11 +221,11 @@ pub struct Row {
 const fn row(
     mnemonic: Mnemonic,
     name: &'static str,
-    role: Role,
-    operands: &'static [Kind],
+    role: InstructionRole,
+    operands: &'static [OperandKind],
     steps: u32,
-) -> Row {
-    Row {
+) -> InstructionRow {
+    InstructionRow {
         mnemonic,
         name,
         role,
@@ -232,107 +235,195 @@ const fn row(
 }
 
 /// The instruction table.
-pub static TABLE: [Row; 25] = [
-    row(Mnemonic::Ld, "LD", Role::Start, &[Kind::Contact], 1),
-    row(Mnemonic::Ldi, "LDI", Role::Start, &[Kind::Contact], 1),
-    row(Mnemonic::And, "AND", Role::Contact, &[Kind::Contact], 1),
-    row(Mnemonic::Ani, "ANI", Role::Contact, &[Kind::Contact], 1),
-    row(Mnemonic::Or, "OR", Role::Contact, &[Kind::Contact], 1),
-    row(Mnemonic::Ori, "ORI", Role::Contact, &[Kind::Contact], 1),
-    row(Mnemonic::Orb, "ORB", Role::Contact, &[], 1),
-    row(Mnemonic::Anb, "ANB", Role::Contact, &[], 1),
-    row(Mnemonic::Out, "OUT", Role::Output, &[Kind::Coil], 1),
-    row(Mnemonic::Set, "SET", Role::Output, &[Kind::Coil], 1),
-    row(Mnemonic::Rst, "RST", Role::Output, &[Kind::Coil], 1),
+pub static INSTRUCTIONS: [InstructionRow; 25] = [
+    row(
+        Mnemonic::Ld,
+        "LD",
+        InstructionRole::Start,
+        &[OperandKind::Contact],
+        1,
+    ),
+    row(
+        Mnemonic::Ldi,
+        "LDI",
+        InstructionRole::Start,
+        &[OperandKind::Contact],
+        1,
+    ),
+    row(
+        Mnemonic::And,
+        "AND",
+        InstructionRole::Contact,
+        &[OperandKind::Contact],
+        1,
+    ),
+    row(
+        Mnemonic::Ani,
+        "ANI",
+        InstructionRole::Contact,
+        &[OperandKind::Contact],
+        1,
+    ),
+    row(
+        Mnemonic::Or,
+        "OR",
+        InstructionRole::Contact,
+        &[OperandKind::Contact],
+        1,
+    ),
+    row(
+        Mnemonic::Ori,
+        "ORI",
+        InstructionRole::Contact,
+        &[OperandKind::Contact],
+        1,
+    ),
+    row(Mnemonic::Orb, "ORB", InstructionRole::Contact, &[], 1),
+    row(Mnemonic::Anb, "ANB", InstructionRole::Contact, &[], 1),
+    row(
+        Mnemonic::Out,
+        "OUT",
+        InstructionRole::Output,
+        &[OperandKind::Coil],
+        1,
+    ),
+    row(
+        Mnemonic::Set,
+        "SET",
+        InstructionRole::Output,
+        &[OperandKind::Coil],
+        1,
+    ),
+    row(
+        Mnemonic::Rst,
+        "RST",
+        InstructionRole::Output,
+        &[OperandKind::Coil],
+        1,
+    ),
     row(
         Mnemonic::Cmp,
         "CMP",
-        Role::Output,
-        &[Kind::Length, Kind::Value, Kind::Value, Kind::ThreeCoils],
+        InstructionRole::Output,
+        &[
+            OperandKind::Length,
+            OperandKind::Value,
+            OperandKind::Value,
+            OperandKind::ThreeCoils,
+        ],
         5,
     ),
     row(
         Mnemonic::Tmrb,
         "TMRB",
-        Role::Output,
-        &[Kind::Timer, Kind::Time, Kind::Coil],
+        InstructionRole::Output,
+        &[OperandKind::Timer, OperandKind::Time, OperandKind::Coil],
         4,
     ),
     row(
         Mnemonic::Ctrc,
         "CTRC",
-        Role::Output,
+        InstructionRole::Output,
         &[
-            Kind::CounterFormat,
-            Kind::Contact,
-            Kind::Counter,
-            Kind::Count,
-            Kind::Coil,
+            OperandKind::CounterFormat,
+            OperandKind::Contact,
+            OperandKind::Counter,
+            OperandKind::Count,
+            OperandKind::Coil,
         ],
         6,
     ),
     row(
         Mnemonic::Movn,
         "MOVN",
-        Role::Output,
-        &[Kind::Length, Kind::Value, Kind::Target],
+        InstructionRole::Output,
+        &[OperandKind::Length, OperandKind::Value, OperandKind::Target],
         4,
     ),
     row(
         Mnemonic::Decb,
         "DECB",
-        Role::Output,
-        &[Kind::Length, Kind::Source, Kind::Number, Kind::DecodeTarget],
+        InstructionRole::Output,
+        &[
+            OperandKind::Length,
+            OperandKind::Source,
+            OperandKind::Number,
+            OperandKind::DecodeTarget,
+        ],
         5,
     ),
     row(
         Mnemonic::Codb,
         "CODB",
-        Role::Output,
+        InstructionRole::Output,
         &[
-            Kind::Length,
-            Kind::TableSize,
-            Kind::Index,
-            Kind::TableTarget,
+            OperandKind::Length,
+            OperandKind::TableSize,
+            OperandKind::Index,
+            OperandKind::TableTarget,
         ],
         5,
     ),
     row(
         Mnemonic::Rotb,
         "ROTB",
-        Role::Output,
+        InstructionRole::Output,
         &[
-            Kind::RotationFormat,
-            Kind::Stations,
-            Kind::Length,
-            Kind::Position,
-            Kind::Position,
-            Kind::RotationTarget,
-            Kind::Coil,
+            OperandKind::RotationFormat,
+            OperandKind::Stations,
+            OperandKind::Length,
+            OperandKind::Position,
+            OperandKind::Position,
+            OperandKind::RotationTarget,
+            OperandKind::Coil,
         ],
         8,
     ),
-    row(Mnemonic::Jmpb, "JMPB", Role::Output, &[Kind::Label], 2),
-    row(Mnemonic::Lbl, "LBL", Role::Structure, &[Kind::Label], 2),
-    row(Mnemonic::Call, "CALL", Role::Output, &[Kind::Subprogram], 2),
-    row(Mnemonic::Sp, "SP", Role::Structure, &[Kind::Subprogram], 2),
-    row(Mnemonic::Spe, "SPE", Role::Structure, &[], 1),
-    row(Mnemonic::End1, "END1", Role::Structure, &[], 1),
-    row(Mnemonic::End2, "END2", Role::Structure, &[], 1),
+    row(
+        Mnemonic::Jmpb,
+        "JMPB",
+        InstructionRole::Output,
+        &[OperandKind::Label],
+        2,
+    ),
+    row(
+        Mnemonic::Lbl,
+        "LBL",
+        InstructionRole::Structure,
+        &[OperandKind::Label],
+        2,
+    ),
+    row(
+        Mnemonic::Call,
+        "CALL",
+        InstructionRole::Output,
+        &[OperandKind::Subprogram],
+        2,
+    ),
+    row(
+        Mnemonic::Sp,
+        "SP",
+        InstructionRole::Structure,
+        &[OperandKind::Subprogram],
+        2,
+    ),
+    row(Mnemonic::Spe, "SPE", InstructionRole::Structure, &[], 1),
+    row(Mnemonic::End1, "END1", InstructionRole::Structure, &[], 1),
+    row(Mnemonic::End2, "END2", InstructionRole::Structure, &[], 1),
 ];
 
 impl Mnemonic {
     /// The instruction's row of the table.
     #[must_use]
-    pub fn row(self) -> &'static Row {
+    pub fn row(self) -> &'static InstructionRow {
         // The table stands in the order of the enumeration (tested below).
-        &TABLE[self as usize]
+        &INSTRUCTIONS[self as usize]
     }
 
     /// The instruction called `name`, in either case.
     #[must_use]
-    pub(crate) fn of_name(name: &str) -> Option<Mnemonic> {
-        TABLE
+    pub(crate) fn from_name(name: &str) -> Option<Mnemonic> {
+        INSTRUCTIONS
             .iter()
             .find(|row| row.name.eq_ignore_ascii_case(name))
             .map(|row| row.mnemonic)
@@ -384,17 +475,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_stands_in_the_order_of_the_mnemonics() {
-        for row in &TABLE {
+    fn instruction_table_is_in_mnemonic_order() {
+        for row in &INSTRUCTIONS {
             assert_eq!(row.mnemonic.row().name, row.name);
-            assert_eq!(Mnemonic::of_name(row.name), Some(row.mnemonic));
+            assert_eq!(Mnemonic::from_name(row.name), Some(row.mnemonic));
         }
     }
 
     #[test]
-    fn steps_follow_the_operands() {
-        for row in &TABLE {
-            let basic = row.role != Role::Output && row.role != Role::Structure
+    fn steps_are_one_plus_operand_count() {
+        for row in &INSTRUCTIONS {
+            let basic = row.role != InstructionRole::Output
+                && row.role != InstructionRole::Structure
                 || matches!(row.mnemonic, Mnemonic::Out | Mnemonic::Set | Mnemonic::Rst);
             let expected = if basic { 1 } else { 1 + row.operands.len() };
             assert_eq!(row.steps as usize, expected, "{}", row.name);

@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize};
 use crate::check;
 use crate::code::{self, Code};
 use crate::diagnostic::{CompileError, CompileErrors};
-use crate::directive::{Comment, Directives, Header, MCode, Message, StartValue, Subject};
+use crate::directive::{Comment, Directives, Header, LadderMessage, MCode, PlcAddress, StartValue};
 use crate::instruction::{Mnemonic, Operand, Statement};
 use crate::parser;
-use crate::reach::Reach;
+use crate::rung_dependencies::RungDependencies;
 
 /// A ladder program, compiled. It never changes; share it in an `Arc`.
 ///
@@ -21,7 +21,7 @@ pub struct Ladder {
     statements: Vec<Statement>,
     code: Code,
     /// What each rung reads and writes; `None` with jumps or subprograms.
-    reach: Option<Reach>,
+    dependencies: Option<RungDependencies>,
     warnings: Vec<CompileError>,
     steps: u32,
     level1_steps: u32,
@@ -58,7 +58,7 @@ impl Ladder {
             return Err(CompileErrors { errors, warnings });
         }
         let code = code::generate(&parsed.statements, &structure, &parsed.directives);
-        let reach = Reach::of(&code, &parsed.statements);
+        let dependencies = RungDependencies::from_code(&code, &parsed.statements);
         let mut directives = parsed.directives;
         directives.messages.sort_by_key(|message| message.bit);
         directives.comments.sort_by_key(|comment| comment.subject);
@@ -68,7 +68,7 @@ impl Ladder {
             directives,
             statements: parsed.statements,
             code,
-            reach,
+            dependencies,
             warnings,
             steps: structure.steps,
             level1_steps: structure.level1_steps,
@@ -108,7 +108,7 @@ impl Ladder {
 
     /// Parts that level 2 is divided into; its period is as many slots of 8 ms.
     #[must_use]
-    pub fn parts(&self) -> usize {
+    pub fn part_count(&self) -> usize {
         self.code.part_ends.len()
     }
 
@@ -120,7 +120,7 @@ impl Ladder {
 
     /// Messages, in the order of their request bits.
     #[must_use]
-    pub fn messages(&self) -> &[Message] {
+    pub fn messages(&self) -> &[LadderMessage] {
         &self.directives.messages
     }
 
@@ -132,7 +132,7 @@ impl Ladder {
 
     /// The name of one address.
     #[must_use]
-    pub fn comment(&self, subject: Subject) -> Option<&Comment> {
+    pub fn comment(&self, subject: PlcAddress) -> Option<&Comment> {
         let comments = &self.directives.comments;
         let found = comments.binary_search_by_key(&subject, |comment| comment.subject);
         found.ok().and_then(|at| comments.get(at))
@@ -186,9 +186,9 @@ impl Ladder {
 
     /// Title given at the statement with index `first`; of several the last one counts.
     pub(crate) fn title_at(&self, first: usize) -> Option<&str> {
-        let networks = &self.directives.networks;
-        let end = networks.partition_point(|network| network.statement <= first);
-        let network = networks.get(end.checked_sub(1)?)?;
+        let network_titles = &self.directives.network_titles;
+        let end = network_titles.partition_point(|network| network.statement <= first);
+        let network = network_titles.get(end.checked_sub(1)?)?;
         (network.statement == first).then_some(network.title.as_str())
     }
 
@@ -196,8 +196,8 @@ impl Ladder {
         &self.code
     }
 
-    pub(crate) const fn reach(&self) -> Option<&Reach> {
-        self.reach.as_ref()
+    pub(crate) const fn dependencies(&self) -> Option<&RungDependencies> {
+        self.dependencies.as_ref()
     }
 
     pub(crate) fn directives(&self) -> &Directives {

@@ -11,8 +11,8 @@ use crate::address::{Area, BitAddress, ByteAddress};
 const X: usize = 0;
 const F: usize = X + Area::X.count() as usize;
 /// From a byte of X or F to its copy in the latch that level 2 reads.
-pub(crate) const LATCH: usize = F + Area::F.count() as usize;
-const Y: usize = 2 * LATCH;
+pub(crate) const LATCH_OFFSET: usize = F + Area::F.count() as usize;
+const Y: usize = 2 * LATCH_OFFSET;
 const G: usize = Y + Area::Y.count() as usize;
 const R: usize = G + Area::G.count() as usize;
 const A: usize = R + Area::R.count() as usize;
@@ -26,9 +26,9 @@ const DT: usize = DC + 4 * Area::Dc.count() as usize;
 pub(crate) const SIZE: usize = DT + 4 * Area::Dt.count() as usize;
 
 /// First retained entry of T.
-const T_RETAINED: usize = 80;
+const FIRST_RETAINED_T: usize = 80;
 /// First retained byte of D.
-const D_RETAINED: usize = 300;
+const FIRST_RETAINED_D: usize = 300;
 
 /// What new DC and DT entries hold: as good as never.
 const NEW_PRESET: i32 = i32::MAX;
@@ -36,10 +36,10 @@ const NEW_PRESET: i32 = i32::MAX;
 /// Signals to the CNC that mean "nothing wrong" at 1: *IT G8.0, *ESP G8.4,
 /// *SP G8.5, the limits *+L G114 and *-L G116. A ladder that does not write
 /// them must not freeze the machine.
-const INACTIVE_AT_1: [(usize, u8); 3] = [(8, 0b0011_0001), (114, 0b1111), (116, 0b1111)];
+const SIGNALS_INACTIVE_AT_1: [(usize, u8); 3] = [(8, 0b0011_0001), (114, 0b1111), (116, 0b1111)];
 
 #[inline]
-const fn base(area: Area) -> usize {
+const fn area_start(area: Area) -> usize {
     match area {
         Area::X => X,
         Area::Y => Y,
@@ -63,7 +63,7 @@ pub(crate) fn offset(address: ByteAddress) -> Option<usize> {
         return None;
     }
     let width = if address.area.is_entry() { 4 } else { 1 };
-    Some(base(address.area) + width * usize::from(address.byte))
+    Some(area_start(address.area) + width * usize::from(address.byte))
 }
 
 /// Place of R900, where every comparison leaves its result bits.
@@ -72,19 +72,19 @@ pub(crate) const RESULT_FLAGS: usize = R + 900;
 /// All memory of the PLC. A read outside an area gives 0, a write there is ignored.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(try_from = "Vec<u8>", into = "Vec<u8>")]
-pub struct Memory {
+pub struct PlcMemory {
     bytes: Box<[u8; SIZE]>,
     /// Something other than X and F was written since [`Memory::take_written`] last asked.
     written: bool,
 }
 
-impl PartialEq for Memory {
-    fn eq(&self, other: &Memory) -> bool {
+impl PartialEq for PlcMemory {
+    fn eq(&self, other: &PlcMemory) -> bool {
         self.bytes == other.bytes
     }
 }
 
-impl Eq for Memory {}
+impl Eq for PlcMemory {}
 
 macro_rules! byte_area {
     ($get:ident, $set:ident, $area:ident, $doc:literal) => {
@@ -118,12 +118,12 @@ macro_rules! entry_area {
     };
 }
 
-impl Memory {
+impl PlcMemory {
     /// Memory whose retained store is blank: presets DC and DT at 2147483647,
     /// everything else 0, the interlock signals to the CNC inactive.
     #[must_use]
-    pub fn new() -> Memory {
-        let mut memory = Memory {
+    pub fn new() -> PlcMemory {
+        let mut memory = PlcMemory {
             bytes: Box::new([0; SIZE]),
             written: true,
         };
@@ -196,35 +196,35 @@ impl Memory {
     pub fn set_byte(&mut self, address: ByteAddress, value: u8) {
         if let Some(at) = offset(address) {
             self.bytes[at] = value;
-            self.written |= at >= LATCH;
+            self.written |= at >= LATCH_OFFSET;
         }
     }
 
     /// Two bytes, the addressed one lowest.
     #[must_use]
     pub fn word(&self, address: ByteAddress) -> u16 {
-        u16::from_le_bytes(self.several(address))
+        u16::from_le_bytes(self.read_bytes(address))
     }
 
     /// Writes two bytes, the addressed one lowest.
     pub fn set_word(&mut self, address: ByteAddress, value: u16) {
-        self.set_several(address, value.to_le_bytes());
+        self.write_bytes(address, value.to_le_bytes());
     }
 
     /// Four bytes, the addressed one lowest; the whole entry of T, C, DC or DT.
     #[must_use]
     pub fn long(&self, address: ByteAddress) -> i32 {
-        i32::from_le_bytes(self.several(address))
+        i32::from_le_bytes(self.read_bytes(address))
     }
 
     /// Writes four bytes, the addressed one lowest; the whole entry of T, C, DC or DT.
     pub fn set_long(&mut self, address: ByteAddress, value: i32) {
-        self.set_several(address, value.to_le_bytes());
+        self.write_bytes(address, value.to_le_bytes());
     }
 
     /// True while any message request bit of A0 to A24 is 1.
     #[must_use]
-    pub fn any_message(&self) -> bool {
+    pub fn has_message_request(&self) -> bool {
         self.bytes[A..K].iter().any(|byte| *byte != 0)
     }
 
@@ -233,25 +233,25 @@ impl Memory {
     pub(crate) fn clear_volatile(&mut self) {
         self.written = true;
         self.bytes[..K].fill(0);
-        self.bytes[D..D + D_RETAINED].fill(0);
-        self.bytes[T..T + 4 * T_RETAINED].fill(0);
-        for (byte, bits) in INACTIVE_AT_1 {
+        self.bytes[D..D + FIRST_RETAINED_D].fill(0);
+        self.bytes[T..T + 4 * FIRST_RETAINED_T].fill(0);
+        for (byte, bits) in SIGNALS_INACTIVE_AT_1 {
             self.bytes[G + byte] = bits;
         }
     }
 
     /// The part of memory that the battery keeps.
     #[must_use]
-    pub fn retained(&self) -> Retained {
+    pub fn retained(&self) -> RetainedMemory {
         let entries = |area, first: u16| -> Vec<i32> {
             (first..Area::count(area))
                 .map(|entry| self.long(ByteAddress::new(area, entry)))
                 .collect()
         };
-        Retained {
+        RetainedMemory {
             k: self.bytes[K..D].to_vec(),
-            d300: self.bytes[D + D_RETAINED..T].to_vec(),
-            t80: entries(Area::T, T_RETAINED as u16),
+            d300: self.bytes[D + FIRST_RETAINED_D..T].to_vec(),
+            t80: entries(Area::T, FIRST_RETAINED_T as u16),
             c: entries(Area::C, 0),
             dc: entries(Area::Dc, 0),
             dt: entries(Area::Dt, 0),
@@ -259,11 +259,11 @@ impl Memory {
     }
 
     /// Puts back what the battery kept. Entries that `retained` lacks stay as they are.
-    pub fn restore_retained(&mut self, retained: &Retained) {
+    pub fn restore_retained(&mut self, retained: &RetainedMemory) {
         self.written = true;
-        restore_bytes(&mut self.bytes[K..D], &retained.k);
-        restore_bytes(&mut self.bytes[D + D_RETAINED..T], &retained.d300);
-        self.restore_entries(Area::T, T_RETAINED as u16, &retained.t80);
+        copy_bytes(&mut self.bytes[K..D], &retained.k);
+        copy_bytes(&mut self.bytes[D + FIRST_RETAINED_D..T], &retained.d300);
+        self.restore_entries(Area::T, FIRST_RETAINED_T as u16, &retained.t80);
         self.restore_entries(Area::C, 0, &retained.c);
         self.restore_entries(Area::Dc, 0, &retained.dc);
         self.restore_entries(Area::Dt, 0, &retained.dt);
@@ -276,11 +276,11 @@ impl Memory {
 
     /// How many bytes of the flat array may have changed since this was last asked, but
     /// for what the scan has written: X, F and their copy, or all.
-    pub(crate) fn take_written(&mut self) -> usize {
+    pub(crate) fn take_changed_length(&mut self) -> usize {
         if core::mem::take(&mut self.written) {
             SIZE
         } else {
-            2 * LATCH
+            2 * LATCH_OFFSET
         }
     }
 
@@ -292,14 +292,16 @@ impl Memory {
     /// One bit as level 2 sees it: X and F as its cycle began.
     pub(crate) fn bit_in_level2(&self, address: BitAddress) -> bool {
         match offset(address.byte_address()) {
-            Some(at) if at < LATCH => self.bytes[at + LATCH] >> (address.bit & 7) & 1 == 1,
+            Some(at) if at < LATCH_OFFSET => {
+                self.bytes[at + LATCH_OFFSET] >> (address.bit & 7) & 1 == 1
+            }
             _ => self.bit(address),
         }
     }
 
     /// Copies X and F to the latch that level 2 reads.
     pub(crate) fn latch_inputs(&mut self) {
-        self.bytes.copy_within(..LATCH, LATCH);
+        self.bytes.copy_within(..LATCH_OFFSET, LATCH_OFFSET);
     }
 
     fn restore_entries(&mut self, area: Area, first: u16, values: &[i32]) {
@@ -308,42 +310,42 @@ impl Memory {
         }
     }
 
-    fn several<const N: usize>(&self, address: ByteAddress) -> [u8; N] {
+    fn read_bytes<const N: usize>(&self, address: ByteAddress) -> [u8; N] {
         let mut value = [0; N];
         if let Some(at) = offset(address) {
-            let end = (at + N).min(end_of(address.area));
+            let end = (at + N).min(area_end(address.area));
             value[..end - at].copy_from_slice(&self.bytes[at..end]);
         }
         value
     }
 
-    fn set_several<const N: usize>(&mut self, address: ByteAddress, value: [u8; N]) {
+    fn write_bytes<const N: usize>(&mut self, address: ByteAddress, value: [u8; N]) {
         if let Some(at) = offset(address) {
-            let end = (at + N).min(end_of(address.area));
+            let end = (at + N).min(area_end(address.area));
             self.bytes[at..end].copy_from_slice(&value[..end - at]);
-            self.written |= end > LATCH;
+            self.written |= end > LATCH_OFFSET;
         }
     }
 }
 
-fn end_of(area: Area) -> usize {
+fn area_end(area: Area) -> usize {
     let width = if area.is_entry() { 4 } else { 1 };
-    base(area) + width * usize::from(area.count())
+    area_start(area) + width * usize::from(area.count())
 }
 
-fn restore_bytes(target: &mut [u8], values: &[u8]) {
+fn copy_bytes(target: &mut [u8], values: &[u8]) {
     for (byte, value) in target.iter_mut().zip(values) {
         *byte = *value;
     }
 }
 
-impl Default for Memory {
-    fn default() -> Memory {
-        Memory::new()
+impl Default for PlcMemory {
+    fn default() -> PlcMemory {
+        PlcMemory::new()
     }
 }
 
-impl fmt::Debug for Memory {
+impl fmt::Debug for PlcMemory {
     /// Only the bytes that are not 0: 4 KB of zeros help nobody.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut map = f.debug_map();
@@ -364,21 +366,21 @@ impl fmt::Debug for Memory {
     }
 }
 
-impl From<Memory> for Vec<u8> {
-    fn from(memory: Memory) -> Vec<u8> {
+impl From<PlcMemory> for Vec<u8> {
+    fn from(memory: PlcMemory) -> Vec<u8> {
         memory.bytes.to_vec()
     }
 }
 
-impl TryFrom<Vec<u8>> for Memory {
+impl TryFrom<Vec<u8>> for PlcMemory {
     type Error = Message;
 
-    fn try_from(bytes: Vec<u8>) -> Result<Memory, Message> {
+    fn try_from(bytes: Vec<u8>) -> Result<PlcMemory, Message> {
         let length = bytes.len();
         let bytes = bytes
             .try_into()
             .map_err(|_| say::ladder_memory_size(SIZE, length))?;
-        Ok(Memory {
+        Ok(PlcMemory {
             bytes,
             written: true,
         })
@@ -387,7 +389,7 @@ impl TryFrom<Vec<u8>> for Memory {
 
 /// The battery-backed part of memory, as a file keeps it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Retained {
+pub struct RetainedMemory {
     /// Keep relays K0 to K39.
     pub k: Vec<u8>,
     /// Data table D300 to D999.
@@ -409,7 +411,7 @@ mod tests {
     #[test]
     fn areas_do_not_overlap() {
         for area in Area::ALL {
-            let mut memory = Memory::new();
+            let mut memory = PlcMemory::new();
             let before = memory.clone();
             for byte in 0..area.count() {
                 memory.set_byte(ByteAddress::new(area, byte), 0x5A);
@@ -429,7 +431,7 @@ mod tests {
 
     #[test]
     fn wide_values_are_little_endian_and_end_with_the_area() {
-        let mut memory = Memory::new();
+        let mut memory = PlcMemory::new();
         memory.set_long(ByteAddress::new(Area::R, 10), 0x0403_0201);
         assert_eq!((memory.r(10), memory.r(13)), (1, 4));
         memory.set_long(ByteAddress::new(Area::R, 998), -1);
@@ -438,8 +440,8 @@ mod tests {
     }
 
     #[test]
-    fn power_off_keeps_what_the_manual_keeps() {
-        let mut memory = Memory::new();
+    fn power_off_keeps_the_retained_areas() {
+        let mut memory = PlcMemory::new();
         for area in Area::ALL {
             for byte in 0..area.count() {
                 memory.set_byte(ByteAddress::new(area, byte), 1);
@@ -459,14 +461,14 @@ mod tests {
         }
         assert_eq!((memory.g(8), memory.g(114), memory.g(116)), (0x31, 15, 15));
 
-        let mut fresh = Memory::new();
+        let mut fresh = PlcMemory::new();
         fresh.restore_retained(&memory.retained());
         assert_eq!(fresh, memory);
     }
 
     #[test]
-    fn a_blank_store_has_presets_of_never() {
-        let memory = Memory::new();
+    fn new_presets_are_the_largest_number() {
+        let memory = PlcMemory::new();
         assert_eq!(
             (memory.dt(0), memory.dc(99), memory.c(0)),
             (i32::MAX, i32::MAX, 0)
@@ -475,7 +477,7 @@ mod tests {
 
     #[test]
     fn addresses_outside_an_area_read_0() {
-        let mut memory = Memory::new();
+        let mut memory = PlcMemory::new();
         memory.set_x(30, 255);
         memory.set_bit(BitAddress::new(Area::X, 0, 9), true);
         memory.set_bit(BitAddress::new(Area::D, 0, 0), true);

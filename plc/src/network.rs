@@ -11,7 +11,7 @@
 //! block of its own (`LD c`, `ANB`), so that it leads back to the same list.
 
 use crate::address::BitAddress;
-use crate::instruction::{Mnemonic, Operand, Role, Statement};
+use crate::instruction::{InstructionRole, Mnemonic, Operand, Statement};
 use crate::ladder::{Ladder, Rung};
 
 /// One contact.
@@ -58,14 +58,14 @@ pub struct Network {
     /// Index of its first statement in the program.
     pub first: usize,
     /// What it is.
-    pub body: Body,
+    pub body: RungBody,
 }
 
 /// The two kinds of rungs.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Body {
+pub enum RungBody {
     /// END1, END2, LBL, SP, SPE.
-    Mark(Statement),
+    Structure(Statement),
     /// Contacts and outputs.
     Rung {
         /// The contacts. One element; several only in a rung without output,
@@ -78,7 +78,7 @@ pub enum Body {
 
 /// The state of one statement of a rung, for the live view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Power {
+pub struct PowerFlow {
     /// A contact conducts; a coil's bit is 1.
     pub closed: bool,
     /// Power reaches its right side; an output's input is on.
@@ -86,53 +86,56 @@ pub struct Power {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Way {
+enum Connection {
     Series,
     Parallel,
 }
 
 impl Element {
     /// Appends a member; a series of a series stays one series.
-    fn join(self, way: Way, member: Branch) -> Element {
+    fn join(self, connection: Connection, member: Branch) -> Element {
         let first = |element| Branch {
             element,
             block: false,
             at: member.at,
         };
-        match (way, self) {
-            (Way::Series, Element::Series(mut members)) => {
+        match (connection, self) {
+            (Connection::Series, Element::Series(mut members)) => {
                 members.push(member);
                 Element::Series(members)
             }
-            (Way::Parallel, Element::Parallel(mut members)) => {
+            (Connection::Parallel, Element::Parallel(mut members)) => {
                 members.push(member);
                 Element::Parallel(members)
             }
-            (Way::Series, element) => Element::Series(vec![first(element), member]),
-            (Way::Parallel, element) => Element::Parallel(vec![first(element), member]),
+            (Connection::Series, element) => Element::Series(vec![first(element), member]),
+            (Connection::Parallel, element) => Element::Parallel(vec![first(element), member]),
         }
     }
 
-    fn write(&self, list: &mut Vec<(Mnemonic, Option<BitAddress>)>) {
-        let (way, members) = match self {
+    fn write_list(&self, list: &mut Vec<(Mnemonic, Option<BitAddress>)>) {
+        let (connection, members) = match self {
             Element::Contact(contact) => {
-                list.push((name(None, contact), Some(contact.bit)));
+                list.push((contact_mnemonic(None, contact), Some(contact.bit)));
                 return;
             }
-            Element::Series(members) => (Way::Series, members),
-            Element::Parallel(members) => (Way::Parallel, members),
+            Element::Series(members) => (Connection::Series, members),
+            Element::Parallel(members) => (Connection::Parallel, members),
         };
         for (index, member) in members.iter().enumerate() {
             match &member.element {
-                element if index == 0 => element.write(list),
+                element if index == 0 => element.write_list(list),
                 Element::Contact(contact) if !member.block => {
-                    list.push((name(Some(way), contact), Some(contact.bit)));
+                    list.push((
+                        contact_mnemonic(Some(connection), contact),
+                        Some(contact.bit),
+                    ));
                 }
                 element => {
-                    element.write(list);
-                    let joint = match way {
-                        Way::Series => Mnemonic::Anb,
-                        Way::Parallel => Mnemonic::Orb,
+                    element.write_list(list);
+                    let joint = match connection {
+                        Connection::Series => Mnemonic::Anb,
+                        Connection::Parallel => Mnemonic::Orb,
                     };
                     list.push((joint, None));
                 }
@@ -142,11 +145,16 @@ impl Element {
 
     /// Lets power in from the left and notes what comes of it; gives what
     /// leaves on the right.
-    fn feed(&self, live: bool, closed: &impl Fn(&Contact) -> bool, states: &mut [Power]) -> bool {
+    fn propagate_power(
+        &self,
+        live: bool,
+        closed: &impl Fn(&Contact) -> bool,
+        states: &mut [PowerFlow],
+    ) -> bool {
         match self {
             Element::Contact(contact) => {
                 let closed = closed(contact);
-                let state = Power {
+                let state = PowerFlow {
                     closed,
                     live: live && closed,
                 };
@@ -156,13 +164,13 @@ impl Element {
                 state.live
             }
             Element::Series(members) => members.iter().fold(live, |live, member| {
-                let out = member.element.feed(live, closed, states);
-                note_joint(member, out, states);
+                let out = member.element.propagate_power(live, closed, states);
+                set_joint_power(member, out, states);
                 out
             }),
             Element::Parallel(members) => members.iter().fold(false, |out, member| {
-                let out = member.element.feed(live, closed, states) || out;
-                note_joint(member, out, states);
+                let out = member.element.propagate_power(live, closed, states) || out;
+                set_joint_power(member, out, states);
                 out
             }),
         }
@@ -170,29 +178,31 @@ impl Element {
 }
 
 /// ORB and ANB have a state too: that of the blocks they join.
-fn note_joint(member: &Branch, live: bool, states: &mut [Power]) {
+fn set_joint_power(member: &Branch, live: bool, states: &mut [PowerFlow]) {
     let is_joint = member.block || !matches!(member.element, Element::Contact(_));
     if is_joint && let Some(place) = states.get_mut(member.at) {
-        *place = Power { closed: live, live };
+        *place = PowerFlow { closed: live, live };
     }
 }
 
-fn name(way: Option<Way>, contact: &Contact) -> Mnemonic {
-    match (way, contact.normally_closed) {
+fn contact_mnemonic(connection: Option<Connection>, contact: &Contact) -> Mnemonic {
+    match (connection, contact.normally_closed) {
         (None, false) => Mnemonic::Ld,
         (None, true) => Mnemonic::Ldi,
-        (Some(Way::Series), false) => Mnemonic::And,
-        (Some(Way::Series), true) => Mnemonic::Ani,
-        (Some(Way::Parallel), false) => Mnemonic::Or,
-        (Some(Way::Parallel), true) => Mnemonic::Ori,
+        (Some(Connection::Series), false) => Mnemonic::And,
+        (Some(Connection::Series), true) => Mnemonic::Ani,
+        (Some(Connection::Parallel), false) => Mnemonic::Or,
+        (Some(Connection::Parallel), true) => Mnemonic::Ori,
     }
 }
 
 impl Network {
     fn new(rung: &Rung<'_>, first: usize) -> Network {
         let body = match rung.statements {
-            [mark] if mark.mnemonic.row().role == Role::Structure => Body::Mark(mark.clone()),
-            statements => drawing(statements),
+            [mark] if mark.mnemonic.row().role == InstructionRole::Structure => {
+                RungBody::Structure(mark.clone())
+            }
+            statements => draw_rung(statements),
         };
         Network {
             number: rung.number,
@@ -207,12 +217,12 @@ impl Network {
     #[must_use]
     pub fn statements(&self) -> Vec<Statement> {
         let (contacts, outputs) = match &self.body {
-            Body::Mark(mark) => return vec![mark.clone()],
-            Body::Rung { contacts, outputs } => (contacts, outputs),
+            RungBody::Structure(mark) => return vec![mark.clone()],
+            RungBody::Rung { contacts, outputs } => (contacts, outputs),
         };
         let mut list = Vec::new();
         for element in contacts {
-            element.write(&mut list);
+            element.write_list(&mut list);
         }
         let line = outputs.first().map_or(0, |output| output.line);
         list.into_iter()
@@ -228,18 +238,18 @@ impl Network {
     }
 
     /// Where power flows: one state for each statement of the rung.
-    pub fn power(&self, bit: impl Fn(BitAddress) -> bool) -> Vec<Power> {
-        let Body::Rung { contacts, outputs } = &self.body else {
-            return vec![Power::default()];
+    pub fn power_flow(&self, bit: impl Fn(BitAddress) -> bool) -> Vec<PowerFlow> {
+        let RungBody::Rung { contacts, outputs } = &self.body else {
+            return vec![PowerFlow::default()];
         };
         let of_outputs = self.statements().len() - outputs.len();
-        let mut states = vec![Power::default(); of_outputs];
+        let mut states = vec![PowerFlow::default(); of_outputs];
         let closed = |contact: &Contact| bit(contact.bit) != contact.normally_closed;
-        let live = contacts
-            .iter()
-            .fold(false, |_, element| element.feed(true, &closed, &mut states));
-        states.extend(outputs.iter().map(|output| Power {
-            closed: coil(output).is_some_and(&bit),
+        let live = contacts.iter().fold(false, |_, element| {
+            element.propagate_power(true, &closed, &mut states)
+        });
+        states.extend(outputs.iter().map(|output| PowerFlow {
+            closed: written_bit(output).is_some_and(&bit),
             live,
         }));
         states
@@ -247,7 +257,7 @@ impl Network {
 }
 
 /// The bit that an output statement writes, if it is one bit.
-fn coil(output: &Statement) -> Option<BitAddress> {
+fn written_bit(output: &Statement) -> Option<BitAddress> {
     let kinds = output.mnemonic.row().operands.iter();
     kinds
         .zip(&output.operands)
@@ -257,7 +267,7 @@ fn coil(output: &Statement) -> Option<BitAddress> {
         })
 }
 
-fn drawing(statements: &[Statement]) -> Body {
+fn draw_rung(statements: &[Statement]) -> RungBody {
     let mut contacts: Vec<Element> = Vec::new();
     let mut outputs = Vec::new();
     for (at, statement) in statements.iter().enumerate() {
@@ -269,24 +279,24 @@ fn drawing(statements: &[Statement]) -> Body {
             })),
             _ => None,
         };
-        let (way, member) = match statement.mnemonic {
+        let (connection, member) = match statement.mnemonic {
             Mnemonic::Ld => (None, contact(false)),
             Mnemonic::Ldi => (None, contact(true)),
-            Mnemonic::And => (Some(Way::Series), contact(false)),
-            Mnemonic::Ani => (Some(Way::Series), contact(true)),
-            Mnemonic::Or => (Some(Way::Parallel), contact(false)),
-            Mnemonic::Ori => (Some(Way::Parallel), contact(true)),
-            Mnemonic::Anb => (Some(Way::Series), contacts.pop()),
-            Mnemonic::Orb => (Some(Way::Parallel), contacts.pop()),
+            Mnemonic::And => (Some(Connection::Series), contact(false)),
+            Mnemonic::Ani => (Some(Connection::Series), contact(true)),
+            Mnemonic::Or => (Some(Connection::Parallel), contact(false)),
+            Mnemonic::Ori => (Some(Connection::Parallel), contact(true)),
+            Mnemonic::Anb => (Some(Connection::Series), contacts.pop()),
+            Mnemonic::Orb => (Some(Connection::Parallel), contacts.pop()),
             _ => {
                 outputs.push(statement.clone());
                 continue;
             }
         };
         let Some(element) = member else { continue };
-        let joined = match (way, contacts.pop()) {
-            (Some(way), Some(before)) => before.join(
-                way,
+        let joined = match (connection, contacts.pop()) {
+            (Some(connection), Some(before)) => before.join(
+                connection,
                 Branch {
                     element,
                     block: matches!(statement.mnemonic, Mnemonic::Anb | Mnemonic::Orb),
@@ -300,7 +310,7 @@ fn drawing(statements: &[Statement]) -> Body {
         };
         contacts.push(joined);
     }
-    Body::Rung { contacts, outputs }
+    RungBody::Rung { contacts, outputs }
 }
 
 impl Ladder {
@@ -333,7 +343,7 @@ impl Ladder {
     /// Comments and everything outside the rung stay as they are. Compile the
     /// result: nothing is checked here.
     #[must_use]
-    pub fn with_rung(&self, number: u32, lines: &str) -> String {
+    pub fn source_with_rung(&self, number: u32, lines: &str) -> String {
         let statements = self.statements().iter();
         let mut of_rung = statements.filter(|statement| statement.rung == number);
         let Some(first) = of_rung.next().map(|statement| statement.line) else {

@@ -17,7 +17,7 @@ pub(crate) struct Timers {
 
 impl Timers {
     /// Notes that a TMRB was executed, and whether its time goes on.
-    pub fn executed(&mut self, timer: u8, runs: bool) {
+    pub fn record_execution(&mut self, timer: u8, runs: bool) {
         let bit = 1u128 << (timer & 127);
         if runs {
             self.running |= bit;
@@ -75,23 +75,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_skipped_timer_stands_still() {
+    fn skipped_timer_stops_running() {
         let mut timers = Timers::default();
-        timers.executed(3, true);
-        timers.executed(99, true);
+        timers.record_execution(3, true);
+        timers.record_execution(99, true);
         timers.begin_scan(u128::MAX);
         assert_eq!(timers.running().collect::<Vec<_>>(), [3, 99]);
-        timers.executed(3, true);
+        timers.record_execution(3, true);
         timers.begin_scan(u128::MAX);
         assert_eq!(timers.running().collect::<Vec<_>>(), [3]);
     }
 
     #[test]
-    fn saved_and_restored() {
+    fn timers_survive_serialization() {
         let mut timers = Timers::default();
-        timers.executed(0, true);
-        timers.executed(70, true);
-        timers.executed(71, false);
+        timers.record_execution(0, true);
+        timers.record_execution(70, true);
+        timers.record_execution(71, false);
         assert_eq!(Timers::from(<[u64; 4]>::from(timers)), timers);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use gsk_plc::{Ladder, Plc, Rule, Subject, TABLE};
+use gsk_plc::{INSTRUCTIONS, Ladder, Plc, PlcAddress, Rule};
 use proptest::prelude::*;
 
 /// Rule and line of every error, or of every warning if there is none.
@@ -165,7 +165,7 @@ fn rules_of_the_whole_program() {
 }
 
 #[test]
-fn errors_say_where_and_why() {
+fn errors_give_line_rung_and_reason() {
     let errors = Ladder::compile("END1\nLD R1.0\nOUT X1.0\nEND2").unwrap_err();
     let error = &errors.errors[0];
     assert_eq!((error.line, error.rung), (3, 2));
@@ -206,7 +206,7 @@ fn directives_and_listing() {
     assert_eq!(ladder.header().author, "A;B");
     let messages: Vec<_> = ladder.messages().iter().map(|m| m.number).collect();
     assert_eq!(messages, [1000, 1009]);
-    let subject = Subject::Bit("X0.5".parse().unwrap());
+    let subject = PlcAddress::Bit("X0.5".parse().unwrap());
     assert_eq!(ladder.comment(subject).unwrap().english, "E-stop");
     assert_eq!(ladder.labels().collect::<Vec<_>>(), [(7, 5)]);
     let titles: Vec<_> = ladder.rungs().map(|rung| rung.title).collect();
@@ -235,7 +235,7 @@ fn directives_and_listing() {
 
 /// Words of the language and some that are none.
 fn word() -> impl Strategy<Value = String> {
-    let names: Vec<&'static str> = TABLE.iter().map(|row| row.name).collect();
+    let names: Vec<&'static str> = INSTRUCTIONS.iter().map(|row| row.name).collect();
     prop_oneof![
         4 => prop::sample::select(names).prop_map(str::to_owned),
         3 => "[XYFGRKADTC]{1,2}[0-9]{1,3}(\\.[0-8])?",
@@ -323,7 +323,7 @@ proptest! {
             let listing = ladder.to_source();
             prop_assert_eq!(Ladder::compile(&listing).unwrap().to_source(), listing);
             let mut plc = Plc::new(Arc::new(ladder));
-            plc.slot();
+            plc.run_slot();
         }
     }
 
@@ -344,7 +344,7 @@ proptest! {
         let mut plc = Plc::new(Arc::new(ladder));
         for (byte, value) in (0..).zip(inputs) {
             plc.memory_mut().set_x(byte, value);
-            plc.slot();
+            plc.run_slot();
         }
     }
 }

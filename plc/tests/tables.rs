@@ -28,7 +28,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use gsk_plc::{ByteAddress, Ladder, Memory, Plc, TABLE};
+use gsk_plc::{ByteAddress, INSTRUCTIONS, Ladder, Plc, PlcMemory};
 
 /// A column of a table.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +42,7 @@ enum Column {
 }
 
 impl Column {
-    fn new(text: &str) -> Column {
+    fn parse(text: &str) -> Column {
         if text == "slots" {
             return Column::Slots;
         }
@@ -64,7 +64,7 @@ impl Column {
         }
     }
 
-    fn read(self, memory: &Memory) -> i64 {
+    fn read(self, memory: &PlcMemory) -> i64 {
         match self {
             Column::Bit(bit) => memory.bit(bit).into(),
             Column::Byte(byte) => memory.byte(byte).into(),
@@ -74,7 +74,7 @@ impl Column {
         }
     }
 
-    fn write(self, memory: &mut Memory, value: i64) {
+    fn write(self, memory: &mut PlcMemory, value: i64) {
         match self {
             Column::Bit(bit) => memory.set_bit(bit, value != 0),
             Column::Byte(byte) => memory.set_byte(byte, value.try_into().unwrap()),
@@ -85,7 +85,7 @@ impl Column {
     }
 }
 
-fn number(text: &str) -> i64 {
+fn parse_number(text: &str) -> i64 {
     match text.strip_prefix("0b") {
         Some(binary) => i64::from_str_radix(binary, 2).unwrap(),
         None => text.parse().unwrap_or_else(|_| panic!("no number: {text}")),
@@ -93,18 +93,18 @@ fn number(text: &str) -> i64 {
 }
 
 /// Values of a row with their columns; those left alone are not in it.
-fn values<'a>(columns: &'a [Column], text: &'a str) -> Vec<(Column, i64)> {
+fn parse_values<'a>(columns: &'a [Column], text: &'a str) -> Vec<(Column, i64)> {
     let texts: Vec<&str> = text.split_whitespace().collect();
     assert_eq!(texts.len(), columns.len(), "values of the row {text}");
     columns
         .iter()
         .zip(texts)
         .filter(|(_, text)| *text != ".")
-        .map(|(column, text)| (*column, number(text)))
+        .map(|(column, text)| (*column, parse_number(text)))
         .collect()
 }
 
-fn compiled(lines: &[&str]) -> Plc {
+fn compile_plc(lines: &[&str]) -> Plc {
     let text = lines.join("\n");
     let whole = lines.iter().any(|line| line.trim() == "END1");
     let source = if whole {
@@ -118,7 +118,7 @@ fn compiled(lines: &[&str]) -> Plc {
 }
 
 /// Runs the rows of a file; gives their number.
-fn run(text: &str) -> usize {
+fn run_table(text: &str) -> usize {
     let mut ladder: Vec<&str> = Vec::new();
     let mut table: Option<(Plc, Vec<Column>, Vec<Column>)> = None;
     let mut rows = 0;
@@ -135,11 +135,11 @@ fn run(text: &str) -> usize {
             continue;
         };
         let Some((plc, left, right)) = &mut table else {
-            let columns = |text: &str| text.split_whitespace().map(Column::new).collect();
-            table = Some((compiled(&ladder), columns(inputs), columns(outputs)));
+            let columns = |text: &str| text.split_whitespace().map(Column::parse).collect();
+            table = Some((compile_plc(&ladder), columns(inputs), columns(outputs)));
             continue;
         };
-        let inputs = values(left, inputs);
+        let inputs = parse_values(left, inputs);
         let given = |wanted: fn(&Column) -> bool| inputs.iter().find(|(c, _)| wanted(c));
         if given(|column| matches!(column, Column::Power)).is_some_and(|(_, on)| *on == 1) {
             plc.power_on();
@@ -149,9 +149,9 @@ fn run(text: &str) -> usize {
         }
         let slots = given(|column| matches!(column, Column::Slots)).map_or(1, |(_, n)| *n);
         for _ in 0..slots {
-            plc.slot();
+            plc.run_slot();
         }
-        for (column, expected) in values(right, outputs) {
+        for (column, expected) in parse_values(right, outputs) {
             let seen = column.read(plc.memory());
             assert_eq!(seen, expected, "line {number}: {column:?} after {line}");
         }
@@ -161,13 +161,13 @@ fn run(text: &str) -> usize {
 }
 
 #[test]
-fn every_instruction_does_what_its_table_says() {
+fn each_instruction_matches_its_table() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tables");
-    for row in &TABLE {
+    for row in &INSTRUCTIONS {
         let path = folder.join(format!("{}.txt", row.name.to_lowercase()));
         let text = std::fs::read_to_string(&path)
             .unwrap_or_else(|error| panic!("{} has no table: {error}", row.name));
         println!("{}", row.name);
-        assert!(run(&text) >= 2, "{} has rows", row.name);
+        assert!(run_table(&text) >= 2, "{} has rows", row.name);
     }
 }

@@ -10,7 +10,7 @@ use gsk_core::memory::{
     Variables, rows,
 };
 use gsk_core::model::{ControlModel, ModelId};
-use gsk_core::plc::{Area, ByteAddress, CompileErrors, Ladder, Retained};
+use gsk_core::plc::{Area, ByteAddress, CompileErrors, Ladder, RetainedMemory};
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::standard_ladder;
 use gsk_core::units::Axis;
@@ -352,7 +352,7 @@ impl Builder<'_> {
         programs
     }
 
-    fn retained(&mut self) -> Retained {
+    fn retained(&mut self) -> RetainedMemory {
         let bytes = 0..=i64::from(u8::MAX);
         let entries = i64::from(i32::MIN)..=i64::from(i32::MAX);
         let [k, d, t, c, dc, dt] = KEPT.map(|(area, first)| {
@@ -369,7 +369,7 @@ impl Builder<'_> {
         });
         let small = |values: Vec<i64>| values.into_iter().map(|it| it as u8).collect();
         let large = |values: Vec<i64>| values.into_iter().map(|it| it as i32).collect();
-        Retained {
+        RetainedMemory {
             k: small(k),
             d300: small(d),
             t80: large(t),

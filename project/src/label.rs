@@ -2,7 +2,7 @@
 
 use gsk_core::memory::{self, ParameterRow, Refusal};
 use gsk_core::model::ModelId;
-use gsk_core::plc::{Ladder, Subject};
+use gsk_core::plc::{Ladder, PlcAddress};
 use gsk_core::units::Axis;
 use gsk_messages::{Language, Message, say};
 
@@ -86,7 +86,7 @@ fn comment(key: Key, ladder: &Ladder, language: Language) -> String {
     let Key::Data(address) = key else {
         return String::new();
     };
-    let comment = ladder.comment(Subject::Byte(address));
+    let comment = ladder.comment(PlcAddress::Byte(address));
     comment.map_or_else(String::new, |comment| match language {
         Language::Zh => comment.chinese.clone(),
         Language::En => comment.english.clone(),

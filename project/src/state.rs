@@ -9,7 +9,7 @@ use gsk_core::memory::{
     Authority, Counters, OFFSETS, Offsets, Parameters, PitchTable, Variables, rows,
 };
 use gsk_core::model::ControlModel;
-use gsk_core::plc::{Area, ByteAddress, Ladder, Plc, Retained};
+use gsk_core::plc::{Area, ByteAddress, Ladder, Plc, RetainedMemory};
 use gsk_core::setup::Setup;
 use gsk_core::units::Axis;
 use gsk_panel::panel::PanelRetained;
@@ -35,7 +35,7 @@ pub fn lasts(variable: u16) -> bool {
 #[derive(Clone, Debug)]
 pub struct State {
     memory: Memory,
-    retained: Retained,
+    retained: RetainedMemory,
     ladder: Arc<Ladder>,
     panel: Option<PanelRetained>,
     /// Machine file and jobs; a control has none.
@@ -55,7 +55,7 @@ impl State {
     /// is logged on, is left out.
     pub fn new(
         memory: &Memory,
-        retained: Option<&Retained>,
+        retained: Option<&RetainedMemory>,
         ladder: Arc<Ladder>,
         panel: Option<PanelRetained>,
     ) -> Self {
@@ -124,7 +124,7 @@ impl State {
     }
 
     /// What the PLC keeps.
-    pub const fn retained(&self) -> &Retained {
+    pub const fn retained(&self) -> &RetainedMemory {
         &self.retained
     }
 
@@ -262,7 +262,7 @@ fn list_set(
     }
 }
 
-fn list_retained(all: &mut BTreeMap<Key, Value>, retained: &Retained) {
+fn list_retained(all: &mut BTreeMap<Key, Value>, retained: &RetainedMemory) {
     for (area, first) in KEPT {
         let values: Vec<i64> = match area {
             Area::K => retained.k.iter().map(|it| (*it).into()).collect(),

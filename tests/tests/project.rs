@@ -10,7 +10,7 @@ use gsk_core::battery::Memory;
 use gsk_core::command::ProgramId;
 use gsk_core::memory::{Counters, Disk, DiskContent, Level, ToolOffset, rows};
 use gsk_core::model::{ControlModel, ModelId};
-use gsk_core::plc::{Area, ByteAddress, Ladder, Plc, Retained};
+use gsk_core::plc::{Area, ByteAddress, Ladder, Plc, RetainedMemory};
 use gsk_core::setup::{STANDARD_LADDER, Setup, standard_ladder};
 use gsk_core::units::Axis;
 use gsk_messages::Language;
@@ -109,7 +109,7 @@ impl Control {
     }
 
     fn state(&self) -> State {
-        let retained: Retained = self.plc.memory().retained();
+        let retained: RetainedMemory = self.plc.memory().retained();
         let ladder = self.plc.ladder();
         State::new(
             &self.memory,
@@ -232,7 +232,7 @@ impl Control {
                 let byte = first + numbers.below((area.count() - first).into()) as u16;
                 let address = ByteAddress::new(area, byte);
                 let plc = self.plc.memory_mut();
-                let read = |plc: &gsk_core::plc::Memory| match area.is_entry() {
+                let read = |plc: &gsk_core::plc::PlcMemory| match area.is_entry() {
                     true => plc.long(address).into(),
                     false => plc.byte(address).into(),
                 };

@@ -129,7 +129,7 @@ impl Cnc {
         let was = self.plc.signals.clone();
         self.write_signals(&was);
         if !self.plc.halted {
-            self.plc.engine.slot();
+            self.plc.engine.run_slot();
             self.read_signals(&was);
         }
     }
@@ -144,7 +144,7 @@ impl Cnc {
             let percent = &mut self.plc.signals.rapid_override;
             *percent = least.max(*percent);
         }
-        self.plc.message = self.plc.engine.memory().any_message()
+        self.plc.message = self.plc.engine.memory().has_message_request()
             && self.plc.engine.active_messages().next().is_some();
         if let Some(fault) = self.plc.engine.fault() {
             let detail = fault.message();

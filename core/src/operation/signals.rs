@@ -1,7 +1,7 @@
 //! The control's side of the PLC interface: what it reads in G, what it writes
 //! in F. Each signal's address stands here and nowhere else.
 
-use gsk_plc::Memory;
+use gsk_plc::PlcMemory;
 use serde::{Deserialize, Serialize};
 
 use super::handshake::{Handshake, Strobe};
@@ -129,7 +129,7 @@ fn current_tool(nowt: [u8; 4]) -> u8 {
 
 impl FromPlc {
     /// Decodes the G area.
-    pub fn read(memory: &Memory) -> Self {
+    pub fn read(memory: &PlcMemory) -> Self {
         let g = |number: u16| memory.g(number);
         let all_locked = bit(g(44), 1);
         let locked = axes(g(108));
@@ -277,7 +277,7 @@ const MIRRORED: [(u16, u16); 9] = [
 
 impl ToPlc<'_> {
     /// Writes the F area; `g` holds the states that the check signals repeat.
-    pub fn write(&self, memory: &mut Memory, g: &FromPlc) {
+    pub fn write(&self, memory: &mut PlcMemory, g: &FromPlc) {
         let mut set = |number: u16, byte: u8| memory.set_f(number, byte);
         set(
             0,

@@ -7,12 +7,12 @@ use gsk_plc::Ladder;
 use crate::SOURCE;
 
 #[test]
-fn compiles_clean_and_prints_itself() {
+fn compiles_without_warnings_and_round_trips() {
     let ladder = Ladder::compile(SOURCE).unwrap();
     assert_eq!(ladder.warnings(), []);
     assert_eq!(ladder.header().remark, "980TD标准梯形图");
     assert_eq!(ladder.header().version, "2005.2.28");
-    assert_eq!(ladder.parts(), 3);
+    assert_eq!(ladder.part_count(), 3);
     assert_eq!(ladder.messages().len(), 11);
     let listing = ladder.to_source();
     let again = Ladder::compile(&listing).unwrap();
@@ -29,7 +29,7 @@ fn compiles_clean_and_prints_itself() {
 }
 
 #[test]
-fn every_contact_and_coil_that_a_person_meets_has_a_name() {
+fn every_external_contact_and_coil_has_a_name() {
     let ladder = Ladder::compile(SOURCE).unwrap();
     let mut unnamed = BTreeMap::new();
     for statement in ladder.statements() {
@@ -40,7 +40,7 @@ fn every_contact_and_coil_that_a_person_meets_has_a_name() {
             let outside = !matches!(bit.area, gsk_plc::Area::R | gsk_plc::Area::A);
             // F54 and G54, G55 are named as bytes: sixteen alike.
             let alike = matches!(bit.byte, 54 | 55);
-            let named = ladder.comment(gsk_plc::Subject::Bit(*bit)).is_some();
+            let named = ladder.comment(gsk_plc::PlcAddress::Bit(*bit)).is_some();
             if outside && !alike && !named {
                 unnamed.insert(*bit, statement.line);
             }

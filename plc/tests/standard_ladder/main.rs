@@ -64,14 +64,14 @@ impl Control {
 
     /// Whole cycles of level 2.
     fn cycles(&mut self, number: usize) {
-        for _ in 0..number * self.plc.ladder().parts() {
-            self.plc.slot();
+        for _ in 0..number * self.plc.ladder().part_count() {
+            self.plc.run_slot();
         }
     }
 
     fn milliseconds(&mut self, time: usize) {
         for _ in 0..time / 8 {
-            self.plc.slot();
+            self.plc.run_slot();
         }
     }
 
@@ -92,7 +92,7 @@ impl Control {
     }
 
     /// M code with its strobe; the CNC takes it back when FIN has come.
-    fn m(&mut self, code: u8) {
+    fn request_m(&mut self, code: u8) {
         self.plc.memory_mut().set_f(10, code);
         self.set("F7.0", true);
     }
@@ -100,7 +100,7 @@ impl Control {
     /// Runs until FIN and ends the handshake; gives the time to FIN in ms.
     fn finish(&mut self, strobe: &str) -> Option<usize> {
         let time = (0..20_000).step_by(8).find(|_| {
-            self.plc.slot();
+            self.plc.run_slot();
             self.is("G4.3")
         })?;
         self.milliseconds(16);
@@ -112,7 +112,7 @@ impl Control {
     }
 
     fn run_m(&mut self, code: u8) -> Option<usize> {
-        self.m(code);
+        self.request_m(code);
         self.finish("F7.0")
     }
 

@@ -8,7 +8,7 @@ fn turn_to(control: &mut Control, tool: u8, from: usize) -> bool {
     control.set("F7.3", true);
     let mut turned = from * 600;
     for _ in 0..2500 {
-        control.plc.slot();
+        control.plc.run_slot();
         if control.is("G4.3") {
             return true;
         }
@@ -112,7 +112,7 @@ fn emergency_stop_ends_a_tool_change() {
 }
 
 #[test]
-fn no_turret_takes_the_tool_over() {
+fn without_turret_tool_number_is_accepted_at_once() {
     let mut control = Control::new();
     control.plc.memory_mut().set_f(207, 0);
     control.plc.memory_mut().set_f(26, 7);
@@ -127,7 +127,7 @@ fn no_turret_takes_the_tool_over() {
 }
 
 #[test]
-fn stations_beyond_the_turret_do_not_count() {
+fn stations_above_the_turret_size_are_ignored() {
     // TSGN=1: the open pins T05 to T08 look like stations, but there are six.
     let mut control = Control::new();
     control.plc.memory_mut().set_f(207, 6);
@@ -138,7 +138,7 @@ fn stations_beyond_the_turret_do_not_count() {
 }
 
 #[test]
-fn tool_change_key_asks_for_the_next_tool() {
+fn tool_change_key_requests_the_next_tool() {
     let mut control = Control::new();
     control.mode(AUTO);
     control.press("X24.0");
@@ -156,7 +156,7 @@ fn several_functions_share_one_completion() {
     let mut control = Control::new();
     control.plc.memory_mut().set_f(26, 1);
     control.set("F7.3", true);
-    control.m(3);
+    control.request_m(3);
     control.milliseconds(700);
     assert!(!control.is("G4.3"), "M is done, T is not");
     control.milliseconds(600);

@@ -267,9 +267,9 @@ fn a_cut_waits_for_the_speed_arrival_signal() {
 #[test]
 fn one_percent_rapid_and_the_override_table() {
     use gsk_core::operation::FromPlc;
-    use gsk_core::plc::Memory;
+    use gsk_core::plc::PlcMemory;
     let decoded = |writes: &[(u16, u8)]| {
-        let mut memory = Memory::new();
+        let mut memory = PlcMemory::new();
         for (byte, value) in writes {
             memory.set_g(*byte, *value);
         }

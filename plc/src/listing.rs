@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::directive::Subject;
+use crate::directive::PlcAddress;
 use crate::instruction::{Operand, Statement};
 use crate::ladder::Ladder;
 
@@ -69,8 +69,8 @@ impl Ladder {
         let names = statement.operands.iter().rev();
         let name = names
             .filter_map(|operand| match operand {
-                Operand::Bit(bit) => self.comment(Subject::Bit(*bit)),
-                Operand::Byte(byte) => self.comment(Subject::Byte(*byte)),
+                Operand::Bit(bit) => self.comment(PlcAddress::Bit(*bit)),
+                Operand::Byte(byte) => self.comment(PlcAddress::Byte(*byte)),
                 _ => None,
             })
             .map(|comment| comment.english.as_str())
@@ -82,11 +82,11 @@ impl Ladder {
     }
 }
 
-impl fmt::Display for Subject {
+impl fmt::Display for PlcAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Subject::Bit(bit) => bit.fmt(f),
-            Subject::Byte(byte) => byte.fmt(f),
+            PlcAddress::Bit(bit) => bit.fmt(f),
+            PlcAddress::Byte(byte) => byte.fmt(f),
         }
     }
 }

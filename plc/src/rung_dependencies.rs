@@ -1,38 +1,38 @@
 //! What each rung reads and writes: the rungs that a changed byte concerns.
 
-use crate::code::{Code, Function, Op, Value};
+use crate::code::{Code, Function, Op, OperandValue};
 use crate::instruction::Statement;
 use crate::memory::{RESULT_FLAGS, SIZE};
 
 /// Numbers of rungs or bytes, listed for each byte or rung.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-struct Lists {
+struct IndexLists {
     /// Where the list of each begins in `members`, and where the last one ends.
-    begins: Vec<u16>,
+    starts: Vec<u16>,
     members: Vec<u16>,
 }
 
-impl Lists {
-    fn of(lists: impl IntoIterator<Item = Vec<u16>>) -> Option<Lists> {
-        let mut all = Lists {
-            begins: vec![0],
+impl IndexLists {
+    fn from_lists(lists: impl IntoIterator<Item = Vec<u16>>) -> Option<IndexLists> {
+        let mut all = IndexLists {
+            starts: vec![0],
             members: Vec::new(),
         };
         for mut list in lists {
             list.sort_unstable();
             list.dedup();
             all.members.append(&mut list);
-            all.begins.push(u16::try_from(all.members.len()).ok()?);
+            all.starts.push(u16::try_from(all.members.len()).ok()?);
         }
         Some(all)
     }
 
     fn get(&self, of: usize) -> &[u16] {
-        let bounds = (self.begins.get(of), self.begins.get(of + 1));
-        let (Some(begin), Some(end)) = bounds else {
+        let bounds = (self.starts.get(of), self.starts.get(of + 1));
+        let (Some(start), Some(end)) = bounds else {
             return &[];
         };
-        let range = usize::from(*begin)..usize::from(*end);
+        let range = usize::from(*start)..usize::from(*end);
         self.members.get(range).unwrap_or_default()
     }
 }
@@ -40,118 +40,118 @@ impl Lists {
 /// The rungs of a ladder that runs straight on, without jumps and subprograms: each is a
 /// function of the bytes it reads or writes, and of nothing else.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Reach {
+pub(crate) struct RungDependencies {
     /// First operation of each rung, and the end of the last one.
-    begins: Vec<usize>,
+    starts: Vec<usize>,
     /// Bytes of flat memory that a rung may write.
-    writes: Lists,
+    writes: IndexLists,
     /// Rungs that read or write a byte of flat memory.
-    concerned: Lists,
+    rungs_by_byte: IndexLists,
     /// The first rung that begins at each operation or after it, and the number of rungs.
-    rung_from: Vec<u16>,
+    first_rung_from: Vec<u16>,
     /// How many of the rungs before each have a comparison, and how many of all. Each
     /// comparison leaves its result bits in R900, which is none of their bytes: what it
     /// holds in the end is the last one's.
-    comparisons_before: Vec<u16>,
+    comparison_count_before: Vec<u16>,
 }
 
-impl Reach {
+impl RungDependencies {
     /// `None` for a ladder with jumps or subprograms, or that uses R900 itself.
-    pub fn of(code: &Code, statements: &[Statement]) -> Option<Reach> {
-        let mut begins = Vec::new();
+    pub fn from_code(code: &Code, statements: &[Statement]) -> Option<RungDependencies> {
+        let mut starts = Vec::new();
         let mut writes = Vec::new();
-        let mut concerned = vec![Vec::new(); SIZE];
-        let mut rung_from = vec![0];
-        let (mut comparisons, mut comparisons_before) = (0, vec![0]);
+        let mut rungs_by_byte = vec![Vec::new(); SIZE];
+        let mut first_rung_from = vec![0];
+        let (mut comparisons, mut comparison_count_before) = (0, vec![0]);
         let mut first = 0;
         for (rung, rung_statements) in (0u16..).zip(statements.chunk_by(|a, b| a.rung == b.rung)) {
             let end = first + rung_statements.len();
-            let mut bytes = Bytes::default();
+            let mut bytes = RungBytes::default();
             for op in code.ops.get(first..end)? {
-                bytes.of(*op, &code.functions)?;
+                bytes.add_operation(*op, &code.functions)?;
             }
             for at in bytes.reads.iter().chain(&bytes.writes) {
-                concerned.get_mut(usize::from(*at))?.push(rung);
+                rungs_by_byte.get_mut(usize::from(*at))?.push(rung);
             }
             comparisons += u16::from(bytes.compares);
-            comparisons_before.push(comparisons);
-            rung_from.resize(end + 1, rung + 1);
-            begins.push(first);
+            comparison_count_before.push(comparisons);
+            first_rung_from.resize(end + 1, rung + 1);
+            starts.push(first);
             writes.push(bytes.writes);
             first = end;
         }
-        begins.push(first);
-        if !concerned.get(RESULT_FLAGS)?.is_empty() {
+        starts.push(first);
+        if !rungs_by_byte.get(RESULT_FLAGS)?.is_empty() {
             return None;
         }
-        Some(Reach {
-            begins,
-            writes: Lists::of(writes)?,
-            concerned: Lists::of(concerned)?,
-            rung_from,
-            comparisons_before,
+        Some(RungDependencies {
+            starts,
+            writes: IndexLists::from_lists(writes)?,
+            rungs_by_byte: IndexLists::from_lists(rungs_by_byte)?,
+            first_rung_from,
+            comparison_count_before,
         })
     }
 
     /// Number of rungs.
-    pub fn rungs(&self) -> usize {
-        self.begins.len().saturating_sub(1)
+    pub fn rung_count(&self) -> usize {
+        self.starts.len().saturating_sub(1)
     }
 
     /// Operations of a rung.
-    pub fn operations(&self, rung: usize) -> (usize, usize) {
-        let at = |rung| self.begins.get(rung).copied().unwrap_or(0);
+    pub fn operation_range(&self, rung: usize) -> (usize, usize) {
+        let at = |rung| self.starts.get(rung).copied().unwrap_or(0);
         (at(rung), at(rung + 1))
     }
 
     /// The first rung that begins at an operation or after it.
-    pub fn rung_from(&self, operation: usize) -> usize {
-        let rung = self.rung_from.get(operation).copied();
-        rung.map_or(self.rungs(), usize::from)
+    pub fn first_rung_from(&self, operation: usize) -> usize {
+        let rung = self.first_rung_from.get(operation).copied();
+        rung.map_or(self.rung_count(), usize::from)
     }
 
     /// How many of the rungs before one have a comparison.
-    pub fn comparisons_before(&self, rung: usize) -> usize {
-        let before = self.comparisons_before.get(rung);
-        before.copied().map_or(self.comparisons(), usize::from)
+    pub fn comparison_count_before(&self, rung: usize) -> usize {
+        let before = self.comparison_count_before.get(rung);
+        before.copied().map_or(self.comparison_count(), usize::from)
     }
 
     /// Which of the rungs with a comparison it is, from 0; `None`: it has none.
-    pub fn comparison(&self, rung: usize) -> Option<usize> {
-        let number = self.comparisons_before(rung);
-        (self.comparisons_before(rung + 1) > number).then_some(number)
+    pub fn comparison_index(&self, rung: usize) -> Option<usize> {
+        let number = self.comparison_count_before(rung);
+        (self.comparison_count_before(rung + 1) > number).then_some(number)
     }
 
     /// How many rungs have a comparison.
-    pub fn comparisons(&self) -> usize {
-        self.comparisons_before
+    pub fn comparison_count(&self) -> usize {
+        self.comparison_count_before
             .last()
             .copied()
             .map_or(0, usize::from)
     }
 
     /// Bytes of flat memory that a rung may write.
-    pub fn writes(&self, rung: usize) -> &[u16] {
+    pub fn written_bytes(&self, rung: usize) -> &[u16] {
         self.writes.get(rung)
     }
 
     /// Rungs that read or write a byte of flat memory.
-    pub fn concerned(&self, byte: usize) -> &[u16] {
-        self.concerned.get(byte)
+    pub fn rungs_using(&self, byte: usize) -> &[u16] {
+        self.rungs_by_byte.get(byte)
     }
 }
 
 /// Bytes that the operations of one rung read and write.
 #[derive(Default)]
-struct Bytes {
+struct RungBytes {
     reads: Vec<u16>,
     writes: Vec<u16>,
     compares: bool,
 }
 
-impl Bytes {
+impl RungBytes {
     /// `None`: the operation leads elsewhere.
-    fn of(&mut self, op: Op, functions: &[Function]) -> Option<()> {
+    fn add_operation(&mut self, op: Op, functions: &[Function]) -> Option<()> {
         match op {
             Op::Ld(bit)
             | Op::Ldi(bit)
@@ -160,30 +160,30 @@ impl Bytes {
             | Op::Or(bit)
             | Op::Ori(bit) => self.reads.push(bit.at),
             Op::Out(bit) | Op::Set(bit) | Op::Rst(bit) => self.writes.push(bit.at),
-            Op::Function(index) => self.function(functions.get(usize::from(index))?),
+            Op::Function(index) => self.add_function(functions.get(usize::from(index))?),
             Op::Jump(_) | Op::Call(_) | Op::Return => return None,
-            Op::Orb | Op::Anb | Op::Mark => {}
+            Op::Orb | Op::Anb | Op::Nop => {}
         }
         Some(())
     }
 
-    fn read(&mut self, value: Value, length: u8) {
-        if let Value::At(at) = value {
-            self.reads.extend(wide(at, length));
+    fn add_read(&mut self, value: OperandValue, length: u8) {
+        if let OperandValue::Address(at) = value {
+            self.reads.extend(byte_range(at, length));
         }
     }
 
-    fn write(&mut self, at: u16, length: u8) {
-        self.writes.extend(wide(at, length));
+    fn add_write(&mut self, at: u16, length: u8) {
+        self.writes.extend(byte_range(at, length));
     }
 
-    fn function(&mut self, function: &Function) {
+    fn add_function(&mut self, function: &Function) {
         match function {
             Function::Compare {
                 length, a, b, at, ..
             } => {
-                self.read(*a, *length);
-                self.read(*b, *length);
+                self.add_read(*a, *length);
+                self.add_read(*b, *length);
                 self.writes.push(*at);
                 self.compares = true;
             }
@@ -193,8 +193,8 @@ impl Bytes {
                 output: bit,
                 ..
             } => {
-                self.read(*preset, 4);
-                self.write(*at, 4);
+                self.add_read(*preset, 4);
+                self.add_write(*at, 4);
                 self.writes.push(bit.at);
             }
             Function::Counter {
@@ -205,25 +205,25 @@ impl Bytes {
                 ..
             } => {
                 self.reads.push(reset.at);
-                self.read(*preset, 4);
-                self.write(*at, 4);
+                self.add_read(*preset, 4);
+                self.add_write(*at, 4);
                 self.writes.push(bit.at);
             }
             Function::Move { length, from, to } => {
-                self.read(*from, *length);
-                self.write(*to, *length);
+                self.add_read(*from, *length);
+                self.add_write(*to, *length);
             }
             Function::Decode {
                 length, from, to, ..
             } => {
-                self.read(*from, *length);
+                self.add_read(*from, *length);
                 self.writes.push(*to);
             }
             Function::Table {
                 length, index, to, ..
             } => {
                 self.reads.push(*index);
-                self.write(*to, *length);
+                self.add_write(*to, *length);
             }
             Function::Rotate {
                 length,
@@ -233,9 +233,9 @@ impl Bytes {
                 output: bit,
                 ..
             } => {
-                self.read(*current, *length);
-                self.read(*target, *length);
-                self.write(*result, *length);
+                self.add_read(*current, *length);
+                self.add_read(*target, *length);
+                self.add_write(*result, *length);
                 self.writes.push(bit.at);
             }
         }
@@ -243,7 +243,7 @@ impl Bytes {
 }
 
 /// The bytes of a value of one, two or four bytes.
-fn wide(at: u16, length: u8) -> core::ops::Range<u16> {
+fn byte_range(at: u16, length: u8) -> core::ops::Range<u16> {
     let width = match length {
         1 | 2 => u16::from(length),
         _ => 4,

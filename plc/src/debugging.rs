@@ -3,9 +3,9 @@
 
 use crate::address::BitAddress;
 use crate::force::Force;
-use crate::network::{Network, Power};
-use crate::place::{Place, Stop};
+use crate::network::{Network, PowerFlow};
 use crate::scan::Plc;
+use crate::scan_position::{ScanPosition, ScanStop};
 
 impl Plc {
     /// Holds a bit at a value against the ladder and the machine; `None` lets
@@ -26,7 +26,7 @@ impl Plc {
             (Err(_), None) => {}
         }
         self.state.forces.apply(self.memory.bytes_mut());
-        self.settled.forget();
+        self.skippable.invalidate();
     }
 
     /// The forced bits, in address order.
@@ -39,7 +39,7 @@ impl Plc {
     /// level 2 takes its inputs over, as in [`Plc::slot`]; after its last one
     /// the slot is over.
     pub fn step_rung(&mut self) {
-        self.advance(Stop::AfterRung);
+        self.run_until(ScanStop::RungEnd);
     }
 
     /// The rung that [`Plc::step_rung`] runs next; `None` at the end of the
@@ -50,27 +50,30 @@ impl Plc {
             return None;
         }
         let code = self.ladder.code();
-        let place = self.state.place.unwrap_or(Place::first(code.end1));
-        let at = if place.level1 {
-            place.at
+        let position = self
+            .state
+            .paused_at
+            .unwrap_or(ScanPosition::first(code.end1));
+        let at = if position.level1 {
+            position.next_op
         } else {
-            place.at.max(self.part_bounds(code).0)
+            position.next_op.max(self.part_bounds(code).0)
         };
         self.ladder.statements().get(at).map(|next| next.rung)
     }
 
     /// Whether a slot has been begun in steps and is not over.
     #[must_use]
-    pub const fn within_slot(&self) -> bool {
-        self.state.place.is_some()
+    pub const fn is_within_slot(&self) -> bool {
+        self.state.paused_at.is_some()
     }
 
     /// Where power flows in a rung with memory as it is now, one state for each
     /// statement; level 2 sees X and F as its cycle began.
     #[must_use]
-    pub fn power(&self, network: &Network) -> Vec<Power> {
+    pub fn power_flow(&self, network: &Network) -> Vec<PowerFlow> {
         let level1 = network.first < self.ladder.code().end1;
-        network.power(|bit| {
+        network.power_flow(|bit| {
             if level1 {
                 self.memory.bit(bit)
             } else {

@@ -19,19 +19,19 @@ use core::ops::Range;
 
 use crate::function::{RESULT_BITS, RESULT_OVERFLOW};
 use crate::memory::{RESULT_FLAGS, SIZE};
-use crate::reach::Reach;
+use crate::rung_dependencies::RungDependencies;
 use crate::timer::Timers;
 
 /// Rungs per word.
-const WORD: usize = u64::BITS as usize;
+const RUNGS_PER_WORD: usize = u64::BITS as usize;
 /// Bytes that are compared at once, and those of a difference.
-const CHUNK: usize = 1024;
-const PIECE: usize = 32;
+const CHUNK_BYTES: usize = 1024;
+const SUBCHUNK_BYTES: usize = 32;
 
 /// What is known of the rungs; empty when nothing is. It is not part of the PLC's state:
 /// any two are equal, none is saved, and a copy begins with nothing.
 #[derive(Debug, Default)]
-pub(crate) struct Settled {
+pub(crate) struct SkippableRungs {
     /// Memory as it was when its changes were last followed.
     memory: Option<Box<[u8; SIZE]>>,
     /// Rungs that must run, one bit each.
@@ -39,79 +39,87 @@ pub(crate) struct Settled {
     /// Rungs that must run when another one of their pass does.
     resting: Vec<u64>,
     /// Last ACT of each counter, when a rung last ran; empty before the first one.
-    edges: Vec<bool>,
+    counter_inputs: Vec<bool>,
     /// The pass under way.
-    pass: Pass,
+    pass: RungPass,
     /// The result bits that each of the rungs with a comparison left when it last ran;
     /// `None`: it did not compare.
-    left: Vec<Option<u8>>,
+    result_flags: Vec<Option<u8>>,
 }
 
 /// What a pass over the rungs of a level, or of a part of level 2, has found and changed.
 #[derive(Debug, Default)]
-struct Pass {
+struct RungPass {
     timers: Timers,
     /// The ACT of a counter has changed.
-    counted: bool,
+    counter_input_changed: bool,
     /// Bytes in the order in which they were changed, as they were before.
     changed: Vec<(u16, u8)>,
 }
 
 /// With more changes a pass is not looked at whether it changed something as a whole.
-const CHANGES: usize = 64;
+const MAX_PASS_CHANGES: usize = 64;
 
-impl Clone for Settled {
-    fn clone(&self) -> Settled {
-        Settled::default()
+impl Clone for SkippableRungs {
+    fn clone(&self) -> SkippableRungs {
+        SkippableRungs::default()
     }
 }
 
-impl PartialEq for Settled {
-    fn eq(&self, _: &Settled) -> bool {
+impl PartialEq for SkippableRungs {
+    fn eq(&self, _: &SkippableRungs) -> bool {
         true
     }
 }
 
-impl Settled {
+impl SkippableRungs {
     /// Every rung must run again: something other than a scan has been at work.
-    pub fn forget(&mut self) {
+    pub fn invalidate(&mut self) {
         self.memory = None;
     }
 
     /// Whether the changes since the last slot are known.
-    pub fn follows(&self) -> bool {
+    pub fn is_tracking(&self) -> bool {
         self.memory.is_some()
     }
 
     /// Before a slot: wakes the rungs that outside changes of memory concern.
     ///
     /// `written`: bytes of memory, from the first on, that may have been changed.
-    pub fn follow(&mut self, bytes: &[u8; SIZE], written: usize, reach: &Reach) {
+    pub fn apply_memory_changes(
+        &mut self,
+        bytes: &[u8; SIZE],
+        written: usize,
+        dependencies: &RungDependencies,
+    ) {
         let Some(memory) = &mut self.memory else {
             self.memory = Some(Box::new(*bytes));
             self.awake.clear();
-            self.awake.resize(reach.rungs().div_ceil(WORD), u64::MAX);
+            self.awake
+                .resize(dependencies.rung_count().div_ceil(RUNGS_PER_WORD), u64::MAX);
             self.resting.clear();
-            self.resting.resize(reach.rungs().div_ceil(WORD), 0);
-            self.edges.clear();
-            self.left.clear();
-            self.left.resize(reach.comparisons(), None);
+            self.resting
+                .resize(dependencies.rung_count().div_ceil(RUNGS_PER_WORD), 0);
+            self.counter_inputs.clear();
+            self.result_flags.clear();
+            self.result_flags
+                .resize(dependencies.comparison_count(), None);
             return;
         };
-        for begin in (0..written).step_by(CHUNK) {
-            let chunk = begin..(begin + CHUNK).min(written);
+        for start in (0..written).step_by(CHUNK_BYTES) {
+            let chunk = start..(start + CHUNK_BYTES).min(written);
             if memory[chunk.clone()] == bytes[chunk.clone()] {
                 continue;
             }
-            for begin in chunk.clone().step_by(PIECE) {
-                let piece = begin..(begin + PIECE).min(chunk.end);
-                if memory[piece.clone()] == bytes[piece.clone()] {
+            for start in chunk.clone().step_by(SUBCHUNK_BYTES) {
+                let subchunk = start..(start + SUBCHUNK_BYTES).min(chunk.end);
+                if memory[subchunk.clone()] == bytes[subchunk.clone()] {
                     continue;
                 }
-                for at in piece {
+                for at in subchunk {
                     if memory[at] != bytes[at] {
                         memory[at] = bytes[at];
-                        wake(&mut self.awake, reach.concerned(at));
+                        wake_rungs(&mut self.awake, dependencies.rungs_using(at));
                     }
                 }
             }
@@ -122,12 +130,12 @@ impl Settled {
     /// with it.
     pub fn begin_pass(&mut self, rungs: &Range<usize>, timers: Timers) -> bool {
         let awake = |word| self.awake.get(word).copied().unwrap_or(0);
-        if masks(rungs).all(|(word, mask)| awake(word) & mask == 0) {
+        if rung_masks(rungs).all(|(word, mask)| awake(word) & mask == 0) {
             return false;
         }
-        hand_over(&mut self.resting, &mut self.awake, rungs);
+        move_rungs(&mut self.resting, &mut self.awake, rungs);
         self.pass.timers = timers;
-        self.pass.counted = false;
+        self.pass.counter_input_changed = false;
         self.pass.changed.clear();
         true
     }
@@ -137,31 +145,31 @@ impl Settled {
     pub fn end_pass(&mut self, rungs: &Range<usize>, bytes: &[u8; SIZE], timers: Timers) {
         let pass = &self.pass;
         let first = |at: &u16| pass.changed.iter().find(|(first, _)| first == at);
-        let found = |(at, _): &(u16, u8)| {
+        let is_restored = |(at, _): &(u16, u8)| {
             first(at).is_some_and(|(_, before)| *before == bytes[usize::from(*at)])
         };
-        let idle = pass.changed.len() <= CHANGES
-            && pass.changed.iter().all(found)
+        let idle = pass.changed.len() <= MAX_PASS_CHANGES
+            && pass.changed.iter().all(is_restored)
             && pass.timers == timers
-            && !pass.counted;
+            && !pass.counter_input_changed;
         if idle {
-            hand_over(&mut self.awake, &mut self.resting, rungs);
+            move_rungs(&mut self.awake, &mut self.resting, rungs);
         }
     }
 
     /// The next rung from `rung` on, before `end`, that must run; it then counts as done.
-    pub fn take_next(&mut self, rung: usize, end: usize) -> Option<usize> {
-        let mut word = rung / WORD;
-        let mut of_word = self.awake.get(word)? & (u64::MAX << (rung % WORD));
+    pub fn take_next_awake(&mut self, rung: usize, end: usize) -> Option<usize> {
+        let mut word = rung / RUNGS_PER_WORD;
+        let mut of_word = self.awake.get(word)? & (u64::MAX << (rung % RUNGS_PER_WORD));
         while of_word == 0 {
             word += 1;
-            if word * WORD >= end {
+            if word * RUNGS_PER_WORD >= end {
                 return None;
             }
             of_word = *self.awake.get(word)?;
         }
         let bit = of_word.trailing_zeros();
-        let next = word * WORD + bit as usize;
+        let next = word * RUNGS_PER_WORD + bit as usize;
         if next >= end {
             return None;
         }
@@ -170,55 +178,68 @@ impl Settled {
     }
 
     /// After a rung has run: wakes the rungs, itself among them, that its changes concern.
-    pub fn ran(&mut self, rung: usize, bytes: &[u8; SIZE], edges: &[bool], reach: &Reach) {
-        if self.edges != edges {
-            self.edges.clear();
-            self.edges.extend_from_slice(edges);
-            self.pass.counted = true;
-            if let Some(word) = self.awake.get_mut(rung / WORD) {
-                *word |= 1 << (rung % WORD);
+    pub fn record_run(
+        &mut self,
+        rung: usize,
+        bytes: &[u8; SIZE],
+        counter_inputs: &[bool],
+        dependencies: &RungDependencies,
+    ) {
+        if self.counter_inputs != counter_inputs {
+            self.counter_inputs.clear();
+            self.counter_inputs.extend_from_slice(counter_inputs);
+            self.pass.counter_input_changed = true;
+            if let Some(word) = self.awake.get_mut(rung / RUNGS_PER_WORD) {
+                *word |= 1 << (rung % RUNGS_PER_WORD);
             }
         }
         let Some(memory) = &mut self.memory else {
             return;
         };
-        for at in reach.writes(rung) {
+        for at in dependencies.written_bytes(rung) {
             let at = usize::from(*at);
             if memory[at] != bytes[at] {
-                if self.pass.changed.len() <= CHANGES {
+                if self.pass.changed.len() <= MAX_PASS_CHANGES {
                     self.pass.changed.push((at as u16, memory[at]));
                 }
                 memory[at] = bytes[at];
-                wake(&mut self.awake, reach.concerned(at));
+                wake_rungs(&mut self.awake, dependencies.rungs_using(at));
             }
         }
     }
 
     /// Before a rung with a comparison runs: no comparison leaves R900 like this.
-    pub fn before_comparison(bytes: &mut [u8; SIZE]) {
+    pub fn mark_result_flags(bytes: &mut [u8; SIZE]) {
         bytes[RESULT_FLAGS] |= RESULT_OVERFLOW;
     }
 
     /// After the comparison of that number: what it has left.
-    pub fn compared(&mut self, number: usize, bytes: &[u8; SIZE]) {
+    pub fn record_comparison(&mut self, number: usize, bytes: &[u8; SIZE]) {
         let flags = bytes[RESULT_FLAGS];
-        if let Some(left) = self.left.get_mut(number) {
-            *left = (flags & RESULT_OVERFLOW == 0).then_some(flags & RESULT_BITS);
+        if let Some(result_flags) = self.result_flags.get_mut(number) {
+            *result_flags = (flags & RESULT_OVERFLOW == 0).then_some(flags & RESULT_BITS);
         }
     }
 
     /// After the last of some rungs: R900 as the last comparison among them leaves it,
     /// or as it was before.
-    pub fn leave_result(
+    pub fn write_result_flags(
         &mut self,
         rungs: Range<usize>,
         before: u8,
         bytes: &mut [u8; SIZE],
-        reach: &Reach,
+        dependencies: &RungDependencies,
     ) {
-        let first = reach.comparisons_before(rungs.start);
-        let left = self.left.get(first..reach.comparisons_before(rungs.end));
-        let last = left.and_then(|left| left.iter().rev().find_map(|left| *left));
+        let first = dependencies.comparison_count_before(rungs.start);
+        let result_flags = self
+            .result_flags
+            .get(first..dependencies.comparison_count_before(rungs.end));
+        let last = result_flags.and_then(|result_flags| {
+            result_flags
+                .iter()
+                .rev()
+                .find_map(|result_flags| *result_flags)
+        });
         bytes[RESULT_FLAGS] = last.map_or(before, |bits| before & !RESULT_BITS | bits);
         if let Some(memory) = &mut self.memory {
             memory[RESULT_FLAGS] = bytes[RESULT_FLAGS];
@@ -227,18 +248,20 @@ impl Settled {
 }
 
 /// The words that the bits of these rungs stand in, and which bits of each.
-fn masks(rungs: &Range<usize>) -> impl Iterator<Item = (usize, u64)> + use<> {
+fn rung_masks(rungs: &Range<usize>) -> impl Iterator<Item = (usize, u64)> + use<> {
     let (start, end) = (rungs.start, rungs.end);
-    (start / WORD..end.div_ceil(WORD)).map(move |word| {
-        let from = start.saturating_sub(word * WORD).min(WORD);
-        let to = (end - word * WORD).min(WORD);
-        (word, ones(to) & !ones(from))
+    (start / RUNGS_PER_WORD..end.div_ceil(RUNGS_PER_WORD)).map(move |word| {
+        let from = start
+            .saturating_sub(word * RUNGS_PER_WORD)
+            .min(RUNGS_PER_WORD);
+        let to = (end - word * RUNGS_PER_WORD).min(RUNGS_PER_WORD);
+        (word, low_bits(to) & !low_bits(from))
     })
 }
 
 /// The bits of these rungs go from one set to the other.
-fn hand_over(from: &mut [u64], to: &mut [u64], rungs: &Range<usize>) {
-    for (word, mask) in masks(rungs) {
+fn move_rungs(from: &mut [u64], to: &mut [u64], rungs: &Range<usize>) {
+    for (word, mask) in rung_masks(rungs) {
         if let (Some(from), Some(to)) = (from.get_mut(word), to.get_mut(word)) {
             *to |= *from & mask;
             *from &= !mask;
@@ -247,18 +270,18 @@ fn hand_over(from: &mut [u64], to: &mut [u64], rungs: &Range<usize>) {
 }
 
 /// So many ones, up to a word of them.
-const fn ones(count: usize) -> u64 {
-    if count < WORD {
+const fn low_bits(count: usize) -> u64 {
+    if count < RUNGS_PER_WORD {
         (1 << count) - 1
     } else {
         u64::MAX
     }
 }
 
-fn wake(awake: &mut [u64], rungs: &[u16]) {
+fn wake_rungs(awake: &mut [u64], rungs: &[u16]) {
     for rung in rungs {
-        if let Some(word) = awake.get_mut(usize::from(*rung) / WORD) {
-            *word |= 1 << (usize::from(*rung) % WORD);
+        if let Some(word) = awake.get_mut(usize::from(*rung) / RUNGS_PER_WORD) {
+            *word |= 1 << (usize::from(*rung) % RUNGS_PER_WORD);
         }
     }
 }
