@@ -1,4 +1,5 @@
-//! The rules that concern more than one line: rungs, levels, labels, subprograms, length.
+//! Checks the rules that concern more than one line: rungs, levels, labels, subprograms and
+//! program length.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -9,29 +10,29 @@ use crate::address::BitAddress;
 use crate::diagnostic::{CompileError, Rule};
 use crate::instruction::{InstructionRole, Mnemonic, Operand, Statement};
 
-/// Capacity of program memory in steps.
+/// Capacity of the program memory, steps.
 pub const MAX_STEPS: u32 = 5000;
-/// Steps that fit in the PLC's 1 ms of each 8 ms slot.
+/// Steps that the PLC can run in its 1 ms of each 8 ms slot.
 pub(crate) const MAX_SLOT_STEPS: u32 = 500;
-/// Level 1 above this length leaves little room for level 2.
+/// Length of level 1, steps, above which the compiler warns that level 2 gets little time.
 const LEVEL1_WARNING_STEPS: u32 = 400;
-/// Depth of the accumulator stack.
+/// Capacity of the accumulator stack: the number of open branches.
 const MAX_STACK_DEPTH: u32 = 16;
-/// Depth of nested subprogram calls.
+/// Maximum nesting depth of subprogram calls.
 pub(crate) const MAX_CALL_DEPTH: usize = 8;
 
-/// Part of the program that a statement belongs to.
+/// The program section of a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ProgramSection {
     Level1,
     Level2,
-    /// After END2, outside subprograms.
+    /// After END2 and outside subprograms.
     Outside,
-    /// In the subprogram that starts at this statement.
+    /// Within the subprogram that starts at this statement index.
     Subprogram(usize),
 }
 
-/// Where the parts of a program stand, as statement indices.
+/// Statement indices of the levels, labels and subprograms of a program, and its length.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LadderStructure {
     pub end1: usize,
@@ -50,7 +51,7 @@ struct Checker<'a> {
     warnings: Vec<CompileError>,
 }
 
-/// Checks a whole program; returns its structure, the errors and the warnings.
+/// Checks a whole program and returns its structure, the errors and the warnings.
 pub(crate) fn check(
     statements: &[Statement],
 ) -> (LadderStructure, Vec<CompileError>, Vec<CompileError>) {
@@ -82,16 +83,17 @@ impl Checker<'_> {
     }
 
     fn error_at(&self, at: usize, code: Rule, message: Message) -> CompileError {
-        let place = self.statements.get(at).or(self.statements.last());
+        let statement = self.statements.get(at).or(self.statements.last());
         CompileError {
-            line: place.map_or(1, |statement| statement.line),
-            rung: place.map_or(0, |statement| statement.rung),
+            line: statement.map_or(1, |statement| statement.line),
+            rung: statement.map_or(0, |statement| statement.rung),
             code,
             message,
         }
     }
 
-    /// Level 1, END1, level 2, END2, then SP … SPE.
+    /// Checks the order of the sections: level 1, END1, level 2, END2, subprograms SP to
+    /// SPE.
     fn check_levels(&mut self) {
         let mut section = ProgramSection::Level1;
         let mut end1 = None;
@@ -160,7 +162,7 @@ impl Checker<'_> {
         section
     }
 
-    /// One result at the output of each rung, and nothing but outputs after it.
+    /// Checks that each rung has one result at its output and only outputs after it.
     fn check_rungs(&mut self) {
         let mut depth = 0;
         let mut output = false;
@@ -236,7 +238,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Labels, subprograms and timers are numbered once each.
+    /// Checks that the number of each label, subprogram and timer is unique.
     fn check_duplicate_numbers(&mut self) {
         let mut timers: BTreeMap<u16, u32> = BTreeMap::new();
         let statements = self.statements;
@@ -288,7 +290,8 @@ impl Checker<'_> {
     }
 
     fn check_calls(&mut self) {
-        // Calls from one subprogram to another: caller's start, callee's start, place.
+        // Calls between subprograms: start of the caller, start of the callee, index of the
+        // call.
         let mut nested: Vec<(usize, usize, usize)> = Vec::new();
         let statements = self.statements;
         for (at, statement) in statements.iter().enumerate() {
@@ -314,10 +317,11 @@ impl Checker<'_> {
         self.check_call_nesting(&nested);
     }
 
-    /// Subprograms must not call themselves, directly or not, nor nest too deep.
+    /// Checks that no subprogram calls itself, directly or indirectly, and that calls are
+    /// not nested deeper than [`MAX_CALL_DEPTH`].
     fn check_call_nesting(&mut self, nested: &[(usize, usize, usize)]) {
-        // Peels off, again and again, the subprograms that no other one calls.
-        // Whatever cannot be peeled is called by itself in the end.
+        // Topological sort: removes subprograms without callers until none is left. Any
+        // remaining subprogram is part of a recursion.
         let mut callers: BTreeMap<usize, usize> = BTreeMap::new();
         let mut callees: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
         for (caller, callee, at) in nested {

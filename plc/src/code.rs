@@ -1,12 +1,13 @@
-//! The compiled program: one small operation a statement, places resolved.
+//! Generates the compiled program: one operation for each statement, with resolved
+//! addresses.
 
 use crate::check::{LadderStructure, MAX_SLOT_STEPS};
 use crate::directive::Directives;
 use crate::instruction::{InstructionRole, Mnemonic, Operand, Statement};
 use crate::memory::{LATCH_OFFSET, offset};
 
-/// One operation. Operation and statement have the same index, so that a
-/// place in the code is a place in the listing.
+/// One operation of the compiled program. It has the index of its statement, so that a
+/// position in the code is a position in the listing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Op {
     Ld(MemoryBit),
@@ -20,32 +21,33 @@ pub(crate) enum Op {
     Out(MemoryBit),
     Set(MemoryBit),
     Rst(MemoryBit),
-    /// Index in the function table.
+    /// Index into [`Code::functions`].
     Function(u16),
-    /// Operation to go on with.
+    /// Index of the next operation if the jump is taken.
     Jump(u16),
-    /// First operation of the subprogram.
+    /// Index of the first operation of the subprogram.
     Call(u16),
     Return,
-    /// END1, END2, LBL, SP: nothing to do.
+    /// No operation: END1, END2, LBL and SP.
     Nop,
 }
 
-/// One bit of the flat memory.
+/// One bit of the memory array: index of its byte, and mask.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct MemoryBit {
     pub at: u16,
     pub mask: u8,
 }
 
-/// A number, or the place in flat memory to read it from.
+/// The value of an operand: a constant, or the index of its lowest byte in the memory
+/// array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OperandValue {
     Number(i32),
     Address(u16),
 }
 
-/// A function instruction with resolved operands.
+/// A function instruction with resolved operands. Indices point into the memory array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Function {
     Compare {
@@ -63,13 +65,13 @@ pub(crate) enum Function {
     },
     Counter {
         down: bool,
-        /// CN0: 0 or 1.
+        /// Initial value CN0, 0 or 1.
         initial: i32,
         reset: MemoryBit,
         at: u16,
         preset: OperandValue,
         output: MemoryBit,
-        /// Index of the edge memory.
+        /// Index of the previous input state in the scan state.
         edge: u16,
     },
     Move {
@@ -85,7 +87,7 @@ pub(crate) enum Function {
     },
     Table {
         length: u8,
-        /// Index of the first entry: 1, or 0 with `.OPT codb0`.
+        /// Number of the first entry: 1, or 0 with `.OPT codb0`.
         first: u8,
         index: u16,
         to: u16,
@@ -102,22 +104,22 @@ pub(crate) enum Function {
     },
 }
 
-/// Everything the scan needs.
+/// The compiled program as the scan runs it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Code {
     pub ops: Vec<Op>,
     pub functions: Vec<Function>,
-    /// END1: level 1 is the operations before it.
+    /// Index of END1; level 1 consists of the operations before it.
     pub end1: usize,
-    /// Where each part of level 2 ends; at least one.
+    /// Index after the last operation of each part of level 2; never empty.
     pub part_ends: Vec<usize>,
-    /// Number of CTRC instructions, each with an edge memory.
+    /// Number of CTRC instructions; the scan state stores the previous input of each.
     pub counter_count: usize,
-    /// Timers that stand in level 1, one bit each.
+    /// Timers in level 1, one bit per timer number.
     pub level1_timers: u128,
 }
 
-/// Generates the code of a program that passed all checks.
+/// Generates the code of a program that has passed all checks.
 pub(crate) fn generate(
     statements: &[Statement],
     structure: &LadderStructure,
@@ -131,13 +133,14 @@ pub(crate) fn generate(
     for (at, statement) in statements.iter().enumerate() {
         let level1 = at < structure.end1;
         let op = translate_statement(statement, level1, structure, directives, &mut code);
-        // The checks leave no statement that cannot be translated.
+        // A program that has passed the checks has no statement without an operation.
         code.ops.push(op.unwrap_or(Op::Nop));
     }
     code
 }
 
-/// Divides level 2: a part ends with the first rung that fills its slot.
+/// Divides level 2 into parts of one slot each. A part ends after the rung that fills the
+/// slot.
 fn divide_level2(
     statements: &[Statement],
     structure: &LadderStructure,
@@ -286,13 +289,14 @@ fn translate_function(
     Some(function)
 }
 
-/// Place in flat memory; level 2 and subprograms read X and F from the latch.
+/// Resolves an address to its index in the memory array. With `latched`, as in level 2 and
+/// subprograms, X and F resolve to their latched copies.
 fn resolve_address(operand: Operand, latched: bool) -> Option<u16> {
     let Operand::Byte(address) = operand else {
         return None;
     };
     let at = offset(address)?;
-    // X and F are the first two areas, and they end where their copy begins.
+    // X and F are the first two areas; their copies start where they end.
     let at = if latched && at < LATCH_OFFSET {
         at + LATCH_OFFSET
     } else {

@@ -1,4 +1,4 @@
-//! The cross reference: which instructions read and write an address.
+//! Cross reference: lists the instructions that read or write an address.
 
 use std::collections::BTreeSet;
 
@@ -7,56 +7,56 @@ use crate::directive::PlcAddress;
 use crate::instruction::{Mnemonic, Operand, OperandKind, Statement};
 use crate::ladder::Ladder;
 
-/// What an instruction does with an address.
+/// How an instruction accesses an address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Access {
-    /// It looks at it.
+    /// The instruction reads the address.
     Read,
-    /// It changes it.
+    /// The instruction writes the address.
     Write,
-    /// Both: timers and counters.
+    /// The instruction reads and writes the address, as timers and counters do.
     ReadWrite,
 }
 
 impl Access {
-    /// Whether the instruction looks at the address.
+    /// Returns whether the instruction reads the address.
     #[must_use]
     pub const fn is_read(self) -> bool {
         !matches!(self, Access::Write)
     }
 
-    /// Whether the instruction changes the address.
+    /// Returns whether the instruction writes the address.
     #[must_use]
     pub const fn is_write(self) -> bool {
         !matches!(self, Access::Read)
     }
 }
 
-/// One place where an address is used.
+/// One use of an address by an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CrossReference {
     /// Index of the statement in the program.
     pub statement: usize,
-    /// Its rung.
+    /// Number of the rung, from 1.
     pub rung: u32,
-    /// Its line.
+    /// Line of the source text, from 1.
     pub line: u32,
-    /// The instruction.
+    /// The instruction that uses the address.
     pub mnemonic: Mnemonic,
-    /// What it does.
+    /// Whether the instruction reads or writes the address.
     pub access: Access,
 }
 
-/// A stretch of memory that an operand covers.
+/// The bytes, or the bits of one byte, that an operand covers.
 struct OperandExtent {
     first: ByteAddress,
     bytes: u16,
-    /// Bits of the first byte; all of them for whole bytes.
+    /// Mask of the covered bits in the first byte.
     mask: u8,
     access: Access,
 }
 
-/// R900, which every CMP writes: zero, negative, overflow.
+/// Every CMP writes its result flags to R900: zero, negative and overflow.
 const RESULT_FLAGS_WRITE: OperandExtent = OperandExtent {
     first: ByteAddress::new(Area::R, 900),
     bytes: 1,
@@ -115,8 +115,11 @@ fn operand_extents(statement: &Statement) -> impl Iterator<Item = OperandExtent>
 }
 
 impl Ladder {
-    /// Every instruction that reads or writes a bit, byte or entry, in program
-    /// order; a byte also through its bits and through values of several bytes.
+    /// Returns every instruction that reads or writes a bit, byte or entry, in program
+    /// order.
+    ///
+    /// For a byte this includes instructions that use one of its bits or a wider value that
+    /// contains it.
     #[must_use]
     pub fn references(&self, subject: PlcAddress) -> Vec<CrossReference> {
         let mut found: Vec<CrossReference> = Vec::new();
@@ -138,7 +141,7 @@ impl Ladder {
         found
     }
 
-    /// Every address that the program names, in address order.
+    /// Returns every address that the program uses, in address order.
     #[must_use]
     pub fn addresses(&self) -> BTreeSet<PlcAddress> {
         let operands = self.statements().iter().flat_map(|s| &s.operands);

@@ -1,5 +1,4 @@
-//! Working on a running ladder by hand: forced bits, the scan rung by rung,
-//! and where power flows.
+//! Debugging functions for a running ladder: forced bits, single-rung steps and power flow.
 
 use crate::address::BitAddress;
 use crate::force::Force;
@@ -8,8 +7,10 @@ use crate::scan::Plc;
 use crate::scan_position::{ScanPosition, ScanStop};
 
 impl Plc {
-    /// Holds a bit at a value against the ladder and the machine; `None` lets
-    /// it go. Bits outside the areas are ignored. Power-off lets all go.
+    /// Forces a bit to a value that neither the ladder nor the machine can change, or
+    /// releases it with `None`.
+    ///
+    /// Bits outside the areas are ignored. Power-off releases all bits.
     pub fn force(&mut self, bit: BitAddress, value: Option<bool>) {
         let exists = bit.area.has_bits() && bit.bit < 8 && bit.byte < bit.area.count();
         if !exists {
@@ -29,21 +30,22 @@ impl Plc {
         self.skippable.invalidate();
     }
 
-    /// The forced bits, in address order.
+    /// Returns the forced bits, in address order.
     #[must_use]
     pub fn forces(&self) -> &[Force] {
         &self.state.forces.0
     }
 
-    /// Runs one rung. Before the first one of a slot the timers advance and
-    /// level 2 takes its inputs over, as in [`Plc::slot`]; after its last one
-    /// the slot is over.
+    /// Runs the next rung.
+    ///
+    /// Before the first rung of a slot the timers advance and level 2 latches its inputs,
+    /// as in [`Plc::run_slot`]. After the last rung the slot is complete.
     pub fn step_rung(&mut self) {
         self.run_until(ScanStop::RungEnd);
     }
 
-    /// The rung that [`Plc::step_rung`] runs next; `None` at the end of the
-    /// program or after a fault.
+    /// Returns the number of the rung that [`Plc::step_rung`] runs next, or `None` at the
+    /// end of the program and after a fault.
     #[must_use]
     pub fn next_rung(&self) -> Option<u32> {
         if self.state.fault.is_some() {
@@ -62,14 +64,14 @@ impl Plc {
         self.ladder.statements().get(at).map(|next| next.rung)
     }
 
-    /// Whether a slot has been begun in steps and is not over.
+    /// Returns whether [`Plc::step_rung`] has started a slot that is not complete.
     #[must_use]
     pub const fn is_within_slot(&self) -> bool {
         self.state.paused_at.is_some()
     }
 
-    /// Where power flows in a rung with memory as it is now, one state for each
-    /// statement; level 2 sees X and F as its cycle began.
+    /// Returns the power flow of a rung for the current memory, one state for each
+    /// statement. Rungs of level 2 use X and F as latched at the start of their cycle.
     #[must_use]
     pub fn power_flow(&self, network: &Network) -> Vec<PowerFlow> {
         let level1 = network.first < self.ladder.code().end1;

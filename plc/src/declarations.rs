@@ -1,20 +1,20 @@
-//! What can be said of a ladder before it is compiled.
+//! Reads the declarations of a ladder without compiling it.
 
 use crate::directive::{MCode, StartValue};
 use crate::parser;
 
-/// What a text declares for those who need none of its steps.
+/// The declarations of a ladder text that do not need its instructions.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LadderDeclarations {
-    /// Values of retained addresses for a blank store.
+    /// Initial values of retained addresses, for an empty retained memory.
     pub start_values: Vec<StartValue>,
-    /// M codes that the ladder carries out beside the control's own.
+    /// M codes that the ladder implements in addition to those of the control.
     pub m_codes: Vec<MCode>,
 }
 
 impl LadderDeclarations {
-    /// Reads the declarations of a text and nothing else of it; what is wrong with it is
-    /// left to [`Ladder::compile`](crate::Ladder::compile).
+    /// Reads the declarations of a ladder text. It ignores errors:
+    /// [`Ladder::compile`](crate::Ladder::compile) reports them.
     #[must_use]
     pub fn read(source: &str) -> Self {
         let directives = parser::parse_declarations(source);

@@ -1,4 +1,4 @@
-//! The directives of the text form: header, comments, messages, start values.
+//! Parses the directives of a ladder text: header, comments, messages and initial values.
 
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
@@ -6,84 +6,84 @@ use serde::{Deserialize, Serialize};
 use crate::address::{AddressError, Area, BitAddress, ByteAddress, parse_decimal, split_once_at};
 use crate::diagnostic::{Rule, RuleViolation};
 
-/// What the version page says about the ladder.
+/// The information about the ladder that the version page shows.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
-    /// Design unit, 梯形图设计单位 (`.UNIT`).
+    /// Design unit (`.UNIT`), 梯形图设计单位.
     pub unit: String,
-    /// Designer, 梯形图设计者 (`.AUTHOR`).
+    /// Designer (`.AUTHOR`), 梯形图设计者.
     pub author: String,
-    /// Version, 梯形图版本号 (`.VERSION`).
+    /// Version (`.VERSION`), 梯形图版本号.
     pub version: String,
-    /// Remark, 备注 (`.REMARK`).
+    /// Remark (`.REMARK`), 备注.
     pub remark: String,
 }
 
-/// Text shown while a message request bit is 1 (`.MSG`).
+/// A message that the control shows while its request bit is 1 (`.MSG`).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LadderMessage {
-    /// The request bit, in A0 to A24.
+    /// Request bit, in A0 to A24.
     pub bit: BitAddress,
     /// Message number, 1000 to 9999.
     pub number: u16,
-    /// The text.
+    /// Text of the message.
     pub text: String,
 }
 
-/// What a comment is attached to.
+/// An address of a bit, a byte or a 32-bit entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum PlcAddress {
-    /// A bit.
+    /// Address of a bit.
     Bit(BitAddress),
-    /// A byte or entry.
+    /// Address of a byte or a 32-bit entry.
     Byte(ByteAddress),
 }
 
-/// Name of an address (`.CMT`).
+/// The names of an address in both languages (`.CMT`).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Comment {
-    /// The address.
+    /// The named address.
     pub subject: PlcAddress,
-    /// Chinese text, at most 15 characters.
+    /// Chinese name, at most 15 characters.
     pub chinese: String,
-    /// English text, at most 30 characters.
+    /// English name, at most 30 characters.
     pub english: String,
 }
 
-/// Value of a retained address when the retained store is blank (`.INIT`).
+/// The initial value of an address in an empty retained memory (`.INIT`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StartValue {
-    /// A byte of K or D, or an entry of C, DC or DT.
+    /// Address of a byte of K or D, or of an entry of C, DC or DT.
     pub address: ByteAddress,
-    /// Its value.
+    /// Initial value: 0 to 255 for a byte, 0 to 2147483647 for an entry.
     pub value: i32,
 }
 
-/// An M code that the ladder carries out beside the control's own (`.MCODE`).
+/// An M code that the ladder implements in addition to those of the control (`.MCODE`).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MCode {
-    /// The number, 0 to 99.
+    /// Number of the M code, 0 to 99.
     pub code: u8,
-    /// What it does.
+    /// Description of the M code.
     pub text: String,
 }
 
-/// Title of the rungs that follow (`.NET`).
+/// The title of the rungs that follow (`.NET`).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NetworkTitle {
-    /// Index of the first statement under the title.
+    /// Index of the first statement after the title.
     pub statement: usize,
-    /// The title.
+    /// Text of the title.
     pub title: String,
 }
 
-/// All directives of a text.
+/// All directives of a ladder text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Directives {
     pub header: Header,
-    /// `.OPT codb0`: CODB tables count from 0.
+    /// `.OPT codb0`: the entries of CODB tables are numbered from 0.
     pub table_from_0: bool,
-    /// `.OPT n1`: level 2 is not divided.
+    /// `.OPT n1`: level 2 is not divided into parts.
     pub undivided: bool,
     pub network_titles: Vec<NetworkTitle>,
     pub comments: Vec<Comment>,
@@ -95,7 +95,8 @@ pub(crate) struct Directives {
 const MAX_CHINESE_CHARACTERS: usize = 15;
 const MAX_ENGLISH_CHARACTERS: usize = 30;
 
-/// Reads one directive line into `directives`.
+/// Parses one directive line and adds its content to `directives`. `statement` is the
+/// number of statements before the line.
 pub(crate) fn parse(
     code: &str,
     statement: usize,

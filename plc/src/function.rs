@@ -1,11 +1,10 @@
-//! The function instructions at work: compare, move, decode, table, rotate,
-//! timer, counter.
+//! Runs the function instructions: compare, move, decode, table, rotate, timer and counter.
 
 use crate::code::{Function, MemoryBit, OperandValue};
 use crate::memory::{RESULT_FLAGS, SIZE};
 use crate::timer::Timers;
 
-/// R900: result bits of CMP for the whole program.
+/// Result flags of CMP in R900, shared by the whole program.
 const RESULT_ZERO: u8 = 1 << 0;
 const RESULT_NEGATIVE: u8 = 1 << 1;
 pub(crate) const RESULT_OVERFLOW: u8 = 1 << 5;
@@ -19,14 +18,14 @@ const ROTATE_STEP_COUNT: u8 = 1 << 0;
 
 type MemoryBytes = [u8; SIZE];
 
-/// What function instructions remember from scan to scan, beside memory.
+/// State of the function instructions that is kept between scans outside PLC memory.
 pub(crate) struct FunctionState<'a> {
     pub timers: &'a mut Timers,
-    /// Last ACT of each CTRC.
+    /// Previous input state (ACT) of each CTRC.
     pub counter_inputs: &'a mut [bool],
 }
 
-/// Carries out one function instruction with the rung's result `act`.
+/// Runs one function instruction. `act` is the result of the rung, the input ACT.
 pub(crate) fn execute(
     function: &Function,
     act: bool,
@@ -139,7 +138,8 @@ pub(crate) fn execute(
     }
 }
 
-/// One- and two-byte values are unsigned, four-byte ones signed.
+/// Reads a value of 1, 2 or 4 bytes. Values of 1 and 2 bytes are unsigned, values of 4
+/// bytes are signed.
 fn read(bytes: &MemoryBytes, value: OperandValue, length: u8) -> i32 {
     let at = match value {
         OperandValue::Number(number) => return number,
@@ -186,7 +186,7 @@ fn write_comparison(bytes: &mut MemoryBytes, a: i32, b: i32, at: usize, bit: u8)
     bytes[RESULT_FLAGS] = flags;
 }
 
-/// The counter's next value, and the value at which its output is 1.
+/// Returns the next value of a counter and the value at which its output is 1.
 fn next_counter_value(value: i32, down: bool, initial: i32, preset: i32) -> (i32, i32) {
     if down {
         let next = value.saturating_sub(1);
@@ -202,7 +202,7 @@ fn next_counter_value(value: i32, down: bool, initial: i32, preset: i32) -> (i32
     (next, preset)
 }
 
-/// Result of ROTB and whether the way leads backwards.
+/// Returns the result of ROTB and whether the rotation is backwards.
 fn compute_rotation(format: u8, stations: i32, current: i32, target: i32) -> (i32, bool) {
     let set = |digit: u8| format & digit != 0;
     let base = i64::from(set(ROTATE_FROM_1));
@@ -233,7 +233,7 @@ mod tests {
 
     #[test]
     fn rotation_of_twelve_stations_from_1() {
-        // Short way, position before the target: the manual's example.
+        // Example of the manual: shortest direction, station before the target.
         let before = |target| compute_rotation(0b1110, 12, 1, target);
         assert_eq!(before(10), (11, true));
         assert_eq!(before(8), (9, true));

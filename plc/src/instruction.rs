@@ -1,135 +1,136 @@
-//! The one table of instructions: mnemonic, role in a rung, operands, steps.
+//! The instruction table: mnemonic, role in a rung, operands and steps.
 //!
-//! Parsing, checking, counting of steps, listing and help all read [`TABLE`].
+//! Parser, checks, step count, listing and help all use [`INSTRUCTIONS`].
 
 use serde::{Deserialize, Serialize};
 
 use crate::address::{Area, BitAddress, ByteAddress};
 
-/// An instruction of the ladder language.
+/// The mnemonic of a ladder instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Mnemonic {
-    /// Starts a rung or branch with a normally open contact.
+    /// LD: starts a rung or a branch with a normally open contact.
     Ld,
-    /// Starts a rung or branch with a normally closed contact.
+    /// LDI: starts a rung or a branch with a normally closed contact.
     Ldi,
-    /// Series contact, normally open.
+    /// AND: normally open contact in series.
     And,
-    /// Series contact, normally closed.
+    /// ANI: normally closed contact in series.
     Ani,
-    /// Parallel contact, normally open.
+    /// OR: normally open contact in parallel.
     Or,
-    /// Parallel contact, normally closed.
+    /// ORI: normally closed contact in parallel.
     Ori,
-    /// Series blocks in parallel.
+    /// ORB: connects two series blocks in parallel.
     Orb,
-    /// Parallel blocks in series.
+    /// ANB: connects two parallel blocks in series.
     Anb,
-    /// Coil.
+    /// OUT: writes the result of the rung to a bit.
     Out,
-    /// Sets a bit that then stays 1.
+    /// SET: sets a bit to 1 if the result of the rung is 1.
     Set,
-    /// Resets a bit that then stays 0.
+    /// RST: resets a bit to 0 if the result of the rung is 1.
     Rst,
-    /// Compares two binary numbers.
+    /// CMP: compares two binary numbers.
     Cmp,
-    /// On-delay timer.
+    /// TMRB: on-delay timer.
     Tmrb,
-    /// Counter.
+    /// CTRC: up or down counter.
     Ctrc,
-    /// Copies a number.
+    /// MOVN: copies a number.
     Movn,
-    /// Binary decode: eight successive numbers to eight bits.
+    /// DECB: decodes a binary number; eight successive values have one bit each.
     Decb,
-    /// Binary code conversion: a table.
+    /// CODB: reads a value from a table.
     Codb,
-    /// Rotation control: shortest way and number of steps.
+    /// ROTB: rotation control; computes direction and target station or number of steps.
     Rotb,
-    /// Jump to a label.
+    /// JMPB: jumps to a label.
     Jmpb,
-    /// Label.
+    /// LBL: defines a label.
     Lbl,
-    /// Calls a subprogram.
+    /// CALL: calls a subprogram.
     Call,
-    /// Start of a subprogram.
+    /// SP: starts a subprogram.
     Sp,
-    /// End of a subprogram.
+    /// SPE: ends a subprogram.
     Spe,
-    /// End of level 1.
+    /// END1: ends level 1.
     End1,
-    /// End of level 2.
+    /// END2: ends level 2.
     End2,
 }
 
-/// Where in a rung an instruction may stand.
+/// The position of an instruction in a rung.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InstructionRole {
-    /// LD, LDI: begin a rung or a branch.
+    /// Starts a rung or a branch: LD and LDI.
     Start,
-    /// Contacts and block instructions inside a rung.
+    /// A contact or a block instruction within a rung.
     Contact,
-    /// Takes the result of the rung.
+    /// Uses the result of the rung.
     Output,
-    /// Stands outside rungs.
+    /// Is outside rungs: labels, subprograms and ends of levels.
     Structure,
 }
 
-/// What an operand may be.
+/// The kind of operand that an instruction accepts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OperandKind {
-    /// Any bit: X Y F G R K A.
+    /// Any bit of X Y F G R K A.
     Contact,
-    /// A bit that may be written: Y G R K A.
+    /// A writable bit, of Y G R K A.
     Coil,
-    /// The first of three result bits, bit 0 to 5.
+    /// The first of three adjacent result bits, bit 0 to 5 of a byte.
     ThreeCoils,
-    /// Length of the values: 1, 2 or 4 bytes.
+    /// Length of the values, 1, 2 or 4 bytes.
     Length,
-    /// A number or any byte or entry.
+    /// A number, or any byte or entry.
     Value,
     /// Any byte or entry.
     Source,
-    /// A byte or entry that may be written.
+    /// A writable byte or entry.
     Target,
     /// The byte that receives eight decoded bits.
     DecodeTarget,
     /// The byte with a table index.
     Index,
-    /// Where a table value goes.
+    /// The byte or entry that receives a table value.
     TableTarget,
-    /// Position of a rotating part.
+    /// The byte or entry with a position of a rotating part.
     Position,
-    /// Where a rotation result goes.
+    /// The byte or entry that receives the result of a rotation.
     RotationTarget,
-    /// A timer T.
+    /// A timer, T0 to T99.
     Timer,
-    /// A counter C.
+    /// A counter, C0 to C99.
     Counter,
-    /// A time in ms: a number or DT.
+    /// A time, ms, as a number or a DT entry.
     Time,
-    /// A count: a number or DC.
+    /// A count, as a number or a DC entry.
     Count,
-    /// A number.
+    /// A constant number.
     Number,
     /// Number of stations, from 1.
     Stations,
-    /// Code 1 to 8 of a table size 2, 4, … 256.
+    /// Code of a table size, 1 to 8 for 2, 4, … 256 entries.
     TableSize,
-    /// Four digits `0 0 CN0 U/D`.
+    /// Counter format, four digits `0 0 CN0 U/D`.
     CounterFormat,
-    /// Four digits `RN0 DIR POS INC`.
+    /// Rotation format, four digits `RN0 DIR POS INC`.
     RotationFormat,
-    /// A label L.
+    /// A label, L0 to L9999.
     Label,
-    /// A subprogram P.
+    /// A subprogram, P0 to P9999.
     Subprogram,
 }
 
-/// Areas whose bits can be written.
+/// Areas with writable bits.
 const COILS: &[Area] = &[Area::Y, Area::G, Area::R, Area::K, Area::A];
 
 impl OperandKind {
-    /// Areas an address may lie in; empty when the operand is no address.
+    /// Returns the areas that an address operand may use; empty if the operand is not an
+    /// address.
     #[must_use]
     pub const fn areas(self) -> &'static [Area] {
         use Area::{A, C, D, Dc, Dt, F, G, K, R, T, X, Y};
@@ -149,7 +150,7 @@ impl OperandKind {
         }
     }
 
-    /// True when the operand is a single bit.
+    /// Returns whether the operand is the address of a single bit.
     #[must_use]
     pub const fn is_bit(self) -> bool {
         matches!(
@@ -158,7 +159,7 @@ impl OperandKind {
         )
     }
 
-    /// True when the instruction writes the operand.
+    /// Returns whether the instruction writes the operand.
     #[must_use]
     pub(crate) const fn is_written(self) -> bool {
         matches!(
@@ -172,7 +173,7 @@ impl OperandKind {
         )
     }
 
-    /// True when a plain number may stand here.
+    /// Returns whether the operand may be a constant number.
     #[must_use]
     pub const fn can_be_number(self) -> bool {
         matches!(
@@ -187,7 +188,8 @@ impl OperandKind {
         )
     }
 
-    /// True when the operand is as many bytes wide as the instruction's length says.
+    /// Returns whether the operand has the length, in bytes, of the instruction's length
+    /// operand.
     #[must_use]
     pub const fn has_instruction_length(self) -> bool {
         matches!(
@@ -202,18 +204,18 @@ impl OperandKind {
     }
 }
 
-/// One row of the instruction table.
+/// The properties of one instruction, a row of [`INSTRUCTIONS`].
 #[derive(Debug)]
 pub struct InstructionRow {
-    /// The instruction.
+    /// The instruction that the row describes.
     pub mnemonic: Mnemonic,
-    /// Its name in a listing.
+    /// Name in a listing, in capital letters.
     pub name: &'static str,
-    /// Where in a rung it may stand.
+    /// Position of the instruction in a rung.
     pub role: InstructionRole,
-    /// Its operands in order. CODB has its table after them.
+    /// Kinds of the operands, in order. The table of CODB follows them.
     pub operands: &'static [OperandKind],
-    /// Steps without a table: 1 for basic instructions, SET and RST, else
+    /// Steps in program memory without a table: 1 for contacts, OUT, SET and RST; otherwise
     /// 1 and one for each operand.
     pub steps: u32,
 }
@@ -234,7 +236,7 @@ const fn row(
     }
 }
 
-/// The instruction table.
+/// The properties of all instructions, in the order of [`Mnemonic`].
 pub static INSTRUCTIONS: [InstructionRow; 25] = [
     row(
         Mnemonic::Ld,
@@ -413,14 +415,14 @@ pub static INSTRUCTIONS: [InstructionRow; 25] = [
 ];
 
 impl Mnemonic {
-    /// The instruction's row of the table.
+    /// Returns the properties of the instruction.
     #[must_use]
     pub fn row(self) -> &'static InstructionRow {
-        // The table stands in the order of the enumeration (tested below).
+        // The rows are in the order of the enumeration; a test below checks it.
         &INSTRUCTIONS[self as usize]
     }
 
-    /// The instruction called `name`, in either case.
+    /// Returns the instruction with this name, in upper or lower case.
     #[must_use]
     pub(crate) fn from_name(name: &str) -> Option<Mnemonic> {
         INSTRUCTIONS
@@ -435,11 +437,11 @@ impl Mnemonic {
 pub enum Operand {
     /// A bit address.
     Bit(BitAddress),
-    /// A byte or entry address.
+    /// Address of a byte or an entry.
     Byte(ByteAddress),
-    /// A number.
+    /// A constant number.
     Number(i32),
-    /// Four binary digits, the first one in bit 3.
+    /// Four binary digits; the first digit is bit 3.
     Format(u8),
     /// Number of a label L.
     Label(u16),
@@ -447,23 +449,23 @@ pub enum Operand {
     Subprogram(u16),
 }
 
-/// One instruction with its operands and its place in the text.
+/// One instruction with its operands and its position in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Statement {
-    /// The instruction.
+    /// The instruction of the statement.
     pub mnemonic: Mnemonic,
-    /// Its operands, in the order of the table.
+    /// The operands, in the order of the instruction table.
     pub operands: Vec<Operand>,
-    /// The entries of a CODB table.
+    /// The entries of a CODB table; empty for other instructions.
     pub table: Vec<i32>,
     /// Line of the source text, from 1.
     pub line: u32,
-    /// Rung, from 1.
+    /// Number of the rung, from 1.
     pub rung: u32,
 }
 
 impl Statement {
-    /// Steps of program memory: the capacity is 5000.
+    /// Returns the steps that the statement takes of the 5000 steps of program memory.
     #[must_use]
     pub fn steps(&self) -> u32 {
         self.mnemonic.row().steps + u32::try_from(self.table.len()).unwrap_or(u32::MAX)

@@ -1,4 +1,5 @@
-//! A ladder engine for the GSK980TD: addresses, instruction list, two-level scan.
+//! A ladder engine for the GSK980TD: compiles an instruction list and runs it in two
+//! levels.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -6,15 +7,15 @@
 //!
 //! let ladder = Ladder::compile("END1\nLDI F100.3\nOUT G120.0\nEND2")?;
 //! let mut plc = Plc::new(Arc::new(ladder));
-//! plc.slot();
+//! plc.run_slot();
 //! assert_eq!(plc.memory().g(120), 1);
 //! # Ok::<(), gsk_plc::CompileErrors>(())
 //! ```
 //!
-//! The crate knows no CNC: it compiles an instruction list ([`Ladder`]), holds
-//! the memory areas X Y F G R A K D T C DC DT ([`Memory`]) and scans the
-//! program in slots of 8 ms ([`Plc::slot`]). It does no I/O and reads no
-//! clock; the same inputs in the same slots give the same memory.
+//! The crate does not depend on the CNC. [`Ladder`] is a compiled instruction list,
+//! [`PlcMemory`] contains the areas X Y F G R A K D T C DC DT, and [`Plc::run_slot`] runs
+//! the program in slots of 8 ms. The crate does no I/O and reads no clock: the same inputs
+//! in the same slots give the same memory.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 

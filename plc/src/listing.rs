@@ -1,4 +1,4 @@
-//! A ladder as text again, in the one form that listings use.
+//! Writes a ladder as text in the standard form of a listing.
 
 use std::fmt;
 
@@ -7,9 +7,8 @@ use crate::instruction::{Operand, Statement};
 use crate::ladder::Ladder;
 
 impl Ladder {
-    /// The program as an instruction list with four-digit addresses, rung and
-    /// step numbers and the names of bits as comments. Compiling it gives the
-    /// same program.
+    /// Returns the program as an instruction list with four-digit addresses, rung and step
+    /// numbers, and address names as comments. The list compiles to the same program.
     #[must_use]
     pub fn to_source(&self) -> String {
         let mut text = String::new();
@@ -63,7 +62,7 @@ impl Ladder {
         }
     }
 
-    /// The statement, with the English name of its last named operand behind it.
+    /// Returns the statement with the English name of its last named operand as a comment.
     fn annotated(&self, statement: &Statement) -> String {
         let line = statement.to_string();
         let names = statement.operands.iter().rev();

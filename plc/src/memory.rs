@@ -1,4 +1,4 @@
-//! The PLC's memory: every area in one flat array, little-endian.
+//! PLC memory: all areas in one little-endian byte array.
 
 use std::fmt;
 
@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::address::{Area, BitAddress, ByteAddress};
 
-/// X and F stand first and together, so that one copy fills the latch of level 2.
+/// X and F are the first areas, so that one copy latches both for level 2.
 const X: usize = 0;
 const F: usize = X + Area::X.count() as usize;
-/// From a byte of X or F to its copy in the latch that level 2 reads.
+/// Distance in bytes from a byte of X or F to its latched copy for level 2.
 pub(crate) const LATCH_OFFSET: usize = F + Area::F.count() as usize;
 const Y: usize = 2 * LATCH_OFFSET;
 const G: usize = Y + Area::Y.count() as usize;
@@ -22,20 +22,20 @@ const T: usize = D + Area::D.count() as usize;
 const C: usize = T + 4 * Area::T.count() as usize;
 const DC: usize = C + 4 * Area::C.count() as usize;
 const DT: usize = DC + 4 * Area::Dc.count() as usize;
-/// Size of the flat array.
+/// Size of the memory array, bytes.
 pub(crate) const SIZE: usize = DT + 4 * Area::Dt.count() as usize;
 
-/// First retained entry of T.
+/// Number of the first retained entry of T.
 const FIRST_RETAINED_T: usize = 80;
-/// First retained byte of D.
+/// Number of the first retained byte of D.
 const FIRST_RETAINED_D: usize = 300;
 
-/// What new DC and DT entries hold: as good as never.
+/// Initial value of DC and DT entries, practically unlimited.
 const NEW_PRESET: i32 = i32::MAX;
 
-/// Signals to the CNC that mean "nothing wrong" at 1: *IT G8.0, *ESP G8.4,
-/// *SP G8.5, the limits *+L G114 and *-L G116. A ladder that does not write
-/// them must not freeze the machine.
+/// Signals to the CNC that are inactive at 1: *IT G8.0, *ESP G8.4, *SP G8.5, the limits *+L
+/// G114 and *-L G116. They start at 1, so that a ladder that does not write them does not
+/// stop the machine.
 const SIGNALS_INACTIVE_AT_1: [(usize, u8); 3] = [(8, 0b0011_0001), (114, 0b1111), (116, 0b1111)];
 
 #[inline]
@@ -56,7 +56,7 @@ const fn area_start(area: Area) -> usize {
     }
 }
 
-/// Place of a byte or entry in the flat array; `None` outside its area.
+/// Returns the index of a byte or entry in the memory array, or `None` outside its area.
 #[inline]
 pub(crate) fn offset(address: ByteAddress) -> Option<usize> {
     if address.byte >= address.area.count() {
@@ -66,15 +66,17 @@ pub(crate) fn offset(address: ByteAddress) -> Option<usize> {
     Some(area_start(address.area) + width * usize::from(address.byte))
 }
 
-/// Place of R900, where every comparison leaves its result bits.
+/// Index of R900, the result flags of every comparison.
 pub(crate) const RESULT_FLAGS: usize = R + 900;
 
-/// All memory of the PLC. A read outside an area gives 0, a write there is ignored.
+/// All memory of the PLC. A read outside an area gives 0; a write outside an area is
+/// ignored.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(try_from = "Vec<u8>", into = "Vec<u8>")]
 pub struct PlcMemory {
     bytes: Box<[u8; SIZE]>,
-    /// Something other than X and F was written since [`Memory::take_written`] last asked.
+    /// A write outside X and F has happened since the last
+    /// [`PlcMemory::take_changed_length`].
     written: bool,
 }
 
@@ -119,8 +121,8 @@ macro_rules! entry_area {
 }
 
 impl PlcMemory {
-    /// Memory whose retained store is blank: presets DC and DT at 2147483647,
-    /// everything else 0, the interlock signals to the CNC inactive.
+    /// Creates memory with an empty retained part: presets DC and DT are 2147483647, the
+    /// interlock signals to the CNC are inactive, and everything else is 0.
     #[must_use]
     pub fn new() -> PlcMemory {
         let mut memory = PlcMemory {
@@ -150,20 +152,20 @@ impl PlcMemory {
     entry_area!(dc, set_dc, Dc, "the counter presets DC0 to DC99");
     entry_area!(dt, set_dt, Dt, "the timer presets DT0 to DT99, in ms");
 
-    /// Writes X0 to X29.
+    /// Writes the inputs X0 to X29.
     #[inline]
     pub fn set_inputs(&mut self, x: &[u8; F - X]) {
         self.bytes[X..F].copy_from_slice(x);
     }
 
-    /// Y0 to Y19.
+    /// Returns the outputs Y0 to Y19.
     #[must_use]
     #[inline]
     pub fn outputs(&self) -> &[u8] {
         &self.bytes[Y..G]
     }
 
-    /// One bit.
+    /// Returns the value of a bit.
     #[must_use]
     #[inline]
     pub fn bit(&self, address: BitAddress) -> bool {
@@ -172,7 +174,7 @@ impl PlcMemory {
             && self.byte(address.byte_address()) >> address.bit & 1 == 1
     }
 
-    /// Writes one bit.
+    /// Writes the value of a bit.
     #[inline]
     pub fn set_bit(&mut self, address: BitAddress, value: bool) {
         if !address.area.has_bits() || address.bit > 7 {
@@ -184,14 +186,14 @@ impl PlcMemory {
         self.set_byte(address.byte_address(), byte);
     }
 
-    /// One byte; the lowest one of an entry of T, C, DC or DT.
+    /// Returns a byte; of an entry of T, C, DC or DT the lowest byte.
     #[must_use]
     #[inline]
     pub fn byte(&self, address: ByteAddress) -> u8 {
         offset(address).map_or(0, |at| self.bytes[at])
     }
 
-    /// Writes one byte; the lowest one of an entry of T, C, DC or DT.
+    /// Writes a byte; of an entry of T, C, DC or DT the lowest byte.
     #[inline]
     pub fn set_byte(&mut self, address: ByteAddress, value: u8) {
         if let Some(at) = offset(address) {
@@ -200,36 +202,38 @@ impl PlcMemory {
         }
     }
 
-    /// Two bytes, the addressed one lowest.
+    /// Returns a value of two bytes. The address is that of the lowest byte.
     #[must_use]
     pub fn word(&self, address: ByteAddress) -> u16 {
         u16::from_le_bytes(self.read_bytes(address))
     }
 
-    /// Writes two bytes, the addressed one lowest.
+    /// Writes a value of two bytes. The address is that of the lowest byte.
     pub fn set_word(&mut self, address: ByteAddress, value: u16) {
         self.write_bytes(address, value.to_le_bytes());
     }
 
-    /// Four bytes, the addressed one lowest; the whole entry of T, C, DC or DT.
+    /// Returns a value of four bytes or an entry of T, C, DC or DT. The address is that of
+    /// the lowest byte.
     #[must_use]
     pub fn long(&self, address: ByteAddress) -> i32 {
         i32::from_le_bytes(self.read_bytes(address))
     }
 
-    /// Writes four bytes, the addressed one lowest; the whole entry of T, C, DC or DT.
+    /// Writes a value of four bytes or an entry of T, C, DC or DT. The address is that of
+    /// the lowest byte.
     pub fn set_long(&mut self, address: ByteAddress, value: i32) {
         self.write_bytes(address, value.to_le_bytes());
     }
 
-    /// True while any message request bit of A0 to A24 is 1.
+    /// Returns whether any message request bit of A0 to A24 is 1.
     #[must_use]
     pub fn has_message_request(&self) -> bool {
         self.bytes[A..K].iter().any(|byte| *byte != 0)
     }
 
-    /// What power-off loses: X Y F G R A, T0 to T79 and D0 to D299 become 0,
-    /// and the signals to the CNC that interlock at 0 become 1.
+    /// Clears what power-off loses: X Y F G R A, T0 to T79 and D0 to D299 become 0. The
+    /// signals to the CNC that interlock at 0 become 1.
     pub(crate) fn clear_volatile(&mut self) {
         self.written = true;
         self.bytes[..K].fill(0);
@@ -240,7 +244,7 @@ impl PlcMemory {
         }
     }
 
-    /// The part of memory that the battery keeps.
+    /// Returns the retained part of memory, which the battery keeps.
     #[must_use]
     pub fn retained(&self) -> RetainedMemory {
         let entries = |area, first: u16| -> Vec<i32> {
@@ -258,7 +262,7 @@ impl PlcMemory {
         }
     }
 
-    /// Puts back what the battery kept. Entries that `retained` lacks stay as they are.
+    /// Restores the retained part of memory. Entries that `retained` lacks do not change.
     pub fn restore_retained(&mut self, retained: &RetainedMemory) {
         self.written = true;
         copy_bytes(&mut self.bytes[K..D], &retained.k);
@@ -269,13 +273,14 @@ impl PlcMemory {
         self.restore_entries(Area::Dt, 0, &retained.dt);
     }
 
-    /// The flat array.
+    /// Returns the memory array.
     pub(crate) fn bytes(&self) -> &[u8; SIZE] {
         &self.bytes
     }
 
-    /// How many bytes of the flat array may have changed since this was last asked, but
-    /// for what the scan has written: X, F and their copy, or all.
+    /// Returns the length, from the start of the array, in which bytes may have changed
+    /// since the last call, apart from writes of the scan: X, F and their copies, or the
+    /// whole array.
     pub(crate) fn take_changed_length(&mut self) -> usize {
         if core::mem::take(&mut self.written) {
             SIZE
@@ -284,12 +289,13 @@ impl PlcMemory {
         }
     }
 
-    /// The flat array, for the scan, which follows its own changes.
+    /// Returns the mutable memory array for the scan, which tracks its own changes.
     pub(crate) fn bytes_mut(&mut self) -> &mut [u8; SIZE] {
         &mut self.bytes
     }
 
-    /// One bit as level 2 sees it: X and F as its cycle began.
+    /// Returns the value of a bit in level 2, where X and F are latched at the start of the
+    /// cycle.
     pub(crate) fn bit_in_level2(&self, address: BitAddress) -> bool {
         match offset(address.byte_address()) {
             Some(at) if at < LATCH_OFFSET => {
@@ -299,7 +305,7 @@ impl PlcMemory {
         }
     }
 
-    /// Copies X and F to the latch that level 2 reads.
+    /// Copies X and F to the latched copies for level 2.
     pub(crate) fn latch_inputs(&mut self) {
         self.bytes.copy_within(..LATCH_OFFSET, LATCH_OFFSET);
     }
@@ -346,7 +352,7 @@ impl Default for PlcMemory {
 }
 
 impl fmt::Debug for PlcMemory {
-    /// Only the bytes that are not 0: 4 KB of zeros help nobody.
+    /// Writes only the bytes and entries that are not 0.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut map = f.debug_map();
         for area in Area::ALL {
@@ -387,7 +393,7 @@ impl TryFrom<Vec<u8>> for PlcMemory {
     }
 }
 
-/// The battery-backed part of memory, as a file keeps it.
+/// The retained part of PLC memory, as files store it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RetainedMemory {
     /// Keep relays K0 to K39.

@@ -1,87 +1,88 @@
-//! A rung as a drawing has it: contacts in series and parallel, then outputs.
+//! Converts rungs to ladder diagrams of contacts and outputs, and back to instruction
+//! lists.
 //!
 //! ```text
-//!  LD a          a     c
-//!  OR b       ─┬─┤├─┬──┤├──( y )     Series [ Parallel [a, b], c ]
-//!  AND c       └─┤├─┘
-//!  OUT y         b
+//! LD a          a     c
+//! OR b       ─┬─┤├─┬──┤├──( y )     Series [ Parallel [a, b], c ]
+//! AND c       └─┤├─┘
+//! OUT y         b
 //! ```
 //!
-//! The drawing keeps whether a contact was written as one (`AND c`) or as a
-//! block of its own (`LD c`, `ANB`), so that it leads back to the same list.
+//! The diagram keeps whether a contact is written as a contact (`AND c`) or as a block
+//! (`LD c`, `ANB`), so that it converts back to the same list.
 
 use crate::address::BitAddress;
 use crate::instruction::{InstructionRole, Mnemonic, Operand, Statement};
 use crate::ladder::{Ladder, Rung};
 
-/// One contact.
+/// One contact of a ladder diagram.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Contact {
-    /// The bit it looks at.
+    /// The bit that the contact reads.
     pub bit: BitAddress,
-    /// Normally closed: conducts while the bit is 0.
+    /// Whether the contact is normally closed, so that it conducts while the bit is 0.
     pub normally_closed: bool,
     /// Index of its statement in the rung.
     pub at: usize,
 }
 
-/// Contacts and how they are joined.
+/// A contact, or several elements in series or in parallel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Element {
     /// A single contact.
     Contact(Contact),
-    /// One behind the other, from the left.
+    /// Elements in series, from left to right.
     Series(Vec<Branch>),
-    /// One below the other, from the top.
+    /// Elements in parallel, from top to bottom.
     Parallel(Vec<Branch>),
 }
 
-/// A member of a series or of parallel branches.
+/// One member of a series or parallel connection.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Branch {
-    /// What is joined.
+    /// The connected element.
     pub element: Element,
-    /// Written as a block, with LD and ANB or ORB. A member of several
-    /// contacts always is; a single contact need not be.
+    /// Whether the member is written as a block, with LD and ANB or ORB. A member of
+    /// several contacts is always a block.
     pub block: bool,
-    /// Index of the statement that joins it to those before it.
+    /// Index of the statement that connects the member to the members before it.
     pub at: usize,
 }
 
-/// One rung as a drawing.
+/// One rung as a ladder diagram.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Network {
-    /// Number, from 1.
+    /// Number of the rung, from 1.
     pub number: u32,
-    /// Title (`.NET`) that begins here.
+    /// Title (`.NET`) that starts with this rung.
     pub title: Option<String>,
-    /// Index of its first statement in the program.
+    /// Index of the first statement in the program.
     pub first: usize,
-    /// What it is.
+    /// The contents of the rung.
     pub body: RungBody,
 }
 
-/// The two kinds of rungs.
+/// The contents of a rung: a structural instruction, or contacts and outputs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RungBody {
-    /// END1, END2, LBL, SP, SPE.
+    /// END1, END2, LBL, SP or SPE.
     Structure(Statement),
-    /// Contacts and outputs.
+    /// Contacts with outputs.
     Rung {
-        /// The contacts. One element; several only in a rung without output,
-        /// of which the compiler says that it has no effect.
+        /// One element. Only a rung without output has several; the compiler warns that it
+        /// has no effect.
         contacts: Vec<Element>,
-        /// Coils and function instructions, all fed by the same contacts.
+        /// Coils and function instructions, all with the same input.
         outputs: Vec<Statement>,
     },
 }
 
-/// The state of one statement of a rung, for the live view.
+/// The power flow at one statement of a rung, for the live view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PowerFlow {
-    /// A contact conducts; a coil's bit is 1.
+    /// Whether the contact conducts or the bit of the coil is 1.
     pub closed: bool,
-    /// Power reaches its right side; an output's input is on.
+    /// Whether power reaches the right side of the contact or the input of the output.
     pub live: bool,
 }
 
@@ -92,7 +93,7 @@ enum Connection {
 }
 
 impl Element {
-    /// Appends a member; a series of a series stays one series.
+    /// Appends a member. A series within a series stays one series.
     fn join(self, connection: Connection, member: Branch) -> Element {
         let first = |element| Branch {
             element,
@@ -143,8 +144,8 @@ impl Element {
         }
     }
 
-    /// Lets power in from the left and notes what comes of it; gives what
-    /// leaves on the right.
+    /// Propagates power from the left through the element, records it in `states`, and
+    /// returns the power on the right.
     fn propagate_power(
         &self,
         live: bool,
@@ -158,8 +159,8 @@ impl Element {
                     closed,
                     live: live && closed,
                 };
-                if let Some(place) = states.get_mut(contact.at) {
-                    *place = state;
+                if let Some(state_slot) = states.get_mut(contact.at) {
+                    *state_slot = state;
                 }
                 state.live
             }
@@ -177,11 +178,11 @@ impl Element {
     }
 }
 
-/// ORB and ANB have a state too: that of the blocks they join.
+/// Records the state of an ORB or ANB, which is that of the blocks it connects.
 fn set_joint_power(member: &Branch, live: bool, states: &mut [PowerFlow]) {
     let is_joint = member.block || !matches!(member.element, Element::Contact(_));
-    if is_joint && let Some(place) = states.get_mut(member.at) {
-        *place = PowerFlow { closed: live, live };
+    if is_joint && let Some(state_slot) = states.get_mut(member.at) {
+        *state_slot = PowerFlow { closed: live, live };
     }
 }
 
@@ -212,8 +213,8 @@ impl Network {
         }
     }
 
-    /// The instruction list of the drawing. Lines are those of the outputs'
-    /// first statement, or 0.
+    /// Returns the instruction list of the diagram. Contacts have the line number of the
+    /// first output, or 0 without outputs.
     #[must_use]
     pub fn statements(&self) -> Vec<Statement> {
         let (contacts, outputs) = match &self.body {
@@ -237,7 +238,7 @@ impl Network {
             .collect()
     }
 
-    /// Where power flows: one state for each statement of the rung.
+    /// Returns the power flow, one state for each statement of the rung. `bit` reads a bit.
     pub fn power_flow(&self, bit: impl Fn(BitAddress) -> bool) -> Vec<PowerFlow> {
         let RungBody::Rung { contacts, outputs } = &self.body else {
             return vec![PowerFlow::default()];
@@ -256,7 +257,7 @@ impl Network {
     }
 }
 
-/// The bit that an output statement writes, if it is one bit.
+/// Returns the bit that an output statement writes, if it writes a single bit.
 fn written_bit(output: &Statement) -> Option<BitAddress> {
     let kinds = output.mnemonic.row().operands.iter();
     kinds
@@ -314,7 +315,7 @@ fn draw_rung(statements: &[Statement]) -> RungBody {
 }
 
 impl Ladder {
-    /// The rungs as drawings, in program order.
+    /// Returns the ladder diagrams of all rungs, in program order.
     pub fn networks(&self) -> impl Iterator<Item = Network> + '_ {
         let mut first = 0;
         self.rungs().map(move |rung| {
@@ -324,7 +325,7 @@ impl Ladder {
         })
     }
 
-    /// One rung as a drawing; numbers begin with 1.
+    /// Returns the ladder diagram of the rung with this number, from 1.
     #[must_use]
     pub fn network(&self, number: u32) -> Option<Network> {
         let statements = self.statements();
@@ -339,9 +340,10 @@ impl Ladder {
         Some(Network::new(&rung, first))
     }
 
-    /// The text with a rung's lines replaced by others; empty ones delete it.
-    /// Comments and everything outside the rung stay as they are. Compile the
-    /// result: nothing is checked here.
+    /// Returns the source text with the lines of one rung replaced; empty `lines` delete
+    /// the rung.
+    ///
+    /// Comments and everything outside the rung do not change. The result is not checked.
     #[must_use]
     pub fn source_with_rung(&self, number: u32, lines: &str) -> String {
         let statements = self.statements().iter();

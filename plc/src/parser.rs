@@ -1,8 +1,8 @@
-//! Instruction-list text to statements and directives, line by line.
+//! Parses an instruction list line by line to statements and directives.
 //!
-//! Everything that one line alone can tell is checked here: the instruction,
-//! the number of its operands, their areas and ranges. What concerns several
-//! lines is checked in `check`.
+//! The parser checks everything that depends on one line: the instruction, the number of
+//! its operands, their areas and their ranges. The module `check` checks several lines
+//! together.
 
 use gsk_messages::{Message, say};
 
@@ -11,20 +11,20 @@ use crate::diagnostic::{CompileError, Rule, RuleViolation};
 use crate::directive::{self, Directives};
 use crate::instruction::{InstructionRole, Mnemonic, Operand, OperandKind, Statement};
 
-/// First relay byte that belongs to the system.
+/// First byte of R that the system owns.
 const SYSTEM_RELAYS: u16 = 900;
-/// First keep relay byte that belongs to the system.
+/// First byte of K that the system owns.
 const SYSTEM_KEEP_RELAYS: u16 = 30;
-/// Highest number of a label or subprogram.
+/// Highest number of a label or a subprogram.
 const LAST_LABEL: u32 = 9999;
 
-/// A text taken apart.
+/// The statements, directives and errors of a ladder text.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ParsedLadder {
     pub statements: Vec<Statement>,
     pub directives: Directives,
     pub errors: Vec<CompileError>,
-    /// Rungs counted so far.
+    /// Number of rungs so far.
     pub rungs: u32,
 }
 
@@ -55,8 +55,8 @@ pub(crate) fn parse(source: &str) -> ParsedLadder {
     parsed
 }
 
-/// The start values and M codes that a text declares, without its steps; what is wrong is
-/// left to [`parse`].
+/// Parses only the initial values and M codes of a text and ignores errors, which [`parse`]
+/// reports.
 pub(crate) fn parse_declarations(source: &str) -> Directives {
     let mut directives = Directives::default();
     for line in split_lines(source) {
@@ -72,7 +72,7 @@ pub(crate) fn parse_declarations(source: &str) -> Directives {
     directives
 }
 
-/// The lines of a text; blanks at their ends count for nothing.
+/// Splits a text into lines, with their trailing whitespace.
 fn split_lines(source: &str) -> impl Iterator<Item = &str> {
     let mut rest = Some(source);
     core::iter::from_fn(move || {
@@ -86,7 +86,7 @@ fn split_lines(source: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// The line up to the first `;` that is not inside a string.
+/// Returns the line up to the first `;` outside a string.
 fn strip_comment(line: &str) -> &str {
     let mut quoted = false;
     let end = line.bytes().position(|byte| {
@@ -105,8 +105,8 @@ fn parse_statement(code: &str, line: u32, parsed: &mut ParsedLadder) -> Result<(
     let name = tokens.next().unwrap_or_default();
     let mnemonic = Mnemonic::from_name(name).ok_or_else(|| unknown_instruction_violation(name))?;
     parsed.rungs += u32::from(starts_rung(mnemonic, &parsed.statements));
-    // A statement with bad operands still takes its place in the rung, so
-    // that one mistake gives one message.
+    // A statement with wrong operands remains part of its rung, so that one mistake gives
+    // one message.
     parsed.statements.push(Statement {
         mnemonic,
         operands: Vec::new(),
@@ -276,7 +276,7 @@ fn address_violation(name: &str, error: &AddressError) -> RuleViolation {
     )
 }
 
-/// Refuses a write that reaches into the bytes reserved for the system.
+/// Checks that a write does not reach the bytes that the system owns.
 fn check_system_area(token: &str, address: ByteAddress, width: u16) -> Result<(), RuleViolation> {
     let first = match address.area {
         Area::R => SYSTEM_RELAYS,
@@ -290,7 +290,7 @@ fn check_system_area(token: &str, address: ByteAddress, width: u16) -> Result<()
     Err((Rule::E03, message))
 }
 
-/// The entries after the comma of CODB; nothing for every other instruction.
+/// Parses the entries after the comma of CODB. All other instructions have none.
 fn parse_table_entries(
     mnemonic: Mnemonic,
     operands: &[Operand],
@@ -324,7 +324,8 @@ fn refuse_table(mnemonic: Mnemonic, table: Option<&str>) -> Result<Vec<i32>, Rul
     }
 }
 
-/// Checks that values of the instruction's length fit where they come from and go to.
+/// Checks that values have room in their source and target for the length of the
+/// instruction.
 fn check_widths(
     mnemonic: Mnemonic,
     operands: &[Operand],

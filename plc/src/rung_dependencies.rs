@@ -1,13 +1,13 @@
-//! What each rung reads and writes: the rungs that a changed byte concerns.
+//! Lists the bytes that each rung writes and the rungs that use each byte.
 
 use crate::code::{Code, Function, Op, OperandValue};
 use crate::instruction::Statement;
 use crate::memory::{RESULT_FLAGS, SIZE};
 
-/// Numbers of rungs or bytes, listed for each byte or rung.
+/// A list of indices for each byte or rung, stored in one vector.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct IndexLists {
-    /// Where the list of each begins in `members`, and where the last one ends.
+    /// Start of each list in `members`, and the end of the last list.
     starts: Vec<u16>,
     members: Vec<u16>,
 }
@@ -37,26 +37,30 @@ impl IndexLists {
     }
 }
 
-/// The rungs of a ladder that runs straight on, without jumps and subprograms: each is a
-/// function of the bytes it reads or writes, and of nothing else.
+/// The bytes that the rungs of a ladder without jumps and subprograms read and write. The
+/// effect of such a rung depends only on these bytes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct RungDependencies {
-    /// First operation of each rung, and the end of the last one.
+    /// Index of the first operation of each rung, and the end of the last rung.
     starts: Vec<usize>,
-    /// Bytes of flat memory that a rung may write.
+    /// Bytes of the memory array that a rung may write.
     writes: IndexLists,
-    /// Rungs that read or write a byte of flat memory.
+    /// Rungs that read or write a byte of the memory array.
     rungs_by_byte: IndexLists,
-    /// The first rung that begins at each operation or after it, and the number of rungs.
+    /// For each operation index, the first rung that starts there or later; last the number
+    /// of rungs.
     first_rung_from: Vec<u16>,
-    /// How many of the rungs before each have a comparison, and how many of all. Each
-    /// comparison leaves its result bits in R900, which is none of their bytes: what it
-    /// holds in the end is the last one's.
+    /// For each rung, the number of rungs with a comparison before it; last the number of
+    /// all.
+    ///
+    /// Comparisons also write R900. It is not part of the dependencies, because only the
+    /// value of the last comparison remains.
     comparison_count_before: Vec<u16>,
 }
 
 impl RungDependencies {
-    /// `None` for a ladder with jumps or subprograms, or that uses R900 itself.
+    /// Creates the dependencies; `None` if the ladder has jumps or subprograms or uses
+    /// R900.
     pub fn from_code(code: &Code, statements: &[Statement]) -> Option<RungDependencies> {
         let mut starts = Vec::new();
         let mut writes = Vec::new();
@@ -93,36 +97,37 @@ impl RungDependencies {
         })
     }
 
-    /// Number of rungs.
+    /// Returns the number of rungs.
     pub fn rung_count(&self) -> usize {
         self.starts.len().saturating_sub(1)
     }
 
-    /// Operations of a rung.
+    /// Returns the indices of the first operation of a rung and of the first after it.
     pub fn operation_range(&self, rung: usize) -> (usize, usize) {
         let at = |rung| self.starts.get(rung).copied().unwrap_or(0);
         (at(rung), at(rung + 1))
     }
 
-    /// The first rung that begins at an operation or after it.
+    /// Returns the first rung that starts at or after an operation index.
     pub fn first_rung_from(&self, operation: usize) -> usize {
         let rung = self.first_rung_from.get(operation).copied();
         rung.map_or(self.rung_count(), usize::from)
     }
 
-    /// How many of the rungs before one have a comparison.
+    /// Returns the number of rungs with a comparison before a rung.
     pub fn comparison_count_before(&self, rung: usize) -> usize {
         let before = self.comparison_count_before.get(rung);
         before.copied().map_or(self.comparison_count(), usize::from)
     }
 
-    /// Which of the rungs with a comparison it is, from 0; `None`: it has none.
+    /// Returns the index of a rung among the rungs with a comparison; `None` if it has
+    /// none.
     pub fn comparison_index(&self, rung: usize) -> Option<usize> {
         let number = self.comparison_count_before(rung);
         (self.comparison_count_before(rung + 1) > number).then_some(number)
     }
 
-    /// How many rungs have a comparison.
+    /// Returns the number of rungs with a comparison.
     pub fn comparison_count(&self) -> usize {
         self.comparison_count_before
             .last()
@@ -130,12 +135,12 @@ impl RungDependencies {
             .map_or(0, usize::from)
     }
 
-    /// Bytes of flat memory that a rung may write.
+    /// Returns the bytes of the memory array that a rung may write.
     pub fn written_bytes(&self, rung: usize) -> &[u16] {
         self.writes.get(rung)
     }
 
-    /// Rungs that read or write a byte of flat memory.
+    /// Returns the rungs that read or write a byte of the memory array.
     pub fn rungs_using(&self, byte: usize) -> &[u16] {
         self.rungs_by_byte.get(byte)
     }
@@ -150,7 +155,7 @@ struct RungBytes {
 }
 
 impl RungBytes {
-    /// `None`: the operation leads elsewhere.
+    /// Adds the bytes of an operation; `None` if it is a jump, call or return.
     fn add_operation(&mut self, op: Op, functions: &[Function]) -> Option<()> {
         match op {
             Op::Ld(bit)
@@ -242,7 +247,7 @@ impl RungBytes {
     }
 }
 
-/// The bytes of a value of one, two or four bytes.
+/// Returns the bytes of a value of 1, 2 or 4 bytes.
 fn byte_range(at: u16, length: u8) -> core::ops::Range<u16> {
     let width = match length {
         1 | 2 => u16::from(length),

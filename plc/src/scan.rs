@@ -1,4 +1,4 @@
-//! The scan: one 8 ms slot after another, level 1 whole and level 2 in parts.
+//! Scans the ladder in slots of 8 ms: the whole of level 1 and one part of level 2.
 
 use std::fmt;
 use std::ops::Range;
@@ -18,21 +18,21 @@ use crate::scan_position::{ScanPosition, ScanStop};
 use crate::skippable_rungs::SkippableRungs;
 use crate::timer::{SLOT_MS, Timers};
 
-/// Operations of one slot after which the program is taken to hang.
+/// Watchdog limit of one slot, operations.
 const MAX_SLOT_OPERATIONS: usize = 100_000;
 
-/// Why the PLC stands still until the next power-on.
+/// The reason why the PLC has stopped until the next power-on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PlcFault {
-    /// Jumps kept one slot busy for more than 100000 instructions.
+    /// Watchdog: jumps kept one slot running for more than 100000 instructions.
     Watchdog {
-        /// Line of the ladder's text with the jump that was one too many.
+        /// Line of the jump at which the watchdog stopped the scan.
         line: u32,
     },
 }
 
 impl PlcFault {
-    /// What has happened.
+    /// Returns the message for the operator.
     #[must_use]
     pub fn message(&self) -> Message {
         match self {
@@ -51,34 +51,34 @@ impl std::error::Error for PlcFault {}
 
 /// A PLC: a ladder, its memory and the state of its scan.
 ///
-/// The CNC writes X and F, calls [`Plc::slot`] every 8 ms, and reads G and Y.
+/// The CNC writes X and F, calls [`Plc::run_slot`] every 8 ms, and reads G and Y.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plc {
     pub(crate) ladder: Arc<Ladder>,
     pub(crate) memory: PlcMemory,
     pub(crate) state: ScanState,
-    /// Rungs that need not run.
+    /// Rungs that the scan may skip.
     #[serde(skip)]
     pub(crate) skippable: SkippableRungs,
 }
 
-/// What the scan remembers beside memory.
+/// State of the scan outside PLC memory.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct ScanState {
-    /// Part of level 2 that is next, from 0.
+    /// Part of level 2 in the next slot, from 0.
     part: usize,
-    /// A jump went beyond its part: operation that level 2 goes on with.
+    /// First operation of level 2 in the next slot after a jump beyond the end of a part.
     #[serde(rename = "resume")]
     resume_at: usize,
     timers: Timers,
-    /// Last ACT of each CTRC.
+    /// Previous input state (ACT) of each CTRC.
     #[serde(rename = "edges")]
     counter_inputs: Vec<bool>,
     pub fault: Option<PlcFault>,
-    /// Bits held at a value by hand.
+    /// Bits that hold a value set by hand.
     #[serde(default)]
     pub forces: Forces,
-    /// Where a slot that is stepped through goes on.
+    /// Position at which a slot in single-rung steps continues.
     #[serde(default, rename = "place")]
     pub paused_at: Option<ScanPosition>,
 }
@@ -86,7 +86,8 @@ pub(crate) struct ScanState {
 impl ScanState {
     fn new_at_power_on(code: &Code) -> ScanState {
         ScanState {
-            // Taken as 1, so that a contact closed at power-on is no edge.
+            // The previous state starts as 1, so that a contact that is closed at power-on
+            // is not an edge.
             counter_inputs: vec![true; code.counter_count],
             ..ScanState::default()
         }
@@ -94,8 +95,8 @@ impl ScanState {
 }
 
 impl Plc {
-    /// A PLC just switched on, its retained store blank but for the ladder's
-    /// start values.
+    /// Creates a PLC that has just been switched on. Its retained memory contains only the
+    /// initial values of the ladder.
     #[must_use]
     pub fn new(ladder: Arc<Ladder>) -> Plc {
         let mut memory = PlcMemory::new();
@@ -115,44 +116,45 @@ impl Plc {
         }
     }
 
-    /// Switches off and on: volatile memory is cleared, the scan begins anew,
-    /// a fault is gone. Retained memory stays.
+    /// Switches the PLC off and on: clears volatile memory and the fault, and restarts the
+    /// scan. Retained memory does not change.
     pub fn power_on(&mut self) {
         self.memory.clear_volatile();
         self.state = ScanState::new_at_power_on(self.ladder.code());
         self.skippable.invalidate();
     }
 
-    /// The program.
+    /// Returns the ladder program.
     #[must_use]
     pub fn ladder(&self) -> &Arc<Ladder> {
         &self.ladder
     }
 
-    /// All memory.
+    /// Returns the memory.
     #[must_use]
     pub fn memory(&self) -> &PlcMemory {
         &self.memory
     }
 
-    /// All memory, for writing X and F, parameters' DT, and the value pages.
+    /// Returns the mutable memory, for X and F, the DT presets of parameters, and the value
+    /// pages.
     pub fn memory_mut(&mut self) -> &mut PlcMemory {
         &mut self.memory
     }
 
-    /// Why the PLC stands still, if it does.
+    /// Returns the fault that has stopped the PLC.
     #[must_use]
     pub fn fault(&self) -> Option<PlcFault> {
         self.state.fault
     }
 
-    /// Part of level 2 that the next slot runs, from 0.
+    /// Returns the part of level 2 that the next slot runs, from 0.
     #[must_use]
     pub fn next_part(&self) -> usize {
         self.state.part
     }
 
-    /// Number and text of every message whose request bit is 1, in address order.
+    /// Returns number and text of every message whose request bit is 1, in address order.
     pub fn active_messages(&self) -> impl Iterator<Item = (u16, &str)> {
         self.ladder
             .messages()
@@ -161,9 +163,11 @@ impl Plc {
             .map(|message| (message.number, message.text.as_str()))
     }
 
-    /// One slot of 8 ms: input latch when a level-2 cycle begins, level 1,
-    /// one part of level 2. A slot that was begun in steps is finished. After
-    /// a fault nothing happens.
+    /// Runs one slot of 8 ms: level 1 and one part of level 2. Inputs are latched when a
+    /// cycle of level 2 starts.
+    ///
+    /// It completes a slot that [`Plc::step_rung`] has started. After a fault it does
+    /// nothing.
     pub fn run_slot(&mut self) {
         self.run_until(ScanStop::SlotEnd);
     }
@@ -177,9 +181,9 @@ impl Plc {
         }
     }
 
-    /// Before the first rung of a slot.
+    /// Prepares a slot before its first rung.
     fn begin_slot(&mut self, code: &Code) -> ScanPosition {
-        // A restored state may come from elsewhere.
+        // A deserialized state may belong to another ladder.
         self.state.part %= code.part_ends.len().max(1);
         self.advance_timers(code);
         self.state.forces.apply(self.memory.bytes_mut());
@@ -190,7 +194,7 @@ impl Plc {
         ScanPosition::first(code.end1)
     }
 
-    /// Where level 2 begins in this slot, and where its part ends.
+    /// Returns the first operation of level 2 in this slot and the end of its part.
     pub(crate) fn part_bounds(&self, code: &Code) -> (usize, usize) {
         let first = match self.state.part.checked_sub(1) {
             None => code.end1 + 1,
@@ -263,7 +267,7 @@ impl Plc {
         }
     }
 
-    /// Runs the rungs of a ladder without jumps that may change something.
+    /// Runs the rungs that may change something. The ladder has no jumps.
     fn run_active_rungs(
         &mut self,
         ladder: &Ladder,
@@ -285,7 +289,7 @@ impl Plc {
         Ok(end)
     }
 
-    /// Runs those of some rungs that may change something, and those woken by it.
+    /// Runs the awake rungs in a range, including those that other rungs wake.
     fn run_pass(
         &mut self,
         ladder: &Ladder,
@@ -313,7 +317,7 @@ impl Plc {
         Ok(())
     }
 
-    /// The timers that ran during the last 8 ms are 8 ms older.
+    /// Adds 8 ms to the timers that ran during the last slot.
     fn advance_timers(&mut self, code: &Code) {
         let level2_begins = self.state.part == 0;
         let scope = if level2_begins {
@@ -328,9 +332,10 @@ impl Plc {
         }
     }
 
-    /// Runs operations from `first` until `end` is reached or jumped over, or
-    /// `stop` asks to stop; returns where it stopped. Only the `WATCHED` form
-    /// looks after forced bits and the end of each rung.
+    /// Runs operations from `first` until it reaches or jumps beyond `end`, or until
+    /// `stop`. Returns the index of the next operation.
+    ///
+    /// Only with `WATCHED` it applies forced bits and checks for the end of a rung.
     fn run_operations<const WATCHED: bool>(
         &mut self,
         ladder: &Ladder,
@@ -351,16 +356,16 @@ impl Plc {
         };
         let mut returns = [0usize; MAX_CALL_DEPTH];
         let mut depth = 0;
-        // Top of the accumulator stack in bit 0; what is shifted out on the
-        // left belongs to earlier rungs.
+        // Accumulator stack with its top in bit 0. Bits shifted out on the left belong to
+        // earlier rungs.
         let mut stack: u32 = 0;
         let mut limit = end;
         let mut at = first;
-        // Only jumps and calls can make a slot long, so only they are counted,
-        // with the operations that led to them.
+        // Only jumps and calls can make a slot long. The count includes the operations
+        // before them.
         let mut from = first;
         while at < limit {
-            // Straight on, until an operation leads elsewhere.
+            // Runs operations in sequence until one jumps.
             let mut jump_target = None;
             for op in ops.get(at..limit.min(ops.len())).unwrap_or_default() {
                 let act = stack & 1 == 1;

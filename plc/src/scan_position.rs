@@ -1,30 +1,30 @@
-//! Where the scan stands and pauses inside a slot.
+//! The position of the scan within a slot.
 
 use serde::{Deserialize, Serialize};
 
-/// Where the scan pauses.
+/// Where the scan stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ScanStop {
     /// At the end of the slot.
     SlotEnd,
-    /// After one rung; a called subprogram belongs to it.
+    /// At the end of a rung. Subprograms that it calls are part of it.
     RungEnd,
 }
 
-/// A place inside a slot.
+/// A position within a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct ScanPosition {
-    /// In level 1, or already in the part of level 2.
+    /// Whether the scan is in level 1; otherwise it is in the part of level 2.
     pub level1: bool,
-    /// Operation that is next.
+    /// Index of the next operation.
     #[serde(rename = "at")]
     pub next_op: usize,
-    /// Operations of this slot so far, as the watchdog counts them.
+    /// Number of operations in this slot so far, for the watchdog.
     pub executed: usize,
 }
 
 impl ScanPosition {
-    /// The beginning of a slot; a program without level 1 begins with level 2.
+    /// Returns the start of a slot. A program without level 1 starts with level 2.
     pub const fn first(end1: usize) -> ScanPosition {
         ScanPosition {
             level1: end1 > 0,

@@ -1,19 +1,19 @@
-//! Which rungs need not run: those that changed nothing when they last ran, and of whose
-//! bytes none has changed since.
+//! Tracks which rungs the scan may skip: those that changed nothing in their last run and
+//! whose bytes have not changed since.
 //!
-//! In a cut hardly any signal changes from slot to slot, so that nearly the whole ladder
-//! gives what it gave before. A rung without jumps is a function of the bytes that it reads
-//! and writes; as long as all of them stand, and running it has changed none of them,
-//! running it again changes none either. (The time of a timer that runs is such a byte,
-//! and changes in every slot. Whether a counter has seen its edge is none: a rung in which
-//! one has just seen it, or its end, runs again.)
-//! What a slot leaves is what it would leave if every rung ran.
+//! During a cut few signals change from slot to slot, so that nearly all rungs give their
+//! previous result. The effect of a rung without jumps depends only on the bytes that it
+//! reads and writes. While these do not change and its last run changed none of them,
+//! another run changes nothing. The value of a running timer is such a byte, and it changes
+//! in every slot. The previous input of a counter is not a byte: a rung runs again after
+//! the input of its counter has changed. A slot leaves the same memory as if every rung
+//! ran.
 //!
-//! Rungs that write one another's bytes wake one another in every pass, though the pass
-//! as a whole changes nothing: one clears a number, another sets it again. When a pass has
-//! left memory, timers and counters as it found them, those rungs rest, too: until
-//! something wakes a rung of that pass. Then all of them run, as what one of them leaves
-//! for the next is seen by no comparison of memory before and after.
+//! Rungs that write each other's bytes wake each other in every pass, even if the pass as a
+//! whole changes nothing: one clears a number and another sets it again. If a pass has left
+//! memory, timers and counters unchanged, its rungs rest until something wakes one of them.
+//! Then all of them run, because a comparison of memory before and after the pass does not
+//! show what one rung writes for the next.
 
 use core::ops::Range;
 
@@ -22,42 +22,47 @@ use crate::memory::{RESULT_FLAGS, SIZE};
 use crate::rung_dependencies::RungDependencies;
 use crate::timer::Timers;
 
-/// Rungs per word.
+/// Rungs in a word of a bit set.
 const RUNGS_PER_WORD: usize = u64::BITS as usize;
-/// Bytes that are compared at once, and those of a difference.
+/// Sizes of the blocks in which memory is compared, bytes: large blocks first, then small
+/// blocks of those that differ.
 const CHUNK_BYTES: usize = 1024;
 const SUBCHUNK_BYTES: usize = 32;
 
-/// What is known of the rungs; empty when nothing is. It is not part of the PLC's state:
-/// any two are equal, none is saved, and a copy begins with nothing.
+/// The rungs that must run, and the memory contents for which this is known; empty if it is
+/// unknown.
+///
+/// It is a cache and not part of the PLC's state: it is not serialized, all values are
+/// equal, and a clone is empty.
 #[derive(Debug, Default)]
 pub(crate) struct SkippableRungs {
-    /// Memory as it was when its changes were last followed.
+    /// Memory at the last update; `None` if unknown.
     memory: Option<Box<[u8; SIZE]>>,
     /// Rungs that must run, one bit each.
     awake: Vec<u64>,
-    /// Rungs that must run when another one of their pass does.
+    /// Rungs that must run if another rung of their pass runs, one bit each.
     resting: Vec<u64>,
-    /// Last ACT of each counter, when a rung last ran; empty before the first one.
+    /// Input state (ACT) of each counter after the last run of a rung; empty before the
+    /// first.
     counter_inputs: Vec<bool>,
-    /// The pass under way.
+    /// The current pass.
     pass: RungPass,
-    /// The result bits that each of the rungs with a comparison left when it last ran;
-    /// `None`: it did not compare.
+    /// The result flags that each rung with a comparison wrote in its last run; `None` if
+    /// it did not compare.
     result_flags: Vec<Option<u8>>,
 }
 
-/// What a pass over the rungs of a level, or of a part of level 2, has found and changed.
+/// The changes of one pass through the rungs of level 1 or of a part of level 2.
 #[derive(Debug, Default)]
 struct RungPass {
     timers: Timers,
-    /// The ACT of a counter has changed.
+    /// The input (ACT) of a counter has changed.
     counter_input_changed: bool,
-    /// Bytes in the order in which they were changed, as they were before.
+    /// Changed bytes with their previous values, in the order of the changes.
     changed: Vec<(u16, u8)>,
 }
 
-/// With more changes a pass is not looked at whether it changed something as a whole.
+/// Maximum number of changes for which a pass is checked for having no effect as a whole.
 const MAX_PASS_CHANGES: usize = 64;
 
 impl Clone for SkippableRungs {
@@ -73,19 +78,19 @@ impl PartialEq for SkippableRungs {
 }
 
 impl SkippableRungs {
-    /// Every rung must run again: something other than a scan has been at work.
+    /// Marks all rungs as awake, after a change that was not made by the scan.
     pub fn invalidate(&mut self) {
         self.memory = None;
     }
 
-    /// Whether the changes since the last slot are known.
+    /// Returns whether changes of memory are known since the last slot.
     pub fn is_tracking(&self) -> bool {
         self.memory.is_some()
     }
 
-    /// Before a slot: wakes the rungs that outside changes of memory concern.
+    /// Wakes the rungs that use bytes changed from outside. Call it before a slot.
     ///
-    /// `written`: bytes of memory, from the first on, that may have been changed.
+    /// `written` is the length, from the start of memory, in which bytes may have changed.
     pub fn apply_memory_changes(
         &mut self,
         bytes: &[u8; SIZE],
@@ -126,8 +131,8 @@ impl SkippableRungs {
         }
     }
 
-    /// Before a pass over these rungs: whether one of them must run. Those that rest run
-    /// with it.
+    /// Starts a pass through `rungs` and returns whether one of them must run. If so, it
+    /// also wakes the resting rungs.
     pub fn begin_pass(&mut self, rungs: &Range<usize>, timers: Timers) -> bool {
         let awake = |word| self.awake.get(word).copied().unwrap_or(0);
         if rung_masks(rungs).all(|(word, mask)| awake(word) & mask == 0) {
@@ -140,8 +145,8 @@ impl SkippableRungs {
         true
     }
 
-    /// After a pass: if it has changed nothing as a whole, the rungs that it has woken for
-    /// the next one rest.
+    /// Ends a pass through `rungs`. If the pass has changed nothing as a whole, the rungs
+    /// that it woke for the next pass rest.
     pub fn end_pass(&mut self, rungs: &Range<usize>, bytes: &[u8; SIZE], timers: Timers) {
         let pass = &self.pass;
         let first = |at: &u16| pass.changed.iter().find(|(first, _)| first == at);
@@ -157,7 +162,7 @@ impl SkippableRungs {
         }
     }
 
-    /// The next rung from `rung` on, before `end`, that must run; it then counts as done.
+    /// Returns the next awake rung from `rung` to before `end`, and marks it as done.
     pub fn take_next_awake(&mut self, rung: usize, end: usize) -> Option<usize> {
         let mut word = rung / RUNGS_PER_WORD;
         let mut of_word = self.awake.get(word)? & (u64::MAX << (rung % RUNGS_PER_WORD));
@@ -177,7 +182,8 @@ impl SkippableRungs {
         Some(next)
     }
 
-    /// After a rung has run: wakes the rungs, itself among them, that its changes concern.
+    /// Records the run of a rung and wakes the rungs, including itself, that use the bytes
+    /// it changed.
     pub fn record_run(
         &mut self,
         rung: usize,
@@ -208,12 +214,14 @@ impl SkippableRungs {
         }
     }
 
-    /// Before a rung with a comparison runs: no comparison leaves R900 like this.
+    /// Sets R900 to a value that no comparison writes, before a rung with a comparison
+    /// runs.
     pub fn mark_result_flags(bytes: &mut [u8; SIZE]) {
         bytes[RESULT_FLAGS] |= RESULT_OVERFLOW;
     }
 
-    /// After the comparison of that number: what it has left.
+    /// Records the result flags that the comparison with this index has written, if it has
+    /// run.
     pub fn record_comparison(&mut self, number: usize, bytes: &[u8; SIZE]) {
         let flags = bytes[RESULT_FLAGS];
         if let Some(result_flags) = self.result_flags.get_mut(number) {
@@ -221,8 +229,8 @@ impl SkippableRungs {
         }
     }
 
-    /// After the last of some rungs: R900 as the last comparison among them leaves it,
-    /// or as it was before.
+    /// Writes the result flags of the last comparison in `rungs` to R900 after a pass, or
+    /// the flags `before` the pass if there is none.
     pub fn write_result_flags(
         &mut self,
         rungs: Range<usize>,
@@ -247,7 +255,8 @@ impl SkippableRungs {
     }
 }
 
-/// The words that the bits of these rungs stand in, and which bits of each.
+/// Returns the words of a bit set that contain these rungs, each with the mask of their
+/// bits.
 fn rung_masks(rungs: &Range<usize>) -> impl Iterator<Item = (usize, u64)> + use<> {
     let (start, end) = (rungs.start, rungs.end);
     (start / RUNGS_PER_WORD..end.div_ceil(RUNGS_PER_WORD)).map(move |word| {
@@ -259,7 +268,7 @@ fn rung_masks(rungs: &Range<usize>) -> impl Iterator<Item = (usize, u64)> + use<
     })
 }
 
-/// The bits of these rungs go from one set to the other.
+/// Moves the bits of these rungs from one set to another.
 fn move_rungs(from: &mut [u64], to: &mut [u64], rungs: &Range<usize>) {
     for (word, mask) in rung_masks(rungs) {
         if let (Some(from), Some(to)) = (from.get_mut(word), to.get_mut(word)) {
@@ -269,7 +278,8 @@ fn move_rungs(from: &mut [u64], to: &mut [u64], rungs: &Range<usize>) {
     }
 }
 
-/// So many ones, up to a word of them.
+/// Returns a word with its lowest `count` bits set; all bits if `count` is larger than a
+/// word.
 const fn low_bits(count: usize) -> u64 {
     if count < RUNGS_PER_WORD {
         (1 << count) - 1

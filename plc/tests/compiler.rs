@@ -1,11 +1,12 @@
-//! What the compiler refuses and remarks, with place and rule; and that no text stops it.
+//! Tests the errors and warnings of the compiler with their lines and rules, and that
+//! random text never makes it panic.
 
 use std::sync::Arc;
 
 use gsk_plc::{INSTRUCTIONS, Ladder, Plc, PlcAddress, Rule};
 use proptest::prelude::*;
 
-/// Rule and line of every error, or of every warning if there is none.
+/// Returns rule and line of every error; without errors, those of every warning.
 fn findings(source: &str) -> Vec<(Rule, u32)> {
     let found = match Ladder::compile(source) {
         Ok(ladder) => ladder.warnings().to_vec(),
@@ -14,14 +15,14 @@ fn findings(source: &str) -> Vec<(Rule, u32)> {
     found.iter().map(|error| (error.code, error.line)).collect()
 }
 
-/// Line 1 is END1, the rungs begin in line 2, END2 follows them.
+/// Returns a program with the rungs in level 2. Line 1 is END1; the rungs start in line 2.
 fn level2(rungs: &str) -> String {
     format!("END1\n{rungs}\nEND2")
 }
 
 #[test]
 fn one_statement_rules() {
-    // rung lines from line 2, expected rule and line
+    // Rung lines from line 2, expected rule, expected line.
     let table: &[(&str, Rule, u32)] = &[
         ("FOO R1.0", Rule::E00, 2),
         ("ADDB 1 R1 R2 R3", Rule::E00, 2),
@@ -233,7 +234,7 @@ fn directives_and_listing() {
     assert_eq!(active, [(1009, "b")]);
 }
 
-/// Words of the language and some that are none.
+/// Generates words of the language, and some that are invalid.
 fn word() -> impl Strategy<Value = String> {
     let names: Vec<&'static str> = INSTRUCTIONS.iter().map(|row| row.name).collect();
     prop_oneof![
@@ -247,7 +248,7 @@ fn word() -> impl Strategy<Value = String> {
     ]
 }
 
-/// A rung that is legal wherever it stands in level 2.
+/// Generates a rung that is valid anywhere in level 2.
 fn legal_rung() -> impl Strategy<Value = String> {
     let any_bit = || {
         prop_oneof![

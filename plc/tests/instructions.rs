@@ -1,4 +1,4 @@
-//! Each instruction at work, scanned slot by slot.
+//! Tests each instruction slot by slot.
 
 #![allow(
     clippy::unwrap_used,
@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use gsk_plc::{Ladder, Plc, PlcFault, PlcMemory};
 
-/// A PLC with `rungs` in level 2 and nothing in level 1.
+/// Returns a PLC with `rungs` in level 2 and an empty level 1.
 fn plc(rungs: &str) -> Plc {
     let source = format!("END1\n{rungs}\nEND2");
     Plc::new(Arc::new(Ladder::compile(&source).unwrap()))
@@ -23,7 +23,7 @@ fn set(plc: &mut Plc, address: &str, value: bool) {
     plc.memory_mut().set_bit(address.parse().unwrap(), value);
 }
 
-/// One slot with the contact `R0.0` closed or open.
+/// Runs one slot with R0.0 set to `act`.
 fn scan(plc: &mut Plc, act: bool) {
     set(plc, "R0.0", act);
     plc.run_slot();
@@ -31,7 +31,7 @@ fn scan(plc: &mut Plc, act: bool) {
 
 #[test]
 fn contacts_in_series_and_parallel() {
-    // rung, then its result for R1 = 0 to 7 (bits a = R1.0, b = R1.1, c = R1.2)
+    // Rung, and its result for R1 = 0 to 7 (a = R1.0, b = R1.1, c = R1.2).
     let table = [
         ("LD R1.0", "01010101"),
         ("LDI R1.0", "10101010"),
@@ -125,7 +125,7 @@ fn timer_counts_8_ms_ticks() {
     plc.run_slot();
     assert!(bit(&plc, "R300.0"));
     plc.run_slot();
-    assert_eq!(plc.memory().t(0), 100, "stands at its time");
+    assert_eq!(plc.memory().t(0), 100, "stops at its preset");
     scan(&mut plc, false);
     assert!(!bit(&plc, "R300.0"));
     assert_eq!(plc.memory().t(0), 0);
@@ -339,7 +339,11 @@ fn an_endless_loop_trips_the_watchdog() {
     let stopped = plc.memory().clone();
     set(&mut plc, "R1.0", false);
     plc.run_slot();
-    assert_ne!(*plc.memory(), stopped, "the PLC stands still");
+    assert_ne!(
+        *plc.memory(),
+        stopped,
+        "memory writes work while the PLC is stopped"
+    );
     plc.power_on();
     assert_eq!(plc.fault(), None);
 }
@@ -386,14 +390,14 @@ fn coils_act_in_program_order() {
     assert!(!bit(&second, "R0.1"));
 }
 
-/// `count` rungs of two steps that change nothing.
+/// Returns `count` rungs of two steps that change nothing.
 fn filler(count: usize) -> String {
     "LD R800.0\nSET R800.1\n".repeat(count)
 }
 
 #[test]
 fn level2_reads_inputs_latched_at_cycle_start() {
-    // The same X in level 1 and, in the second part, in level 2.
+    // Level 1 and the second part of level 2 read the same X.
     let source = format!(
         "LD X2.0\nOUT R1.0\nEND1\n{}LD X2.0\nOUT R1.1\nEND2",
         filler(260)
@@ -418,7 +422,7 @@ fn part_ends_with_rung_that_fills_the_slot() {
         let source = format!("{head}END1\n{}END2", filler(rungs));
         Ladder::compile(&source).unwrap().part_count()
     };
-    // END1 takes one step: 499 are left, so 250 rungs of two steps fill a part.
+    // END1 takes one step. The remaining 499 steps are filled by 250 rungs of two steps.
     assert_eq!(parts(250, ""), 1);
     assert_eq!(parts(251, ""), 2);
     assert_eq!(parts(500, ""), 2);

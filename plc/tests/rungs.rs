@@ -1,5 +1,5 @@
-//! Rungs as drawings: instruction list to rungs and back, power flow, cross
-//! reference, forced bits, one rung at a time.
+//! Tests ladder diagrams, power flow, the cross reference, forced bits and single-rung
+//! steps.
 
 #![allow(
     clippy::unwrap_used,
@@ -16,7 +16,7 @@ use proptest::prelude::*;
 
 const STANDARD: &str = include_str!("../../assets/ladder/standard.il");
 
-/// What an instruction says, without its place.
+/// Returns an instruction without its line and rung.
 fn instruction_parts(statement: &Statement) -> (Mnemonic, Vec<Operand>, Vec<i32>) {
     let Statement {
         mnemonic,
@@ -27,7 +27,7 @@ fn instruction_parts(statement: &Statement) -> (Mnemonic, Vec<Operand>, Vec<i32>
     (*mnemonic, operands.clone(), table.clone())
 }
 
-/// The list that the drawings give is the list they came from.
+/// Asserts that instruction lists convert to diagrams and back without a difference.
 fn assert_round_trip(ladder: &Ladder) {
     let before: Vec<_> = ladder.statements().iter().map(instruction_parts).collect();
     let after: Vec<_> = ladder
@@ -66,7 +66,7 @@ fn all_contact_connections_round_trip() {
         "LD R1.0\nOR R1.1\nORI R1.2\nAND R1.3\nOR R1.4",
         "LD R1.0\nAND R1.1\nLD R1.2\nAND R1.3\nORB\nOR R1.4",
         "LD R1.0\nOR R1.1\nLD R1.2\nAND R1.3\nLD R1.4\nAND R1.5\nORB\nANB",
-        // A single contact as a block, and blocks joined last to first.
+        // A single contact as a block, and blocks connected from last to first.
         "LD R1.0\nLD R1.1\nANB\nLD R1.2\nORB",
         "LD R1.0\nLD R1.1\nLD R1.2\nANB\nANB",
         "LD R1.0\nLD R1.1\nLD R1.2\nORB\nANB\nORI R1.3",
@@ -74,7 +74,7 @@ fn all_contact_connections_round_trip() {
         let source = format!("END1\n{rung}\nOUT R2.0\nSET R2.1\nEND2");
         assert_round_trip(&Ladder::compile(&source).unwrap());
     }
-    // Rungs without effect, marks, a subprogram.
+    // Rungs without effect, structural instructions, a subprogram.
     assert_round_trip(&Ladder::compile("END1\nLD R1.0\nLD R1.1\nEND2\nSP P1\nSPE").unwrap());
     assert_round_trip(&Ladder::compile("LD R1.0\nJMPB L1\nLBL L1\nEND1\nEND2").unwrap());
 }
@@ -97,12 +97,12 @@ fn the_drawing_has_contacts_where_the_list_puts_them() {
     assert!(matches!(&series[1].element, Element::Contact(c) if c.normally_closed && c.at == 2));
 }
 
-/// A legal operand of every kind, chosen by a number.
+/// Returns a valid operand of a kind, selected by `choice`.
 fn operand(kind: OperandKind, choice: u32, length: u16) -> Operand {
     let areas = kind.areas();
     let area = areas.get(choice as usize % areas.len().max(1)).copied();
     let offset = choice / 16;
-    // Clear of the bytes that belong to the system, and of the area's end.
+    // Excludes the bytes that the system owns and the last bytes of the area.
     let area_size = |area: Area| match area {
         Area::K => 30 - length,
         Area::R => 900 - length,
@@ -135,7 +135,7 @@ fn operand(kind: OperandKind, choice: u32, length: u16) -> Operand {
     }
 }
 
-/// Contacts of one rung, as a list that leaves one result.
+/// Generates the contacts of one rung, as a list with one result.
 fn contacts() -> impl Strategy<Value = Vec<String>> {
     let contact = (any::<bool>(), any::<u32>()).prop_map(|(closed, choice)| {
         let bit = operand(OperandKind::Contact, choice, 1);
@@ -166,7 +166,7 @@ fn contacts() -> impl Strategy<Value = Vec<String>> {
     })
 }
 
-/// An output: any instruction of the table but the jumps.
+/// Returns an output instruction with operands selected by `choices`; jumps excluded.
 fn output(row: &InstructionRow, choices: &[u32; 8], timer: &mut u16) -> String {
     let length = [1, 2, 4][choices[7] as usize % 3];
     let operands: Vec<Operand> = row
@@ -174,7 +174,7 @@ fn output(row: &InstructionRow, choices: &[u32; 8], timer: &mut u16) -> String {
         .iter()
         .zip(choices)
         .map(|(kind, choice)| match kind {
-            // A timer number stands once in a program.
+            // A timer number is unique in a program.
             OperandKind::Timer => {
                 *timer += 1;
                 Operand::Byte(ByteAddress::new(Area::T, *timer - 1))
@@ -214,7 +214,7 @@ fn program() -> impl Strategy<Value = String> {
             if index == level1 {
                 text.push_str("END1\n");
             }
-            // A jump over the rung and a call now and then.
+            // Some rungs are within a jump and have a call.
             let jumps = index > level1 && chosen.len() == 3;
             if jumps {
                 text.push_str(&format!("LD R1.0\nJMPB L{index}\nLD R1.1\nCALL P1\n"));
@@ -312,7 +312,7 @@ fn power_flow_stops_at_open_contacts() {
     let ladder = Arc::new(Ladder::compile(source).unwrap());
     let mut plc = Plc::new(Arc::clone(&ladder));
     let network = ladder.network(1).unwrap();
-    // X0, then per statement: closed and live, as digits
+    // X0, then for each statement `closed` and `live` as digits.
     let table = [
         (0b0000, "00 00 00 10 00 00"),
         (0b0001, "11 00 00 10 00 00"),
@@ -395,14 +395,14 @@ fn forced_bit_overrides_ladder_and_machine() {
     let bit = |text: &str| -> BitAddress { text.parse().unwrap() };
     let source = "END1\nLD X0.0\nOUT R1.0\nLD R1.0\nOUT Y0.0\nLDI R1.0\nOUT R1.0\nEND2";
     let mut plc = Plc::new(Arc::new(Ladder::compile(source).unwrap()));
-    // The coil is held: what reads it after its OUT sees the held value.
+    // The coil is forced: instructions after its OUT read the forced value.
     plc.force(bit("R1.0"), Some(true));
     plc.run_slot();
     assert!(plc.memory().bit(bit("Y0.0")) && plc.memory().bit(bit("R1.0")));
     plc.force(bit("R1.0"), None);
     plc.run_slot();
     assert!(!plc.memory().bit(bit("Y0.0")));
-    // An input is held against what the machine says.
+    // A forced input does not follow the machine.
     plc.force(bit("X0.0"), Some(true));
     plc.memory_mut().set_x(0, 0);
     plc.run_slot();
@@ -413,7 +413,7 @@ fn forced_bit_overrides_ladder_and_machine() {
     assert_eq!(plc.forces().len(), 2);
     plc.power_on();
     assert!(plc.forces().is_empty());
-    // No such bits.
+    // Bits that do not exist.
     plc.force(bit("R1.0"), Some(true));
     plc.force(BitAddress::new(Area::D, 0, 0), Some(true));
     plc.force(BitAddress::new(Area::X, 99, 0), Some(true));
@@ -449,7 +449,7 @@ fn steps_follow_jumps_and_treat_calls_as_one_step() {
     plc.memory_mut().set_r(0, 1);
     assert_eq!(visited(&mut plc), [1, 3, 4, 5, 6]);
     assert_eq!(plc.memory().r(1), 0b1100_0111, "the subprogram is one step");
-    // A slot begun in steps is finished by the next whole one.
+    // The next whole slot completes a slot started in steps.
     plc.step_rung();
     assert!(plc.is_within_slot());
     plc.run_slot();
@@ -471,7 +471,8 @@ fn source_with_rung_replaces_only_its_lines() {
     assert_eq!(ladder.source_with_rung(99, "LD R0.0"), source);
 }
 
-/// Rungs of an example that the standard ladder does not have, and the other way round.
+/// Returns the number of rungs that only the example has and that only the standard ladder
+/// has.
 fn differences(example: &str) -> (usize, usize) {
     let rungs = |source: &str| -> Vec<Vec<String>> {
         let ladder = Ladder::compile(source).unwrap();

@@ -1,8 +1,8 @@
-//! The scan leaves out rungs of which nothing has changed: what it leaves must be what a
-//! scan of every rung leaves, slot by slot.
+//! Tests that a scan that skips rungs leaves the same memory, slot by slot, as a scan of
+//! every rung.
 //!
-//! The oracle is the same PLC with a bit held by hand that nothing uses: it runs every
-//! rung, one operation after the other.
+//! The reference is the same PLC with an unused bit forced: it runs every rung, one
+//! operation after the other.
 
 #![allow(
     clippy::unwrap_used,
@@ -16,7 +16,7 @@ use proptest::prelude::*;
 
 const STANDARD: &str = include_str!("../../assets/ladder/standard.il");
 
-/// A change of memory from outside before a slot.
+/// A write to memory from outside before a slot.
 #[derive(Clone, Debug)]
 struct MemoryWrite {
     byte: String,
@@ -30,7 +30,7 @@ fn compare_with_full_scan(
     compare_with_full_scan_and_forces(ladder, slots, usize::MAX)
 }
 
-/// In the last of every so many slots a bit is held, so that every rung runs.
+/// Forces a bit in every `every`-th slot, so that all rungs run in it.
 fn compare_with_full_scan_and_forces(
     ladder: &Arc<Ladder>,
     slots: &[Vec<MemoryWrite>],
@@ -45,7 +45,7 @@ fn compare_with_full_scan_and_forces(
             plc.memory_mut().set_byte(address, *value);
             whole.memory_mut().set_byte(address, *value);
         }
-        // Told only where it changes: after each change all is looked at anew.
+        // Forcing a bit invalidates the cache, so the bit is forced only in these slots.
         let held = slot % every == every - 1;
         if held {
             plc.force("R999.6".parse().unwrap(), Some(false));
@@ -65,7 +65,7 @@ fn memory_write(byte: impl Strategy<Value = String>) -> impl Strategy<Value = Me
     (byte, value).prop_map(|(byte, value)| MemoryWrite { byte, value })
 }
 
-/// Slots in most of which nothing changes.
+/// Generates slots; most of them have no write.
 fn slots(
     byte: impl Strategy<Value = String>,
     most: usize,
@@ -75,7 +75,7 @@ fn slots(
     prop::collection::vec(slot, 1..most)
 }
 
-/// Few bytes, so that the rungs of a small ladder meet.
+/// Generates few different bytes, so that the rungs of a small ladder share them.
 fn byte() -> impl Strategy<Value = String> {
     prop_oneof![
         (0..2u8).prop_map(|n| format!("X{n}")),
@@ -133,7 +133,7 @@ fn coils() -> impl Strategy<Value = String> {
     ]
 }
 
-/// `result`: some rungs read R900.
+/// With `result`, some rungs read R900.
 fn output(result: bool) -> BoxedStrategy<String> {
     let copied = if result { "R900" } else { "R3" };
     prop_oneof![
@@ -142,7 +142,7 @@ fn output(result: bool) -> BoxedStrategy<String> {
         2 => written_bit().prop_map(|bit| format!("RST {bit}\n")),
         3 => (value(), value(), coils())
             .prop_map(|(a, b, to)| format!("CMP 1 {a} {b} {to}.0\n")),
-        // The number of the timer is put in afterwards: each stands but once.
+        // `ladder` replaces `#` by a unique timer number.
         2 => (0..2u8, written_bit()).prop_map(|(time, bit)| format!("TMRB T# DT{time} {bit}\n")),
         1 => (0..2u8, 0..2u8, read_bit(), 0..2u8, 0..2u8, written_bit()).prop_map(
             |(first, down, reset, counter, preset, bit)|
@@ -183,8 +183,8 @@ fn ladder() -> impl Strategy<Value = String> {
     })
 }
 
-/// A rung that clears what its counter, in the scan of its edge, sets again: it leaves its
-/// bytes as they were, and the next time it does not.
+/// A rung clears a bit that its counter sets again in the scan with the counter's edge. Its
+/// bytes are unchanged after that scan, but not after the next.
 #[test]
 fn counter_after_its_edge_runs_again() {
     let text = "\
@@ -198,7 +198,7 @@ fn counter_after_its_edge_runs_again() {
     compare_with_full_scan(&ladder, &[const { Vec::new() }; 6]).unwrap();
 }
 
-/// The counter's ACT falls in a slot that runs whole, and rises in the next one.
+/// The ACT of the counter falls in a slot that runs all rungs and rises in the next slot.
 #[test]
 fn counter_edge_after_full_slot_counts() {
     let text = "\
@@ -214,7 +214,7 @@ fn counter_edge_after_full_slot_counts() {
         vec![memory_write("X0", 1)],
         Vec::new(),
         Vec::new(),
-        // Runs whole.
+        // A slot that runs all rungs.
         vec![memory_write("X0", 0)],
         vec![
             memory_write("X0", 1),
@@ -227,8 +227,8 @@ fn counter_edge_after_full_slot_counts() {
     compare_with_full_scan_and_forces(&ladder, &slots, 4).unwrap();
 }
 
-/// A number that is cleared and set again in every scan, and read in between: the rungs
-/// rest until one of them, or another one of their pass, has to run.
+/// Every scan clears a number, reads it and sets it again. The rungs rest until one rung of
+/// their pass must run.
 #[test]
 fn rungs_sharing_written_bytes_match_full_scan() {
     let text = "\

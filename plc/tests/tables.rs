@@ -1,8 +1,8 @@
-//! Every instruction with a table of inputs and outputs: `tests/tables/*.txt`.
+//! Tests every instruction with the tables of inputs and outputs in `tests/tables/*.txt`.
 //!
-//! A file is one or more blocks. A block is a piece of ladder, then a line of
-//! addresses with an arrow, then rows of values: those left of the arrow are
-//! written before the slot, those right of it are read after it.
+//! A file has one or more blocks. A block is a ladder, then a line of addresses with an
+//! arrow, then rows of values. Values left of the arrow are written before the slot; values
+//! right of it are compared after the slot.
 //!
 //! ```text
 //! # Series contact.
@@ -14,10 +14,10 @@
 //! 1    1    -> 1
 //! ```
 //!
-//! `.` leaves an input alone and does not look at an output. `R10:2` and
-//! `R10:4` are values of two and four bytes. The column `slots` says how many
-//! slots run (1 without it), `power` with 1 switches off and on first. The
-//! ladder stands in level 2 unless it has END1 itself.
+//! `.` leaves an input unchanged and does not compare an output. `R10:2` and `R10:4` are
+//! values of two and four bytes. The column `slots` is the number of slots to run, 1 by
+//! default. `power` with 1 switches the PLC off and on first. The ladder is in level 2
+//! unless it contains END1.
 
 #![allow(
     clippy::unwrap_used,
@@ -92,7 +92,7 @@ fn parse_number(text: &str) -> i64 {
     }
 }
 
-/// Values of a row with their columns; those left alone are not in it.
+/// Returns the values of a row with their columns, without those marked `.`.
 fn parse_values<'a>(columns: &'a [Column], text: &'a str) -> Vec<(Column, i64)> {
     let texts: Vec<&str> = text.split_whitespace().collect();
     assert_eq!(texts.len(), columns.len(), "values of the row {text}");
@@ -117,7 +117,7 @@ fn compile_plc(lines: &[&str]) -> Plc {
     ))
 }
 
-/// Runs the rows of a file; gives their number.
+/// Runs all rows of a file and returns their number.
 fn run_table(text: &str) -> usize {
     let mut ladder: Vec<&str> = Vec::new();
     let mut table: Option<(Plc, Vec<Column>, Vec<Column>)> = None;

@@ -1,4 +1,4 @@
-//! The ladder as text.
+//! Tests the listing of the standard ladder.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +21,7 @@ fn compiles_without_warnings_and_round_trips() {
     assert_eq!(again.messages(), ladder.messages());
     assert_eq!(again.comments(), ladder.comments());
     assert_eq!(again.start_values(), ladder.start_values());
-    // F22, the start enable, is the control's.
+    // The control, not the ladder, implements F22, the start enable.
     for function in (1..=28).filter(|function| *function != 22) {
         let title = format!(".NET \"F{function:02} ");
         assert!(SOURCE.contains(&title), "{title}");
@@ -38,7 +38,7 @@ fn every_external_contact_and_coil_has_a_name() {
                 continue;
             };
             let outside = !matches!(bit.area, gsk_plc::Area::R | gsk_plc::Area::A);
-            // F54 and G54, G55 are named as bytes: sixteen alike.
+            // F54, G54 and G55 have names as bytes, because their bits are alike.
             let alike = matches!(bit.byte, 54 | 55);
             let named = ladder.comment(gsk_plc::PlcAddress::Bit(*bit)).is_some();
             if outside && !alike && !named {

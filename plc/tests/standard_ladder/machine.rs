@@ -1,4 +1,4 @@
-//! Coolant, lubrication, chuck, tailstock, guards.
+//! Tests coolant, lubrication, chuck, tailstock and guards.
 
 use crate::{AUTO, Control, MODES};
 
@@ -34,7 +34,7 @@ fn lubrication() {
     control.cycles(2);
     assert!(control.is("Y1.1"));
     control.milliseconds(300);
-    assert!(!control.is("Y1.1"), "limited, although M32 still stands");
+    assert!(!control.is("Y1.1"), "limited, although M32 is still active");
     control.finish("F7.0");
     assert!(!control.is("Y1.1"));
 }
@@ -53,7 +53,7 @@ fn chuck() {
     assert!(!control.is("Y0.6") && control.is("Y1.5"));
     control.set("F209.0", true);
     control.cycles(2);
-    assert!(control.is("Y0.6"), "outer chuck: the other way round");
+    assert!(control.is("Y0.6"), "outer chuck: inverted outputs");
     control.set("F209.0", false);
 
     control.set("F209.2", true);
@@ -166,7 +166,7 @@ fn guard_door() {
 
 #[test]
 fn blocked_start_request_ends_in_feed_hold() {
-    // G7.2 falls when the start is blocked; *SP must be 0 by then.
+    // G7.2 falls when the start is blocked. *SP must be 0 by then.
     let mut control = Control::new();
     control.plc.memory_mut().set_f(209, 0b0100_0000);
     control.mode(AUTO);

@@ -1,4 +1,4 @@
-//! Modes, cycle start, overrides, axis keys, lamps.
+//! Tests modes, cycle start, overrides, axis keys and lamps.
 
 use std::sync::Arc;
 
@@ -103,7 +103,7 @@ fn cycle_start() {
 #[test]
 fn toggles_and_soft_switches() {
     let mut control = Control::new();
-    // key, soft switch, signal
+    // Key, soft switch, signal.
     let table = [
         ("X20.6", "F75.3", "G46.1"),
         ("X20.7", "F75.2", "G44.0"),

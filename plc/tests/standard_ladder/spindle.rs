@@ -1,4 +1,4 @@
-//! Spindle, brake, jog, speeds and gears.
+//! Tests spindle, brake, jog, speeds and gears.
 
 use crate::{AUTO, Control, JOG};
 
@@ -75,7 +75,7 @@ fn spindle_by_keys_and_brake() {
     let first = brake.iter().position(|on| *on).unwrap();
     let length = brake.iter().filter(|on| **on).count();
     assert!((1..=9).contains(&first), "starts after {first} slots");
-    assert!((6..=10).contains(&length), "lasts {length} slots");
+    assert!((6..=10).contains(&length), "length {length} slots");
 }
 
 #[test]

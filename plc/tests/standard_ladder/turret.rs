@@ -1,8 +1,9 @@
-//! Tool change and completion.
+//! Tests tool change and completion.
 
 use crate::{AUTO, Control, JOG};
 
-/// Commands a tool; the turret passes a station every 600 ms while TL+ is on.
+/// Commands a tool. The turret passes a station every 600 ms while TL+ is on. Returns
+/// whether FIN came.
 fn turn_to(control: &mut Control, tool: u8, from: usize) -> bool {
     control.plc.memory_mut().set_f(26, tool);
     control.set("F7.3", true);
@@ -16,7 +17,7 @@ fn turn_to(control: &mut Control, tool: u8, from: usize) -> bool {
             assert!(!control.is("Y1.7"), "never both ways");
             turned += 8;
         }
-        // 100 ms around each station its contact is closed.
+        // The contact of a station is closed for 50 ms before and after its position.
         let station = (turned + 50) / 600;
         let near = (turned + 50) % 600 < 100;
         control.station(if near { (station - 1) % 4 + 1 } else { 0 });
@@ -81,7 +82,7 @@ fn tool_change_alarms() {
     assert_eq!(control.messages(), []);
     assert_eq!(control.plc.memory().g(201), 1, "tool number as before");
 
-    // The clamp signal does not come.
+    // The clamp signal does not arrive.
     control.set("F205.0", true);
     control.set("F7.3", true);
     control.milliseconds(650);
@@ -89,7 +90,7 @@ fn tool_change_alarms() {
     assert!(!control.is("Y1.7"));
     control.reset();
 
-    // The station is lost while locking.
+    // The station is lost while the turret locks.
     control.set("X0.7", true);
     control.set("F7.3", true);
     control.milliseconds(400);
@@ -128,7 +129,7 @@ fn without_turret_tool_number_is_accepted_at_once() {
 
 #[test]
 fn stations_above_the_turret_size_are_ignored() {
-    // TSGN=1: the open pins T05 to T08 look like stations, but there are six.
+    // With TSGN=1 the open pins T05 to T08 look like stations, but the turret has six.
     let mut control = Control::new();
     control.plc.memory_mut().set_f(207, 6);
     control.station(0);
