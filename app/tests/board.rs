@@ -23,7 +23,7 @@ use gsk_link::step_queue::StepLink;
 use gsk_link::{Backend, Event, LinkConfig, LinkState};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
-use gsk_twins::klipper::{KlipperTwin, Make};
+use gsk_twins::klipper::{KlipperHardware, KlipperTwin};
 
 const PROGRAM_FILE: &str = env!("CARGO_BIN_EXE_gsk980td");
 const PROGRAM: &str = "O0007\nG50 X60 Z20\nG98 G97 S500 M03\nG00 X50 Z10 M08\n\
@@ -326,9 +326,9 @@ fn a_port_in_use_is_refused_with_its_name() {
 
 /// What another board says it understands.
 fn foreign() -> Vec<u8> {
-    let mut twin = KlipperTwin::new(Make {
-        resets: false,
-        ..Make::default()
+    let mut twin = KlipperTwin::new(KlipperHardware {
+        has_reset_command: false,
+        ..KlipperHardware::default()
     });
     let config = ron::from_str(TIMED).unwrap();
     let mut link = StepLink::open(config, &drives(&Parameters::default()), Duration::ZERO);

@@ -118,7 +118,7 @@ impl Line {
 
     fn arrived(&mut self, wire: usize) -> Vec<u8> {
         let now = self.now_ns;
-        let arrived: Vec<u8> = core::iter::from_fn(|| self.wires[wire].take(now)).collect();
+        let arrived: Vec<u8> = core::iter::from_fn(|| self.wires[wire].receive(now)).collect();
         match self.garbled {
             false => arrived,
             // Read at twice the rate every byte becomes two others.
@@ -145,14 +145,14 @@ impl Line {
         }
         let wire = &mut self.wires[1];
         self.control.write(now, |bytes| {
-            wire.give(bytes, now_ns);
+            wire.send(bytes, now_ns);
             bytes.len()
         });
         let heard = self.arrived(1);
         self.pc.hear(&heard, now);
         let outcome = self.pc.advance(now);
         let due = self.pc.due(now).to_vec();
-        self.wires[0].give(&due, now_ns);
+        self.wires[0].send(&due, now_ns);
         self.pc.sent(due.len());
         outcome
     }
@@ -268,10 +268,10 @@ fn what_the_control_refuses_is_refused_with_its_reason_before_a_byte_of_it_goes(
         let mut line = Line::at(115_200);
         line.memory.refuses = Some(refuses);
         line.order(Order::Connect);
-        let before = line.wires[0].given();
+        let before = line.wires[0].sent_count();
         let outcome = line.order(Order::Put(file("O1.CNC", &[b'X'; 5000], false)));
         assert_eq!(outcome, Outcome::Refused(refuses));
-        assert!(line.wires[0].given() - before < 100);
+        assert!(line.wires[0].sent_count() - before < 100);
         assert!(line.memory.files.is_empty());
         let refused = ControlEvent::Refused(name("O1.CNC"), refuses);
         assert_eq!(line.events, [refused]);
@@ -353,14 +353,14 @@ fn two_controls_send_to_each_other() {
         }
         let now = HostTime::from_millis(ms);
         for at in 0..2 {
-            let heard: Vec<u8> = core::iter::from_fn(|| wires[at].take(ms * STEP_NS)).collect();
+            let heard: Vec<u8> = core::iter::from_fn(|| wires[at].receive(ms * STEP_NS)).collect();
             controls[at].hear(&heard, now);
             controls[at].advance(now, &mut memories[at]);
             events
                 .extend(core::iter::from_fn(|| controls[at].next_event()).map(|event| (at, event)));
             let wire = &mut wires[1 - at];
             controls[at].write(now, |bytes| {
-                wire.give(bytes, ms * STEP_NS);
+                wire.send(bytes, ms * STEP_NS);
                 bytes.len()
             });
         }
@@ -383,7 +383,7 @@ fn text_comes_in_beside_frames_and_goes_out_where_text_is_chosen() {
     let mut writer = TextWriter::new(text, LineEnd::Lf, 9600).unwrap();
     while !writer.is_over(line.now()) {
         let due = writer.due(line.now()).to_vec();
-        line.wires[0].give(&due, line.now_ns);
+        line.wires[0].send(&due, line.now_ns);
         writer.sent(due.len(), line.now());
         line.rest(1);
     }

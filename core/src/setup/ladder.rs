@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, LazyLock};
 
-use gsk_plc::{Area, ByteAddress, LadderDeclarations, Ladder, MCode};
+use gsk_plc::{Area, ByteAddress, Ladder, LadderDeclarations, MCode};
 
 /// The standard ladder, as instruction list.
 pub const STANDARD_LADDER: &str = include_str!("../../../assets/ladder/standard.il");
@@ -67,7 +67,8 @@ impl From<Arc<Ladder>> for MachineLadder {
 
 /// What the standard ladder declares, read once.
 fn declared() -> &'static LadderDeclarations {
-    static DECLARED: LazyLock<LadderDeclarations> = LazyLock::new(|| LadderDeclarations::read(STANDARD_LADDER));
+    static DECLARED: LazyLock<LadderDeclarations> =
+        LazyLock::new(|| LadderDeclarations::read(STANDARD_LADDER));
     &DECLARED
 }
 

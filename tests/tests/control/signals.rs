@@ -13,7 +13,7 @@
 use gsk_core::memory::Parameters;
 use gsk_core::operation::{FromPlc, Handshake, Mode, Strobe, ToPlc};
 use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
-use gsk_core::plc::{PlcMemory, PlcAddress};
+use gsk_core::plc::{PlcAddress, PlcMemory};
 use gsk_core::setup::standard_ladder;
 use gsk_core::units::PerAxis;
 

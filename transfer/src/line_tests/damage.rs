@@ -90,11 +90,11 @@ fn about_to(bytes: &[u8]) -> Line {
 /// How many bytes a work takes on both wires.
 fn length(work: Work, bytes: &[u8]) -> [u64; 2] {
     let mut line = about_to(bytes);
-    let before = [0, 1].map(|wire| line.wires[wire].given());
+    let before = [0, 1].map(|wire| line.wires[wire].sent_count());
     work.begin(&mut line, bytes);
     assert_eq!(line.outcome(), work.good(bytes));
     line.rest(100);
-    [0, 1].map(|wire| line.wires[wire].given() - before[wire])
+    [0, 1].map(|wire| line.wires[wire].sent_count() - before[wire])
 }
 
 #[test]
@@ -111,7 +111,7 @@ fn bytes_lost_doubled_and_changed_at_500_places_lose_nothing() {
         // One place, or a few.
         for _ in 0..=random.below(3) {
             let wire = random.below(2) as usize;
-            let at = line.wires[wire].given() + random.below(lengths[wire].max(1));
+            let at = line.wires[wire].sent_count() + random.below(lengths[wire].max(1));
             let damage = match random.below(3) {
                 0 => Damage::Lost,
                 1 => Damage::Doubled,
@@ -148,11 +148,11 @@ fn a_cable_pulled_at_500_places_leaves_all_or_nothing() {
         let mut line = about_to(&bytes);
         // Both directions at once: the cable.
         let wire = random.below(2) as usize;
-        let at = line.wires[wire].given() + random.below(lengths[wire].max(1));
+        let at = line.wires[wire].sent_count() + random.below(lengths[wire].max(1));
         work.begin(&mut line, &bytes);
         let mut outcome = None;
         let mut within = 0;
-        while line.wires[wire].given() <= at && outcome.is_none() && within < 60_000 {
+        while line.wires[wire].sent_count() <= at && outcome.is_none() && within < 60_000 {
             outcome = line.step();
             within += 1;
         }
@@ -227,7 +227,7 @@ fn a_cable_pulled_in_the_first_answer_is_silence_and_no_noise() {
     // A byte takes a millisecond.
     let mut line = Line::at(9600);
     line.pc.order(Order::Connect);
-    while line.wires[1].given() == 0 {
+    while line.wires[1].sent_count() == 0 {
         assert_eq!(line.step(), None);
     }
     // Half of the answer has come.
@@ -243,7 +243,7 @@ fn a_bad_line_is_slow_and_loses_nothing() {
     let mut line = about_to(&bytes);
     for wire in &mut line.wires {
         // One byte of three thousand.
-        let mut at = wire.given();
+        let mut at = wire.sent_count();
         for _ in 0..200 {
             at += 1 + random.below(6000);
             wire.damage(at, Damage::Changed(1 + random.below(255) as u8));

@@ -1,10 +1,10 @@
 //! The input pins: limit switches and emergency stop.
 
-use super::{GrblTwin, State, Variant};
+use super::{GrblState, GrblTwin, Variant};
 
 /// The input pins; true is "switch operated".
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Pins {
+pub struct GrblPins {
     /// Limit of X.
     pub limit_x: bool,
     /// Limit of Z.
@@ -32,43 +32,43 @@ impl GrblTwin {
     /// the beginning; they are operated from there on outwards.
     pub fn place_switches(&mut self, switches: [f64; 2]) {
         self.switches = switches;
-        self.set_switches();
+        self.update_switch_pulses();
     }
 
-    pub(super) fn set_switches(&mut self) {
-        let [x, _, z] = self.settings.axes(100);
+    pub(super) fn update_switch_pulses(&mut self) {
+        let [x, _, z] = self.settings.axis_values(100);
         let [at_x, at_z] = self.switches;
         self.switch_pulses = [(at_x * x).round() as i64, (at_z * z).round() as i64];
     }
 
     /// Limit inputs act on their edges. The 8 bit board looks at no level: letting go
     /// of a switch is an edge too.
-    pub(super) fn watch_pins(&mut self) {
-        let pressed = self.pins.emergency && !self.emergency_was;
-        self.emergency_was = self.pins.emergency;
+    pub(super) fn check_pins(&mut self) {
+        let pressed = self.pins.emergency && !self.previous_emergency;
+        self.previous_emergency = self.pins.emergency;
         match self.variant {
             Variant::Grbl if pressed => self.soft_reset(),
             Variant::GrblHal if pressed => {
-                self.state = State::Alarm;
-                self.say("ALARM:10\r\n");
-                self.start_firmware();
+                self.state = GrblState::Alarm;
+                self.send_text("ALARM:10\r\n");
+                self.restart_firmware();
             }
             _ => {}
         }
         let limits = self.limits();
-        let were = core::mem::replace(&mut self.limits_were, limits);
+        let were = core::mem::replace(&mut self.previous_limits, limits);
         let edge = (0..2).any(|axis| match self.variant {
             Variant::Grbl => limits[axis] != were[axis],
             Variant::GrblHal | Variant::FluidNc => limits[axis] && !were[axis],
         });
-        let watched = !matches!(self.state, State::Alarm | State::Home);
-        if edge && watched && self.settings.is_on(21) && !self.silent {
+        let watched = !matches!(self.state, GrblState::Alarm | GrblState::Home);
+        if edge && watched && self.settings.is_on(21) && !self.waits_for_reset {
             self.planner.clear();
-            self.waiting = None;
+            self.waiting_block = None;
             self.pass = None;
-            self.state = State::Alarm;
-            self.say("ALARM:1\r\n[MSG:Reset to continue]\r\n");
-            self.silent = true;
+            self.state = GrblState::Alarm;
+            self.send_text("ALARM:1\r\n[MSG:Reset to continue]\r\n");
+            self.waits_for_reset = true;
         }
     }
 }

@@ -16,13 +16,13 @@
 use std::collections::VecDeque;
 
 /// Length of a piece of motion in the pulse timer, s.
-const PIECE: f64 = 1e-4;
+const SEGMENT_S: f64 = 1e-4;
 /// The lowest speed the firmware plans with, mm/s.
-const LEAST_SPEED: f64 = 0.05;
+const MIN_SPEED: f64 = 0.05;
 
 /// One straight move.
 #[derive(Clone, Debug)]
-pub(super) struct Block {
+pub(super) struct PlannedBlock {
     /// Pulses of X, Y, Z.
     pub(super) steps: [i64; 3],
     /// Unit vector.
@@ -30,38 +30,38 @@ pub(super) struct Block {
     /// Length, mm.
     pub(super) length: f64,
     /// Wanted speed, mm/s.
-    pub(super) nominal: f64,
+    pub(super) nominal_speed: f64,
     /// Acceleration along the move, mm/s².
     pub(super) acceleration: f64,
     /// Highest speed over the corner before it, mm/s.
-    pub(super) junction: f64,
-    entry: f64,
+    pub(super) junction_speed: f64,
+    entry_speed: f64,
 }
 
-impl Block {
+impl PlannedBlock {
     /// A move that has not been planned yet.
     pub(super) const fn new(
         steps: [i64; 3],
         direction: [f64; 3],
         length: f64,
-        nominal: f64,
+        nominal_speed: f64,
         acceleration: f64,
     ) -> Self {
         Self {
             steps,
             direction,
             length,
-            nominal,
+            nominal_speed,
             acceleration,
-            junction: 0.0,
-            entry: 0.0,
+            junction_speed: 0.0,
+            entry_speed: 0.0,
         }
     }
 }
 
 /// A piece of motion that the pulse timer has been handed.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+struct Segment {
     seconds: f64,
     pulses: [i64; 3],
     speed: f64,
@@ -70,71 +70,71 @@ struct Piece {
 /// The queue, and the move under way.
 #[derive(Clone, Debug)]
 pub(super) struct Planner {
-    blocks: VecDeque<Block>,
+    blocks: VecDeque<PlannedBlock>,
     capacity: usize,
     /// The pulse timer is handed so much motion in advance, s, and has been handed this.
-    ahead: f64,
-    held: f64,
-    handed: VecDeque<Piece>,
+    prepare_ahead_s: f64,
+    prepared_s: f64,
+    segments: VecDeque<Segment>,
     /// Way handed over of the first block, mm.
-    done: f64,
+    front_distance_mm: f64,
     /// Its pulses that were handed over.
-    made: [i64; 3],
+    front_pulses: [i64; 3],
     /// At the end of what was handed over.
     speed: f64,
-    last: Option<([f64; 3], f64)>,
+    last_block: Option<([f64; 3], f64)>,
 }
 
 impl Planner {
-    pub(super) const fn new(capacity: usize, ahead: f64) -> Self {
+    pub(super) const fn new(capacity: usize, prepare_ahead_s: f64) -> Self {
         Self {
             blocks: VecDeque::new(),
             capacity,
-            ahead,
-            held: 0.0,
-            handed: VecDeque::new(),
-            done: 0.0,
-            made: [0; 3],
+            prepare_ahead_s,
+            prepared_s: 0.0,
+            segments: VecDeque::new(),
+            front_distance_mm: 0.0,
+            front_pulses: [0; 3],
             speed: 0.0,
-            last: None,
+            last_block: None,
         }
     }
 
     pub(super) fn clear(&mut self) {
-        *self = Self::new(self.capacity, self.ahead);
+        *self = Self::new(self.capacity, self.prepare_ahead_s);
     }
 
     /// The motion breaks off; what was planned stays.
-    pub(super) fn halt(&mut self) {
+    pub(super) fn dead_stop(&mut self) {
         self.speed = 0.0;
-        self.held = 0.0;
-        self.handed.clear();
+        self.prepared_s = 0.0;
+        self.segments.clear();
     }
 
     /// Nothing is left to be made.
     pub(super) fn is_empty(&self) -> bool {
-        self.blocks.is_empty() && self.handed.is_empty()
+        self.blocks.is_empty() && self.segments.is_empty()
     }
 
     /// It has braked to a standstill, or has come to its end.
-    pub(super) fn stands(&self) -> bool {
-        self.handed.is_empty() && (self.speed <= 0.0 || self.blocks.is_empty())
+    pub(super) fn is_stopped(&self) -> bool {
+        self.segments.is_empty() && (self.speed <= 0.0 || self.blocks.is_empty())
     }
 
     pub(super) fn is_full(&self) -> bool {
         self.blocks.len() >= self.capacity
     }
 
-    pub(super) fn free(&self) -> usize {
+    pub(super) fn free_blocks(&self) -> usize {
         self.capacity.saturating_sub(self.blocks.len())
     }
 
     /// Pulses still to be made.
-    pub(super) fn pulses_ahead(&self) -> [i64; 3] {
-        let mut ahead = self.made.map(|made| -made);
+    pub(super) fn pending_pulses(&self) -> [i64; 3] {
+        let mut ahead = self.front_pulses.map(|made| -made);
         let planned = self.blocks.iter().map(|block| block.steps);
-        let handed = self.handed.iter().map(|piece| piece.pulses);
-        for steps in planned.chain(handed) {
+        let segments = self.segments.iter().map(|segment| segment.pulses);
+        for steps in planned.chain(segments) {
             for (sum, steps) in ahead.iter_mut().zip(steps) {
                 *sum += steps;
             }
@@ -144,40 +144,40 @@ impl Planner {
 
     /// Speed along the path, mm/s.
     pub(super) fn speed(&self) -> f64 {
-        self.handed.front().map_or(0.0, |piece| piece.speed)
+        self.segments.front().map_or(0.0, |segment| segment.speed)
     }
 
     /// Puts a move behind the others; `deviation` is the setting $11, mm.
-    pub(super) fn push(&mut self, mut block: Block, deviation: f64) {
-        block.junction = match self.last {
+    pub(super) fn push(&mut self, mut block: PlannedBlock, deviation: f64) {
+        block.junction_speed = match self.last_block {
             Some((before, nominal)) if !self.blocks.is_empty() => {
                 junction_speed(before, block.direction, block.acceleration, deviation)
                     .min(nominal)
-                    .min(block.nominal)
+                    .min(block.nominal_speed)
             }
             _ => 0.0,
         };
-        self.last = Some((block.direction, block.nominal));
+        self.last_block = Some((block.direction, block.nominal_speed));
         self.blocks.push_back(block);
-        self.plan();
+        self.replan();
     }
 
     /// From the end, where everything must be able to stand, back to the front,
     /// then forward: what acceleration can reach.
-    fn plan(&mut self) {
+    fn replan(&mut self) {
         let mut exit = 0.0_f64;
         for block in self.blocks.iter_mut().skip(1).rev() {
             let braking = (exit * exit + 2.0 * block.acceleration * block.length).sqrt();
-            block.entry = block.junction.min(braking);
-            exit = block.entry;
+            block.entry_speed = block.junction_speed.min(braking);
+            exit = block.entry_speed;
         }
         let mut reach = f64::INFINITY;
         for (index, block) in self.blocks.iter_mut().enumerate() {
             let (entry, length) = if index == 0 {
-                (self.speed, block.length - self.done)
+                (self.speed, block.length - self.front_distance_mm)
             } else {
-                block.entry = block.entry.min(reach);
-                (block.entry, block.length)
+                block.entry_speed = block.entry_speed.min(reach);
+                (block.entry_speed, block.length)
             };
             reach = (entry * entry + 2.0 * block.acceleration * length).sqrt();
         }
@@ -185,68 +185,68 @@ impl Planner {
 
     /// Lets time pass, s; `hold` brakes to a standstill. Gives the pulses made.
     pub(super) fn advance(&mut self, seconds: f64, hold: bool) -> [i64; 3] {
-        while self.held < self.ahead.max(seconds) {
-            let (pulses, made) = self.hand_over(PIECE, hold);
+        while self.prepared_s < self.prepare_ahead_s.max(seconds) {
+            let (pulses, made) = self.prepare_segment(SEGMENT_S, hold);
             if made <= 0.0 {
                 break;
             }
-            self.handed.push_back(Piece {
+            self.segments.push_back(Segment {
                 seconds: made,
                 pulses,
                 speed: self.speed,
             });
-            self.held += made;
+            self.prepared_s += made;
         }
-        self.coast(seconds)
+        self.advance_prepared(seconds)
     }
 
     /// Lets time pass, s, in which the pulse timer is handed nothing more. Gives the
     /// pulses made.
-    pub(super) fn coast(&mut self, mut seconds: f64) -> [i64; 3] {
+    pub(super) fn advance_prepared(&mut self, mut seconds: f64) -> [i64; 3] {
         let mut sum = [0; 3];
         let whole = seconds;
         while seconds > 1e-12 {
-            let Some(piece) = self.handed.front_mut() else {
+            let Some(segment) = self.segments.front_mut() else {
                 break;
             };
-            let share = (seconds / piece.seconds).min(1.0);
-            let due = piece.pulses.map(|pulses| (pulses as f64 * share) as i64);
+            let share = (seconds / segment.seconds).min(1.0);
+            let due = segment.pulses.map(|pulses| (pulses as f64 * share) as i64);
             for (axis, due) in due.into_iter().enumerate() {
                 sum[axis] += due;
-                piece.pulses[axis] -= due;
+                segment.pulses[axis] -= due;
             }
-            seconds -= piece.seconds * share;
-            piece.seconds *= 1.0 - share;
-            if piece.seconds <= 1e-12 {
+            seconds -= segment.seconds * share;
+            segment.seconds *= 1.0 - share;
+            if segment.seconds <= 1e-12 {
                 for (axis, sum) in sum.iter_mut().enumerate() {
-                    *sum += piece.pulses[axis];
+                    *sum += segment.pulses[axis];
                 }
-                self.handed.pop_front();
+                self.segments.pop_front();
             }
         }
-        let left = self.held - (whole - seconds);
-        self.held = if self.handed.is_empty() { 0.0 } else { left };
+        let left = self.prepared_s - (whole - seconds);
+        self.prepared_s = if self.segments.is_empty() { 0.0 } else { left };
         sum
     }
 
     /// The next so many seconds of motion, fewer at the end: pulses, and how long they
     /// take.
-    fn hand_over(&mut self, wanted: f64, hold: bool) -> ([i64; 3], f64) {
+    fn prepare_segment(&mut self, wanted: f64, hold: bool) -> ([i64; 3], f64) {
         let mut seconds = wanted;
         let mut pulses = [0; 3];
         while seconds > 1e-12 {
-            let exit = self.blocks.get(1).map_or(0.0, |next| next.entry);
+            let exit = self.blocks.get(1).map_or(0.0, |next| next.entry_speed);
             let Some(block) = self.blocks.front() else {
                 self.speed = 0.0;
                 break;
             };
-            let left = block.length - self.done;
+            let left = block.length - self.front_distance_mm;
             let braking = (exit * exit + 2.0 * block.acceleration * left).sqrt();
             let change = block.acceleration * seconds;
             let aimed = if hold {
                 0.0
             } else {
-                block.nominal.min(braking)
+                block.nominal_speed.min(braking)
             };
             let next = if aimed > self.speed {
                 aimed.min(self.speed + change)
@@ -259,19 +259,19 @@ impl Planner {
                 self.speed = 0.0;
                 break;
             }
-            let mean = (f64::midpoint(self.speed, next)).max(LEAST_SPEED);
+            let mean = (f64::midpoint(self.speed, next)).max(MIN_SPEED);
             let needed = left / mean;
             self.speed = next;
             if needed > seconds {
-                self.done += mean * seconds;
+                self.front_distance_mm += mean * seconds;
                 seconds = 0.0;
             } else {
-                self.done = block.length;
+                self.front_distance_mm = block.length;
                 seconds -= needed;
             }
-            let finished = self.done >= block.length;
+            let finished = self.front_distance_mm >= block.length;
             let share = if block.length > 0.0 {
-                self.done / block.length
+                self.front_distance_mm / block.length
             } else {
                 1.0
             };
@@ -281,13 +281,13 @@ impl Planner {
                 } else {
                     (block.steps[axis] as f64 * share) as i64
                 };
-                *sum += due - self.made[axis];
-                self.made[axis] = due;
+                *sum += due - self.front_pulses[axis];
+                self.front_pulses[axis] = due;
             }
             if finished {
                 self.blocks.pop_front();
-                self.done = 0.0;
-                self.made = [0; 3];
+                self.front_distance_mm = 0.0;
+                self.front_pulses = [0; 3];
             }
         }
         (pulses, wanted - seconds)
@@ -311,12 +311,12 @@ fn junction_speed(before: [f64; 3], after: [f64; 3], acceleration: f64, deviatio
 mod tests {
     use super::*;
 
-    fn along_x(steps: i64, nominal: f64, acceleration: f64) -> Block {
-        Block::new(
+    fn along_x(steps: i64, nominal_speed: f64, acceleration: f64) -> PlannedBlock {
+        PlannedBlock::new(
             [steps, 0, 0],
             [1.0, 0.0, 0.0],
             steps as f64 / 100.0,
-            nominal,
+            nominal_speed,
             acceleration,
         )
     }
@@ -348,7 +348,7 @@ mod tests {
         for _ in 0..10 {
             planner.push(along_x(100, 20.0, 4000.0), 0.02);
         }
-        assert_eq!(planner.free(), 5);
+        assert_eq!(planner.free_blocks(), 5);
         let (seconds, pulses) = drain(&mut planner);
         assert_eq!(pulses, 1000);
         assert!((seconds - 0.505).abs() < 0.01, "{seconds}");
@@ -375,8 +375,8 @@ mod tests {
         }
         // 21 ms are made, 50 ms lie in the pulse timer.
         assert!((40..=42).contains(&x), "{x}");
-        assert_eq!(planner.free(), 15 - 3);
-        assert_eq!(planner.pulses_ahead(), [200 - x, 0, 0]);
+        assert_eq!(planner.free_blocks(), 15 - 3);
+        assert_eq!(planner.pending_pulses(), [200 - x, 0, 0]);
     }
 
     #[test]
@@ -391,7 +391,7 @@ mod tests {
             x += planner.advance(1e-4, true)[0];
         }
         // 3 mm until then, 1 mm handed over, 1 mm of braking.
-        assert!(planner.stands() && (495..=505).contains(&x), "{x}");
+        assert!(planner.is_stopped() && (495..=505).contains(&x), "{x}");
         assert_eq!(x + drain(&mut planner).1, 1000);
     }
 }

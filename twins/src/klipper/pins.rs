@@ -16,14 +16,14 @@ pub(super) const PORTS: [(&str, u32); 11] = [
     ("PL", 88),
 ];
 /// Pins with pulses of a width, but those of timer 1.
-const PULSE_WIDTHS: [&str; 13] = [
+const PWM_PINS: [&str; 13] = [
     "PB7", "PG5", "PB4", "PH6", "PE3", "PE4", "PE5", "PH3", "PH4", "PH5", "PL3", "PL4", "PL5",
 ];
 /// Those of timer 1, which makes the clock of the firmware.
 const TIMER_1: [&str; 2] = ["PB5", "PB6"];
 
 /// The number of a pin.
-pub(super) fn number(name: &str) -> Option<u32> {
+pub(super) fn pin_number(name: &str) -> Option<u32> {
     let (port, bit) = name.split_at_checked(2)?;
     let (_, first) = PORTS.iter().find(|(known, _)| *known == port)?;
     let bit: u32 = bit.parse().ok().filter(|bit| *bit < 8)?;
@@ -37,7 +37,7 @@ fn exists(pin: u32) -> bool {
 }
 
 /// An output is set up.
-pub(super) fn output(pin: u32) -> Result<(), &'static str> {
+pub(super) fn check_output(pin: u32) -> Result<(), &'static str> {
     if exists(pin) {
         return Ok(());
     }
@@ -45,7 +45,7 @@ pub(super) fn output(pin: u32) -> Result<(), &'static str> {
 }
 
 /// An input is set up.
-pub(super) fn input(pin: u32) -> Result<(), &'static str> {
+pub(super) fn check_input(pin: u32) -> Result<(), &'static str> {
     if exists(pin) {
         return Ok(());
     }
@@ -53,12 +53,12 @@ pub(super) fn input(pin: u32) -> Result<(), &'static str> {
 }
 
 /// An output of pulses of a width is set up.
-pub(super) fn pulse_width(pin: u32) -> Result<(), &'static str> {
-    let among = |names: &[&str]| names.iter().any(|name| number(name) == Some(pin));
+pub(super) fn check_pwm(pin: u32) -> Result<(), &'static str> {
+    let among = |names: &[&str]| names.iter().any(|name| pin_number(name) == Some(pin));
     if among(&TIMER_1) {
         return Err("Can not use timer1 for PWM; timer1 is used for timers");
     }
-    if among(&PULSE_WIDTHS) {
+    if among(&PWM_PINS) {
         return Ok(());
     }
     Err("Not a valid PWM pin")

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 /// Steps the host has queued as one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Move {
+pub(super) struct StepperMove {
     pub(super) interval: i64,
     pub(super) count: u32,
     pub(super) add: i64,
@@ -13,9 +13,9 @@ pub(super) struct Move {
 
 #[derive(Clone, Debug)]
 pub(super) struct Stepper {
-    queue: VecDeque<Move>,
+    queue: VecDeque<StepperMove>,
     /// The move under way, with the interval of its next step.
-    active: Option<Move>,
+    active: Option<StepperMove>,
     /// Clock of the next step, or of the last one when it stands.
     next: i64,
     pub(super) position: i64,
@@ -24,16 +24,16 @@ pub(super) struct Stepper {
     /// After a stop what is queued is dropped until the clock is set.
     needs_clock: bool,
     /// The stop group it belongs to.
-    pub(super) group: Option<u32>,
+    pub(super) trsync: Option<u32>,
 }
 
 /// What a queued move leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Queued {
+pub(super) enum QueueResult {
     /// It waits behind others.
-    Waits,
+    Waiting,
     /// It starts at this clock.
-    Starts(i64),
+    Started(i64),
     /// It was dropped.
     Dropped,
 }
@@ -47,7 +47,7 @@ impl Stepper {
             position: 0,
             up: false,
             needs_clock: true,
-            group: None,
+            trsync: None,
         }
     }
 
@@ -57,11 +57,11 @@ impl Stepper {
     }
 
     /// Entries it has in the common queue; the move under way has left it.
-    pub(super) fn waiting(&self) -> usize {
+    pub(super) fn queue_length(&self) -> usize {
         self.queue.len()
     }
 
-    pub(super) fn set_clock(&mut self, clock: i64) -> Result<(), &'static str> {
+    pub(super) fn reset_step_clock(&mut self, clock: i64) -> Result<(), &'static str> {
         if self.active.is_some() {
             return Err("Can't reset time when stepper active");
         }
@@ -70,8 +70,8 @@ impl Stepper {
         Ok(())
     }
 
-    pub(super) fn queue(&mut self, interval: u32, count: u32, add: i32) -> Queued {
-        let new = Move {
+    pub(super) fn queue(&mut self, interval: u32, count: u32, add: i32) -> QueueResult {
+        let new = StepperMove {
             interval: interval.into(),
             count,
             add: add.into(),
@@ -79,16 +79,16 @@ impl Stepper {
         };
         if self.active.is_some() {
             self.queue.push_back(new);
-            return Queued::Waits;
+            return QueueResult::Waiting;
         }
         if self.needs_clock {
-            return Queued::Dropped;
+            return QueueResult::Dropped;
         }
-        self.load(new);
-        Queued::Starts(self.next)
+        self.start_move(new);
+        QueueResult::Started(self.next)
     }
 
-    fn load(&mut self, new: Move) {
+    fn start_move(&mut self, new: StepperMove) {
         self.next += new.interval;
         self.active = Some(new);
     }
@@ -110,7 +110,7 @@ impl Stepper {
         self.active = None;
         let next = self.queue.pop_front();
         if let Some(next) = next {
-            self.load(next);
+            self.start_move(next);
         }
         (up, next.is_some())
     }
@@ -121,6 +121,6 @@ impl Stepper {
         self.active = None;
         self.up = false;
         self.needs_clock = true;
-        self.group = None;
+        self.trsync = None;
     }
 }

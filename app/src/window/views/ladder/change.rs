@@ -2,7 +2,7 @@
 //! instructions.
 
 use gsk_core::plc::address::BitAddress;
-use gsk_core::plc::{RungBody, Branch, Contact, Element, Mnemonic, Network, Operand, Statement};
+use gsk_core::plc::{Branch, Contact, Element, Mnemonic, Network, Operand, RungBody, Statement};
 
 /// What is done to a contact or a coil.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

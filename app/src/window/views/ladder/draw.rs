@@ -6,7 +6,8 @@ use egui::{
 };
 use gsk_core::plc::address::BitAddress;
 use gsk_core::plc::{
-    RungBody, Contact, Element, Ladder, PlcMemory, Mnemonic, Operand, PowerFlow, Statement, PlcAddress,
+    Contact, Element, Ladder, Mnemonic, Operand, PlcAddress, PlcMemory, PowerFlow, RungBody,
+    Statement,
 };
 use gsk_panel::pages::signal_meaning;
 

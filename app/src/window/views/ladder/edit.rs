@@ -302,7 +302,9 @@ impl LadderView {
             return;
         };
         if let Some(lines) = lines(&network) {
-            let text = draft.ladder().source_with_rung(network.number, &lines.join("\n"));
+            let text = draft
+                .ladder()
+                .source_with_rung(network.number, &lines.join("\n"));
             draft.set(text, None);
         }
     }

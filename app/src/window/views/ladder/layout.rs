@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use egui::{Vec2, vec2};
-use gsk_core::plc::{RungBody, Element, Ladder, Network, Statement};
+use gsk_core::plc::{Element, Ladder, Network, RungBody, Statement};
 
 use super::value::operand_count;
 

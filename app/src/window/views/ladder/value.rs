@@ -1,6 +1,6 @@
 //! What the operands of an instruction are called, and what they hold.
 
-use gsk_core::plc::{Area, ByteAddress, OperandKind, PlcMemory, Mnemonic, Operand, Statement};
+use gsk_core::plc::{Area, ByteAddress, Mnemonic, Operand, OperandKind, PlcMemory, Statement};
 
 use gsk_messages::{Language, say};
 
@@ -20,9 +20,10 @@ pub fn role(kind: OperandKind, language: Language) -> String {
         OperandKind::ThreeCoils => return "> = <".to_owned(),
         OperandKind::Length => say::ladder_operand_bytes(),
         OperandKind::Value | OperandKind::Source => say::ladder_operand_input(),
-        OperandKind::Target | OperandKind::DecodeTarget | OperandKind::TableTarget | OperandKind::RotationTarget => {
-            say::ladder_operand_result()
-        }
+        OperandKind::Target
+        | OperandKind::DecodeTarget
+        | OperandKind::TableTarget
+        | OperandKind::RotationTarget => say::ladder_operand_result(),
         OperandKind::Index => say::ladder_operand_index(),
         OperandKind::Position => say::ladder_operand_position(),
         OperandKind::Timer => say::ladder_operand_timer(),
