@@ -1,9 +1,9 @@
-//! Boards of the Grbl family: Grbl 1.1h on an 8 bit processor, grblHAL, and FluidNC.
+//! Twins of Grbl boards: Grbl 1.1h on an 8 bit processor, grblHAL, and FluidNC.
 //!
-//! What hosts trip over is modelled on purpose: a receive buffer that drops what
-//! does not fit, characters that act at once wherever they stand, a carriage
-//! return that ends a line of its own, silence after a hard limit, answers that
-//! say "read", not "done", and a reset whenever the port is opened.
+//! They model on purpose what hosts get wrong: a receive buffer that drops what does not
+//! fit, realtime characters that act within a line, a carriage return that ends a line of
+//! its own, silence after a hard limit, an `ok` that means "read" and not "done", and a
+//! reset whenever the port is opened.
 
 mod block;
 mod config;
@@ -29,32 +29,32 @@ pub use settings::GrblSettings;
 use spindle::ThreadPass;
 pub use spindle::{GrblSpindle, PassTrace};
 
-/// One step of virtual time, ns.
+/// Step of virtual time, ns.
 const STEP_NS: u64 = 100_000;
-/// Time a line takes besides its bytes: 447 lines a second, ns.
+/// Processing time of a line, ns: 447 lines/s.
 const LINE_NS: u64 = 2_237_000;
-/// From standstill until the board calls the hold complete, ns.
+/// Time from standstill until the board reports the hold as complete, ns.
 const HOLD_SETTLE_NS: u64 = 35_000_000;
-/// From power or reset line to the banner, ns.
+/// Time from power-on or reset line to the banner, ns.
 const BOOT_NS: u64 = 1_500_000_000;
-/// Writing a setting stops the interrupts so long, ns.
+/// Time for which writing a setting disables interrupts, ns.
 const SETTING_WRITE_NS: u64 = 14_000_000;
-/// The longest line.
+/// Maximum length of a line.
 const MAX_LINE_BYTES: usize = 80;
-/// The slowest cut the planner makes, mm/s (1 mm/min).
+/// Minimum speed of a cut in the planner, mm/s (1 mm/min).
 const MIN_CUT_SPEED: f64 = 1.0 / 60.0;
-/// Reports between two that name the work offset.
+/// Number of status reports from one work offset to the next.
 const REPORTS_PER_OFFSET: u32 = 10;
 
-/// Which firmware.
+/// The firmware of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variant {
-    /// Grbl 1.1h: 15 blocks, 128 bytes.
+    /// Grbl 1.1h: planner with 15 blocks, receive buffer of 128 bytes.
     Grbl,
-    /// grblHAL: 100 blocks, 1024 bytes; after an error every line is refused
-    /// until an empty one comes.
+    /// grblHAL: planner with 100 blocks, receive buffer of 1024 bytes. After an error it
+    /// refuses all lines until an empty line.
     GrblHal,
-    /// FluidNC 4.0 on an ESP32: its settings are a tree of named items.
+    /// FluidNC 4.0 on an ESP32. Its settings are a tree of named items.
     FluidNc,
 }
 
@@ -66,8 +66,8 @@ impl Variant {
         }
     }
 
-    /// Motion the pulse timer is handed in advance, s: pieces of 10 ms, of which the last
-    /// is being made.
+    /// Returns the duration of the motion prepared for the pulse timer, s, in segments of
+    /// 10 ms.
     const fn prepared_s(self) -> f64 {
         match self {
             Self::Grbl => 0.045,
@@ -100,48 +100,47 @@ impl Variant {
     }
 }
 
-/// What the board is doing.
+/// The state of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GrblState {
-    /// Nothing.
+    /// No motion.
     Idle,
-    /// Moving.
+    /// In motion.
     Run,
-    /// Braking to a hold, or held.
+    /// Feed hold.
     Hold {
-        /// It stands.
+        /// Whether the axes have stopped.
         complete: bool,
     },
-    /// Seeking its switches.
+    /// Homing.
     Home,
-    /// Locked.
+    /// Locked by an alarm.
     Alarm,
-    /// Reads programs without moving.
+    /// Check mode: the board reads programs without motion.
     Check,
-    /// FluidNC after a hard limit or an emergency stop: it says it is locked, takes every
-    /// block, and carries none out until a reset.
+    /// FluidNC after a hard limit or an emergency stop: it reports an alarm, accepts all
+    /// blocks, but executes none until a reset.
     Critical,
     /// FluidNC before it has read its configuration.
     Starting,
 }
 
-/// A board, its two wires and its pins, in virtual time.
+/// A Grbl board with its two serial lines and its pins, in virtual time.
 #[derive(Clone, Debug)]
 pub struct GrblTwin {
     variant: Variant,
     now: u64,
-    /// Host to board.
+    /// Serial line from the host to the board.
     pub to_board: Wire,
-    /// Board to host.
+    /// Serial line from the board to the host.
     pub to_host: Wire,
-    /// The input pins; the switches below are added.
+    /// Input pins, in addition to the limit switches of [`GrblTwin::place_switches`].
     pub pins: GrblPins,
-    /// Where the limit switches of X and Z are, mm from where the slides stood at the
-    /// beginning; operated from there on outwards.
+    /// Positions of the limit switches of X and Z relative to the slides at power-on, mm.
     switches: [f64; 2],
-    /// The same in pulses.
+    /// Positions of the limit switches, pulses.
     switch_pulses: [i64; 2],
-    /// Limit inputs at the last look.
+    /// Limit inputs at the last check.
     previous_limits: [bool; 2],
     previous_emergency: bool,
     homing: Option<GrblHoming>,
@@ -150,25 +149,25 @@ pub struct GrblTwin {
     line: Vec<u8>,
     in_comment: bool,
     too_long: bool,
-    /// The firmware is busy until then.
+    /// Time until which the firmware is busy, ns.
     busy_until: u64,
-    /// The receive interrupt is off until then.
+    /// Time until which the receive interrupt is off, ns.
     deaf_until: u64,
     boots_at: Option<u64>,
-    /// A block that waits for a place in the queue, or for the queue to be empty.
+    /// A block that waits for a free planner block or an empty queue.
     waiting_block: Option<ParsedBlock>,
-    /// The line under way is answered then: a dwell, a setting being written.
+    /// Time at which the current line is answered, after a dwell or a setting, ns.
     answer_at: Option<u64>,
     modal: Modal,
     planner: Planner,
-    /// Pulses made since power-on, X, Y, Z: what a counter at the pins reads.
+    /// Pulses of X, Y, Z since power-on, as a counter at the pins reads them.
     pulses: [i64; 3],
-    /// What the firmware believes, pulses.
+    /// Position of the firmware, pulses.
     position: [i64; 3],
-    /// By so much it reports another place.
+    /// Error added to the reported position, pulses.
     position_error: [i64; 3],
     state: GrblState,
-    /// After a hard limit: nothing but a reset is heard.
+    /// After a hard limit the board ignores everything except a reset.
     waits_for_reset: bool,
     stopped_since: Option<u64>,
     report_due: bool,
@@ -179,23 +178,23 @@ pub struct GrblTwin {
     spindle: GrblSpindle,
     pass: Option<ThreadPass>,
     passes: Vec<PassTrace>,
-    /// A hold was asked for in a pass, and comes behind it.
+    /// A feed hold during a thread pass, which acts at its end.
     hold_pending: bool,
-    /// The main loop waits for what never comes; a reset ends it.
+    /// The main loop waits forever; only a reset ends it.
     main_loop_blocked: bool,
-    /// Time of this step that a pass has more, or (negative) less, s.
+    /// Time that this step adds to a thread pass, s; negative if it starts within the step.
     pass_time_offset_s: f64,
-    /// Of G54, mm; kept without power.
+    /// Work offset of G54, mm, kept without power.
     work_offset: [f64; 3],
     fluid: FluidState,
-    /// Macros FluidNC was told to run, by a character of its own.
+    /// Number of FluidNC macros started by a realtime character.
     pub macro_count: u32,
-    /// Resets it has carried out since power-on, whether it moved or not.
+    /// Number of resets since power-on, in motion or not.
     pub reset_count: u32,
 }
 
 impl GrblTwin {
-    /// A board that has just got power, with the settings it holds.
+    /// Creates a board that has just been switched on, with its stored settings.
     pub fn new(variant: Variant, settings: GrblSettings) -> Self {
         let mut twin = Self {
             variant,
@@ -247,59 +246,60 @@ impl GrblTwin {
         twin
     }
 
-    /// What the board is doing.
+    /// Returns the state of the board.
     pub const fn state(&self) -> GrblState {
         self.state
     }
 
-    /// Pulses made since power-on, X and Z: what a counter at the pins reads.
+    /// Returns the pulses of X and Z since power-on, as a counter at the pins reads them.
     pub const fn pulses(&self) -> [i64; 2] {
         [self.pulses[0], self.pulses[2]]
     }
 
-    /// The firmware loses count: it believes to stand so many pulses beside its place.
+    /// Adds an error to the position that the firmware reports, pulses of X and Z.
     pub const fn add_position_error(&mut self, [x, z]: [i64; 2]) {
         self.position_error[0] += x;
         self.position_error[2] += z;
     }
 
-    /// Another program has set the offset of G54 for X and Z, mm.
+    /// Sets the work offset of G54 for X and Z, mm, as another program does.
     pub const fn set_work_offset(&mut self, [x, z]: [f64; 2]) {
         self.work_offset = [x, 0.0, z];
     }
 
-    /// Its settings.
+    /// Returns the settings.
     pub const fn settings(&self) -> &GrblSettings {
         &self.settings
     }
 
-    /// Its settings, for somebody who has another way into the board.
+    /// Returns the mutable settings, as if another program had changed them.
     pub const fn settings_mut(&mut self) -> &mut GrblSettings {
         &mut self.settings
     }
 
-    /// The spindle word in force (3, 4, 5), its speed, and coolant.
+    /// Returns the spindle code (3, 4 or 5 of M03 to M05), the S value, and whether coolant
+    /// is on.
     pub const fn outputs(&self) -> (u8, f64, bool) {
         (self.spindle_code, self.modal.speed, self.coolant)
     }
 
-    /// Virtual time, ns.
+    /// Returns the virtual time, ns.
     pub const fn now(&self) -> u64 {
         self.now
     }
 
-    /// The host writes bytes.
+    /// Sends bytes from the host to the board.
     pub fn write(&mut self, bytes: &[u8]) {
         self.to_board.send(bytes, self.now);
     }
 
-    /// What has arrived at the host.
+    /// Returns the bytes that have arrived at the host.
     pub fn read(&mut self) -> Vec<u8> {
         let now = self.now;
         core::iter::from_fn(|| self.to_host.receive(now)).collect()
     }
 
-    /// Lets time pass, ns.
+    /// Advances the virtual time by `ns`.
     pub fn advance(&mut self, ns: u64) {
         let end = self.now + ns;
         while self.now < end {
@@ -348,8 +348,8 @@ impl GrblTwin {
         })
     }
 
-    /// The receive interrupt: some characters act at once, the others go into
-    /// the buffer, or nowhere when it is full.
+    /// Receive interrupt: executes realtime characters and stores the others in the buffer.
+    /// Bytes that do not fit are lost.
     fn receive_bytes(&mut self) {
         while let Some(byte) = self.to_board.receive(self.now) {
             if self.now < self.deaf_until || self.boots_at.is_some() {
@@ -426,7 +426,8 @@ impl GrblTwin {
         }
     }
 
-    /// The count goes on where the motor of an axis is kept from making pulses.
+    /// Adds pulses to the position. A blocked motor does not move, but the position still
+    /// changes.
     const fn count_pulses(&mut self, axis: usize, count: i64) {
         self.position[axis] += count;
         if !self.is_limited(axis) {
@@ -435,9 +436,9 @@ impl GrblTwin {
     }
 
     fn send_report(&mut self) {
-        // The 8 bit board does not answer while it seeks its switches.
+        // Grbl 1.1h does not report during homing.
         let deaf = self.homing.is_some() && self.variant == Variant::Grbl;
-        // Nor does the larger one while it waits for the one-turn signal.
+        // grblHAL does not report while a thread pass waits for the index signal.
         let deaf = deaf || self.pass.is_some_and(|pass| pass.is_waiting_for_index());
         if deaf || !core::mem::take(&mut self.report_due) || self.waits_for_reset {
             return;

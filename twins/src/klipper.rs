@@ -1,11 +1,11 @@
-//! A board with Klipper firmware on an 8 bit processor of 16 MHz.
+//! Twin of a board with Klipper firmware on an 8 bit processor at 16 MHz.
 //!
-//! It makes steps at the clocks it is told, stops both axes by itself when a switch
-//! is operated or its host falls silent, and shuts down whenever it is asked for
-//! something it cannot do: a step in the past, a queue that is full, an output that
-//! is not renewed. What hosts trip over is modelled on purpose: replies that are
-//! lost for good, a stop that forgets direction and step clock, a dropped queue, a
-//! receive buffer that overflows, a configuration that outlives the host.
+//! It makes steps at the commanded clocks, stops both axes when a switch trips or the host
+//! does not renew its timeout, and shuts down on every request it cannot carry out: a step
+//! in the past, a full move queue, an output that is not renewed. It models on purpose what
+//! hosts get wrong: lost replies that are not repeated, a stop that clears direction and
+//! step clock, a discarded queue, a receive buffer that overflows, and a configuration that
+//! outlives the host.
 
 mod block;
 mod commands;
@@ -27,42 +27,42 @@ use spindle::KlipperSpindle;
 pub use spindle::SpindleWiring;
 use stepper::Stepper;
 
-/// Ticks a second, and places of the common queue.
+/// Clock frequency, Hz, and number of entries in the move queue shared by all objects.
 const CLOCK_HZ: u32 = 16_000_000;
 const MOVE_QUEUE_SIZE: usize = 657;
-/// Bytes the receive buffer holds.
+/// Capacity of the receive buffer.
 const RECEIVE_WINDOW_BYTES: usize = 192;
-/// From a reset to the first word, ns.
+/// Time from a reset to the first message, ns.
 const BOOT_NS: u64 = 60_000_000;
-/// Time a block takes, and each command in it, ns.
+/// Processing time of a block and of each command in it, ns.
 const BLOCK_NS: u64 = 40_000;
 const COMMAND_NS: u64 = 60_000;
-/// Time a step takes; a timer that is later than the second ends it all, ns.
+/// Processing time of a step, ns, and the delay of a timer that causes a shutdown, ns.
 const STEP_NS: i64 = 11_000;
 const TOO_LATE_NS: i64 = 1_000_000;
-/// Between two words about its load, s.
+/// Interval of `stats` messages, s.
 const STATS_S: i64 = 5;
 
-/// What the board is doing.
+/// The state of the firmware.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KlipperState {
-    /// It starts.
+    /// The firmware is starting.
     Booting,
-    /// It works.
+    /// The firmware is running.
     Running,
-    /// It has given up, for this reason.
+    /// The firmware has shut down for this reason.
     Shutdown(&'static str),
 }
 
-/// How the board is made.
+/// Properties of the board's hardware and firmware build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KlipperHardware {
-    /// Bits a second of its line.
+    /// Rate of the serial line, bits/s.
     pub baud: u32,
-    /// Its clock is so much too fast, millionths.
+    /// Clock error, millionths; positive if the clock is too fast.
     pub clock_error_ppm: i32,
-    /// It knows the command `reset`; if not, it forgets its configuration only when it
-    /// is shut down.
+    /// Whether the firmware has the command `reset`. Without it, only a shutdown lets the
+    /// host clear the configuration.
     pub has_reset_command: bool,
 }
 
@@ -76,17 +76,17 @@ impl Default for KlipperHardware {
     }
 }
 
-/// A switch, or the zero signal of a motor, on the way of a slide: high while the
-/// count of its stepper is from `from` to `to`, once or once a turn.
+/// A switch on the travel of a slide, or the index signal of a motor. It is high while the
+/// stepper is between two positions, once or in every turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TravelSwitch {
-    /// First or second stepper.
+    /// Index of the stepper, 0 or 1.
     pub stepper: usize,
-    /// First pulse on it.
+    /// First position at which it is high, pulses.
     pub first_pulse: i64,
-    /// Last pulse on it.
+    /// Last position at which it is high, pulses.
     pub last_pulse: i64,
-    /// Pulses of a turn, when it comes once a turn.
+    /// Pulses per turn for a signal in every turn; `None` for a switch.
     pub pulses_per_turn: Option<i64>,
 }
 
@@ -102,76 +102,76 @@ impl TravelSwitch {
     }
 }
 
-/// A board, its two wires and its pins, in virtual time.
+/// A Klipper board with its two serial lines and its pins, in virtual time.
 #[derive(Clone, Debug)]
 pub struct KlipperTwin {
     now: u64,
-    /// Host to board.
+    /// Serial line from the host to the board.
     pub to_board: Wire,
-    /// Board to host.
+    /// Serial line from the board to the host.
     pub to_host: Wire,
-    /// Real ticks in a thousand seconds.
+    /// Real clock ticks in 1000 s.
     ticks_per_1000_s: u64,
-    /// When the clock was zero, ns.
+    /// Time at which the clock was 0, ns.
     clock_zero_ns: u64,
     boots_at: Option<u64>,
     shutdown: Option<&'static str>,
     received: VecDeque<u8>,
-    /// Bytes up to the next 7E are dropped; the host has been told.
+    /// The firmware drops bytes up to the next 7E. It has already sent its acknowledgement.
     needs_sync: bool,
     next_sequence: u8,
     busy_until: u64,
     dictionary: Vec<u8>,
     crc: Option<u32>,
-    /// How many oids there may be, once the host has said so.
+    /// Number of object ids that the host has allocated.
     oid_count: Option<u32>,
     oids: BTreeMap<u32, ConfigObject>,
-    /// Steps done until this clock; a busy processor makes them late.
+    /// Clock at which the processor has finished its last step. Later steps wait for it.
     processor_free_at: i64,
     stats_at: i64,
     input_levels: BTreeMap<u32, bool>,
-    /// Switches on the way of the slides.
+    /// Switches on the travel of the slides, by pin number.
     travel_switches: BTreeMap<u32, TravelSwitch>,
     spindle: Option<KlipperSpindle>,
-    /// Steps made since they are recorded.
+    /// Steps since recording started; `None` if it is off.
     recorded_steps: Option<Vec<MadeStep>>,
-    /// Pulses made since power-on at the steppers, in the order of their oids.
+    /// Pulses since power-on of each stepper, in the order of their oids.
     pulses: [i64; 2],
     last_pulse_ns: u64,
-    /// When the commands of the last second were carried out.
+    /// Execution times of the commands of the last second, ns.
     recent_command_times: VecDeque<u64>,
     statistics: KlipperStatistics,
 }
 
-/// What a test wants to know.
+/// Statistics of the board since power-on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KlipperStatistics {
-    /// Most places ever in use of the common queue.
+    /// Maximum number of entries in the shared move queue.
     pub max_queue_entries: usize,
-    /// Shortest time from a step's command to the step, ns.
+    /// Shortest time from the command of a move to its first step, ns.
     pub min_lead_ns: i64,
-    /// Commands carried out.
+    /// Number of executed commands.
     pub command_count: u64,
-    /// Most commands carried out in any second.
+    /// Maximum number of commands executed within a second.
     pub max_commands_per_s: u32,
-    /// Requests for a piece of the dictionary.
+    /// Number of requests for a part of the dictionary.
     pub identify_count: u64,
-    /// Steps made.
+    /// Number of steps.
     pub step_count: u64,
-    /// Orders for outputs.
+    /// Number of commands for outputs.
     pub output_command_count: u64,
 }
 
-/// A step that was made.
+/// One recorded step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MadeStep {
-    /// When, ns.
+    /// Time of the step, ns.
     pub at_ns: u64,
-    /// When it was to be, ns: a processor that makes another step is late.
+    /// Scheduled time of the step, ns. The step is later if the processor is busy.
     pub due_ns: u64,
-    /// First or second stepper.
+    /// Index of the stepper, 0 or 1.
     pub stepper: usize,
-    /// Pulses behind it.
+    /// Position after the step, pulses.
     pub position: i64,
 }
 
@@ -185,7 +185,7 @@ enum ConfigObject {
 }
 
 impl KlipperTwin {
-    /// A board that has just got power.
+    /// Creates a board that has just been switched on.
     pub fn new(make: KlipperHardware) -> Self {
         let ticks_per_1000_s = (i64::from(CLOCK_HZ) * 1000
             + i64::from(CLOCK_HZ / 1000) * i64::from(make.clock_error_ppm))
@@ -233,7 +233,8 @@ impl KlipperTwin {
         twin
     }
 
-    /// The reset line, or power: everything is gone.
+    /// Resets the board as the reset line or a power cycle does. It loses its
+    /// configuration.
     pub fn press_reset(&mut self) {
         self.boots_at = Some(self.now + BOOT_NS);
         self.received.clear();
@@ -244,7 +245,7 @@ impl KlipperTwin {
         self.drive_spindle(self.now);
     }
 
-    /// What the board is doing.
+    /// Returns the state of the firmware.
     pub const fn state(&self) -> KlipperState {
         match (self.boots_at, self.shutdown) {
             (Some(_), _) => KlipperState::Booting,
@@ -253,33 +254,34 @@ impl KlipperTwin {
         }
     }
 
-    /// Pulses made since power-on, first and second stepper: what a counter at the
-    /// pins reads.
+    /// Returns the pulses since power-on of both steppers, as a counter at the pins reads
+    /// them.
     pub const fn pulses(&self) -> [i64; 2] {
         self.pulses
     }
 
-    /// When the last pulse came, ns.
+    /// Returns the time of the last pulse, ns.
     pub const fn last_pulse_ns(&self) -> u64 {
         self.last_pulse_ns
     }
 
-    /// Figures since power-on.
+    /// Returns the statistics since power-on.
     pub const fn statistics(&self) -> KlipperStatistics {
         self.statistics
     }
 
-    /// Virtual time, ns.
+    /// Returns the virtual time, ns.
     pub const fn now(&self) -> u64 {
         self.now
     }
 
-    /// Something in the board makes it give up, with this text of its firmware.
+    /// Shuts the firmware down with this reason, as an internal fault does.
     pub fn force_shutdown(&mut self, reason: &'static str) {
         self.shut_down(reason);
     }
 
-    /// Another host has been here and left its configuration behind.
+    /// Puts the board into the state in which another host has left it, with its
+    /// configuration.
     pub fn configure_for_another_host(&mut self) {
         self.boots_at = self.boots_at.map(|_| self.now);
         if self.boots_at.is_some() {
@@ -288,8 +290,7 @@ impl KlipperTwin {
         self.crc = Some(1);
     }
 
-    /// The firmware loses count: its steppers believe to stand so many pulses beside
-    /// their places.
+    /// Adds an error to the positions that the firmware reports, pulses for each stepper.
     pub fn add_position_error(&mut self, pulses: [i64; 2]) {
         let mut off = pulses.into_iter();
         for object in self.oids.values_mut() {
@@ -299,7 +300,7 @@ impl KlipperTwin {
         }
     }
 
-    /// Gives an input pin a level, whatever switch is there; pins nobody gave one are
+    /// Sets the level of an input pin and removes its travel switch. Other input pins are
     /// low.
     pub fn set_pin(&mut self, name: &str, level: bool) {
         if let Some(pin) = pins::pin_number(name) {
@@ -308,19 +309,19 @@ impl KlipperTwin {
         }
     }
 
-    /// Puts a switch on the way of a slide; its pin follows the pulses.
+    /// Puts a switch on the travel of a slide; its pin follows the position of the stepper.
     pub fn place_switch(&mut self, name: &str, travel: TravelSwitch) {
         if let Some(pin) = pins::pin_number(name) {
             self.travel_switches.insert(pin, travel);
         }
     }
 
-    /// The slides stand elsewhere when the power comes on.
+    /// Sets the position of the slides at power-on, pulses.
     pub const fn place_slides(&mut self, pulses: [i64; 2]) {
         self.pulses = pulses;
     }
 
-    /// What an output pin was last given.
+    /// Returns the last value of an output pin, or `None` if it is not configured.
     pub fn output(&self, name: &str) -> Option<u32> {
         let wanted = pins::pin_number(name)?;
         self.oids.values().find_map(|object| match object {
@@ -329,12 +330,12 @@ impl KlipperTwin {
         })
     }
 
-    /// Every step is written down from now on.
+    /// Starts to record every step.
     pub fn start_recording_steps(&mut self) {
         self.recorded_steps = Some(Vec::new());
     }
 
-    /// The steps written down since the last call.
+    /// Returns the steps recorded since the last call.
     pub fn take_recorded_steps(&mut self) -> Vec<MadeStep> {
         self.recorded_steps
             .as_mut()
@@ -342,18 +343,18 @@ impl KlipperTwin {
             .unwrap_or_default()
     }
 
-    /// The host writes bytes.
+    /// Sends bytes from the host to the board.
     pub fn write(&mut self, bytes: &[u8]) {
         self.to_board.send(bytes, self.now);
     }
 
-    /// What has arrived at the host.
+    /// Returns the bytes that have arrived at the host.
     pub fn read(&mut self) -> Vec<u8> {
         let now = self.now;
         std::iter::from_fn(|| self.to_host.receive(now)).collect()
     }
 
-    /// Lets time pass, ns.
+    /// Advances the virtual time by `ns`.
     pub fn advance(&mut self, ns: u64) {
         let end = self.now + ns;
         loop {
@@ -400,20 +401,20 @@ impl KlipperTwin {
         self.send_acknowledgement();
     }
 
-    /// The clock now.
+    /// Returns the current clock, ticks.
     fn clock(&self) -> i64 {
         let since = u128::from(self.now - self.clock_zero_ns);
         (since * u128::from(self.ticks_per_1000_s) / 1_000_000_000_000) as i64
     }
 
-    /// When the clock will show this, ns.
+    /// Returns the time at which the clock reaches a value, ns.
     fn clock_to_ns(&self, clock: i64) -> u64 {
         let ticks = u128::from(clock.max(0).unsigned_abs());
         let ns = (ticks * 1_000_000_000_000).div_ceil(u128::from(self.ticks_per_1000_s));
         self.clock_zero_ns + ns as u64
     }
 
-    /// The whole clock of which a message names the low half.
+    /// Extends the low 32 bits of a clock in a message to the full clock nearest to now.
     fn extend_clock(&self, low: u32) -> i64 {
         let now = self.clock();
         now + i64::from(low.wrapping_sub(now as u32) as i32)
@@ -449,7 +450,7 @@ impl KlipperTwin {
         self.send(&content);
     }
 
-    /// The receive interrupt: what does not fit is lost.
+    /// Receive interrupt: bytes that do not fit into the buffer are lost.
     fn receive_bytes(&mut self) {
         while let Some(byte) = self.to_board.receive(self.now) {
             if self.received.len() < RECEIVE_WINDOW_BYTES {
@@ -458,7 +459,7 @@ impl KlipperTwin {
         }
     }
 
-    /// Blocks, one after the other, as fast as the processor is.
+    /// Processes the received blocks at the speed of the processor.
     fn process_blocks(&mut self) {
         while self.now >= self.busy_until && self.boots_at.is_none() {
             if self.needs_sync {
@@ -481,7 +482,7 @@ impl KlipperTwin {
                 BufferFront::Block(length, sequence) => {
                     let block: Vec<u8> = self.received.drain(..length).collect();
                     if sequence != self.next_sequence {
-                        // Out of turn: it has to come again.
+                        // Wrong sequence number: the host has to send the block again.
                         self.send_acknowledgement();
                         continue;
                     }
@@ -496,7 +497,7 @@ impl KlipperTwin {
         }
     }
 
-    /// Gives up: no axis moves, all outputs fall back.
+    /// Shuts down: stops all steppers and sets all outputs to their default values.
     fn shut_down(&mut self, reason: &'static str) {
         if self.shutdown.is_some() {
             return;
@@ -526,7 +527,7 @@ impl KlipperTwin {
         );
     }
 
-    /// Places of the common queue in use.
+    /// Returns the number of used entries in the shared move queue.
     fn queue_entries(&self) -> usize {
         let waiting = |object: &ConfigObject| match object {
             ConfigObject::Stepper(stepper) => stepper.queue_length(),

@@ -1,26 +1,25 @@
-//! One direction of a serial line: bytes take their time, and may be lost,
-//! changed, doubled or held up on the way.
+//! One direction of a serial line in virtual time. Bytes take their transmission time and
+//! can be lost, changed, doubled or delayed.
 
 use std::collections::VecDeque;
 
-/// Bits on the wire for a byte: start, eight, stop.
+/// Bits per byte on the line: start bit, eight data bits, stop bit.
 const BITS_PER_BYTE: u64 = 10;
 
-/// What happens to a byte on its way.
+/// A fault that hits one byte on the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Damage {
-    /// It never arrives.
+    /// The byte is lost.
     Lost,
-    /// It arrives with these bits turned over.
+    /// The byte arrives with these bits inverted.
     Changed(u8),
-    /// It arrives twice.
+    /// The byte arrives twice.
     Doubled,
-    /// It and everything behind it arrives so much later, ns.
+    /// The byte and all later bytes arrive this much later, ns.
     Delayed(u64),
-    /// It waits so much longer, ns, and so does what is behind it; then the line is as
-    /// before.
+    /// The line stops for this duration, ns, before it transmits the byte.
     Stalled(u64),
-    /// It and everything behind it never arrives: the cable is out.
+    /// The byte and all later bytes are lost, as with an unplugged cable.
     Cut,
 }
 
@@ -28,19 +27,19 @@ pub enum Damage {
 #[derive(Clone, Debug)]
 pub struct Wire {
     byte_ns: u64,
-    /// Bytes under way, with the moment of their arrival.
+    /// Bytes in transit, each with its time of arrival, ns.
     in_transit: VecDeque<(u64, u8)>,
-    /// When the last byte given has left.
+    /// Time at which the line has transmitted the last byte, ns.
     busy_until_ns: u64,
     delay_ns: u64,
     cut: bool,
     sent: u64,
-    /// Damage to come, by the count of the byte.
+    /// Scheduled damage, each with the index of its byte.
     damage: VecDeque<(u64, Damage)>,
 }
 
 impl Wire {
-    /// A line of so many bits a second, nothing wrong with it.
+    /// Creates a line without faults. `baud` is its rate in bits/s.
     pub const fn new(baud: u32) -> Self {
         let baud = if baud == 0 { 1 } else { baud };
         Self {
@@ -54,24 +53,25 @@ impl Wire {
         }
     }
 
-    /// Damages the byte with this count (the first byte ever given is 0).
+    /// Schedules damage for the byte with index `count`; the first byte ever sent has index
+    /// 0.
     pub fn damage(&mut self, count: u64, damage: Damage) {
         let position = self.damage.partition_point(|(at, _)| *at <= count);
         self.damage.insert(position, (count, damage));
     }
 
-    /// How many bytes were given so far.
+    /// Returns the number of bytes sent so far.
     pub const fn sent_count(&self) -> u64 {
         self.sent
     }
 
-    /// Pulls the cable, or puts it back in; what was under way is gone.
+    /// Unplugs or plugs in the cable. Bytes in transit are lost.
     pub fn set_cut(&mut self, cut: bool) {
         self.cut = cut;
         self.in_transit.clear();
     }
 
-    /// Puts bytes on the line at a moment, ns.
+    /// Sends bytes at time `now`, ns.
     pub fn send(&mut self, bytes: &[u8], now: u64) {
         for &byte in bytes {
             self.busy_until_ns = self.busy_until_ns.max(now) + self.byte_ns;
@@ -104,7 +104,7 @@ impl Wire {
         }
     }
 
-    /// The next byte that has arrived by now.
+    /// Returns the next byte that has arrived by time `now`, ns.
     pub fn receive(&mut self, now: u64) -> Option<u8> {
         let &(arrival, byte) = self.in_transit.front()?;
         if arrival > now {
@@ -114,7 +114,7 @@ impl Wire {
         Some(byte)
     }
 
-    /// When the next byte arrives.
+    /// Returns the time of arrival of the next byte, ns.
     pub(crate) fn next_arrival(&self) -> Option<u64> {
         self.in_transit.front().map(|(arrival, _)| *arrival)
     }
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_take_their_time() {
+    fn bytes_arrive_after_their_transmission_time() {
         let mut wire = Wire::new(115_200);
         wire.send(b"ab", 1_000_000);
         assert_eq!(arrived(&mut wire, 1_086_000), b"");
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn damage_hits_the_byte_it_is_meant_for() {
+    fn damage_hits_only_its_byte() {
         let mut wire = Wire::new(1_000_000);
         wire.damage(4, Damage::Cut);
         wire.damage(0, Damage::Lost);
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stall_ends() {
+    fn stall_delays_only_until_the_line_is_idle() {
         let mut wire = Wire::new(1_000_000);
         wire.damage(1, Damage::Stalled(5_000_000));
         wire.send(b"abc", 0);

@@ -1,30 +1,31 @@
-//! A block of G code as the board reads it: straight moves only.
+//! Parses blocks of G code with straight moves.
 
-/// What a block asks for.
+/// The contents of a parsed block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ParsedBlock {
-    /// Where to, mm, machine axes X, Y, Z; None where the block does not move.
+    /// Target of X, Y, Z in machine coordinates, mm; `None` without a move.
     pub(super) target: Option<[f64; 3]>,
-    /// As a rapid.
+    /// Whether the move is a rapid.
     pub(super) rapid: bool,
-    /// Speed of a cut, mm/s, or seconds for the whole move.
+    /// Feed of a cut.
     pub(super) feed: CutFeed,
-    /// Dwell, s.
+    /// Dwell time, s.
     pub(super) dwell: Option<f64>,
-    /// Waits until the queue is empty (spindle, coolant, program end).
+    /// Whether the block waits until the queue is empty: spindle, coolant, program end,
+    /// thread.
     pub(super) waits_for_empty_queue: bool,
-    /// M02 or M30.
+    /// Whether the block is M02 or M30.
     pub(super) ends_program: bool,
-    /// G33: way along the path a turn of the spindle, mm.
+    /// G33: distance along the path per spindle turn, mm.
     pub(super) lead: Option<f64>,
 }
 
-/// How fast a cut is.
+/// The feed of a cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CutFeed {
-    /// mm/s.
+    /// Speed, mm/s.
     Speed(f64),
-    /// The whole move in so many seconds.
+    /// Duration of the whole move, s.
     Duration(f64),
 }
 
@@ -34,30 +35,30 @@ impl Default for CutFeed {
     }
 }
 
-/// What stays in force from block to block.
+/// The modal state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Modal {
-    /// 0, 1 or 33; 80 for none.
+    /// Motion mode: 0, 1, 33, or 80 for none.
     pub(super) motion: u8,
-    /// G91.
+    /// G91: incremental distances.
     pub(super) incremental: bool,
-    /// G93.
+    /// G93: inverse time feed.
     pub(super) inverse_time: bool,
-    /// G20.
+    /// G20: inches.
     pub(super) inches: bool,
-    /// F of G94, mm/min.
+    /// Feed of G94, mm/min.
     pub(super) feed: f64,
-    /// S.
+    /// Spindle speed S, r/min.
     pub(super) speed: f64,
-    /// 3, 4, 5.
+    /// Spindle code: 3, 4 or 5.
     pub(super) spindle_code: u8,
-    /// M08.
+    /// M08: coolant on.
     pub(super) coolant: bool,
-    /// 17, 18, 19.
+    /// Plane: 17, 18 or 19.
     pub(super) plane: u8,
-    /// G54 … G59.
+    /// Work coordinate system, 54 to 59.
     pub(super) system: u8,
-    /// Where the last block ends, mm.
+    /// End of the last block in machine coordinates, mm.
     pub(super) position: [f64; 3],
 }
 
@@ -80,7 +81,7 @@ impl Default for Modal {
 }
 
 impl Modal {
-    /// As `$G` shows it, without brackets.
+    /// Returns the text of `$G`, without brackets.
     pub(super) fn gc_report(&self) -> String {
         format!(
             "GC:G{} G{} G{} G{} G{} G{} M{} M{} T0 F{:.0} S{:.0}",
@@ -97,9 +98,9 @@ impl Modal {
         )
     }
 
-    /// Reads a block (blanks and comments are gone, letters are capital) and
-    /// takes its modal words over; the number of the error otherwise. Places count from
-    /// the offset of G54, mm, while that is in force.
+    /// Parses a block in capitals without blanks and comments and updates the modal state.
+    /// Returns the error number of the firmware for a wrong block. `offset` is the work
+    /// offset of G54, mm.
     pub(super) fn parse_block(
         &mut self,
         text: &str,
@@ -119,7 +120,7 @@ impl Modal {
             }
             let (value, rest_after) = split_number(&rest[1..]).ok_or(2_u8)?;
             rest = rest_after;
-            // One word of a letter in a block, G and M excepted.
+            // A block has one word per letter, except G and M.
             let bit = 1_u32 << (letter as u8 - b'A');
             if seen & bit != 0 && !matches!(letter, 'G' | 'M') {
                 return Err(25);
@@ -189,7 +190,7 @@ impl Modal {
         if lead.is_some() && next.motion != 33 {
             return Err(36);
         }
-        // A code of motion counts as motion here, with or without a way.
+        // A motion code needs F in inverse time mode even without a target.
         if (has_motion_code || has_axis_word)
             && next.inverse_time
             && next.motion == 1
@@ -221,7 +222,7 @@ impl Modal {
             }
             block.rapid = next.motion == 0;
             if next.motion == 33 {
-                // A thread waits for the end of all motion before it.
+                // A thread waits for the end of all earlier motion.
                 block.waits_for_empty_queue = true;
                 block.lead = Some(lead.unwrap_or(0.0) * scale);
                 if block.lead == Some(0.0) {
@@ -254,7 +255,7 @@ impl Modal {
     }
 }
 
-/// A number at the start of the text, and what stands behind it.
+/// Splits a number from the start of a text; returns the number and the rest.
 fn split_number(text: &str) -> Option<(f64, &str)> {
     let end = text
         .find(|character: char| !matches!(character, '0'..='9' | '.' | '-' | '+'))
@@ -310,7 +311,7 @@ mod tests {
         assert_eq!(
             modal.parse_block("G1G93", false, NO_OFFSET),
             Err(22),
-            "no way, but a motion"
+            "motion code without a target"
         );
         assert_eq!(
             modal

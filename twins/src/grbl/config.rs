@@ -1,10 +1,10 @@
-//! The configuration of a FluidNC board: a tree of named items. The file holds what a
-//! start finds; `$/path=value` changes the memory alone.
+//! The configuration of a FluidNC board, a tree of named items. Startup reads the file;
+//! `$/path=value` changes only the memory.
 
 use core::fmt::Write;
 
-/// What the board comes with, in the order in which it is listed: an example its owner
-/// has fitted to a lathe, as far as the file alone can say it. A path that ends with a stroke is a section without items.
+/// Default configuration in listing order: an example fitted to a lathe. A path that ends
+/// with a slash is a section without items.
 const DEFAULTS: &[(&str, &str)] = &[
     ("board", "Breakout"),
     ("name", "Lathe"),
@@ -162,7 +162,7 @@ const DEFAULTS: &[(&str, &str)] = &[
     ("planner_blocks", "16"),
 ];
 
-/// Least and greatest value by the name of the item; the others have none.
+/// Minimum and maximum by item name. Other items have no limits.
 const RANGES: [(&str, f64, f64); 21] = [
     ("idle_ms", 0.0, 10_000_000.0),
     ("pulse_us", 0.0, 30.0),
@@ -187,13 +187,13 @@ const RANGES: [(&str, f64, f64); 21] = [
     ("planner_blocks", 10.0, 120.0),
 ];
 
-/// What no pin is called.
+/// Value of a pin that is not connected.
 const NO_PIN: &str = "NO_PIN";
 
-/// How a value is written.
+/// The type of an item's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ItemType {
-    /// It cannot be changed while the firmware runs; the word by which it says so.
+    /// The firmware cannot change it while it runs; the word is the type in its message.
     Fixed(&'static str),
     Switch,
     Whole,
@@ -227,7 +227,7 @@ impl ConfigItem {
         }
     }
 
-    /// How the value is written, and what the board says to it.
+    /// Returns the value in the firmware's format and a warning or error message.
     fn format_value(&self, value: &str) -> (Option<String>, Option<String>) {
         let number = value
             .trim()
@@ -267,12 +267,12 @@ fn is_one_of(value: &str, words: [&str; 3]) -> bool {
     words.iter().any(|word| value.eq_ignore_ascii_case(word))
 }
 
-/// The last part of a path.
+/// Returns the last part of a path.
 fn item_name(path: &str) -> &str {
     path.rsplit_once('/').map_or(path, |(_, name)| name)
 }
 
-/// The tree.
+/// The configuration tree.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FluidConfig(Vec<ConfigItem>);
 
@@ -289,40 +289,40 @@ impl FluidConfig {
         self.0.iter().find(named)
     }
 
-    /// The value in memory.
+    /// Returns the value in memory.
     pub(super) fn value(&self, path: &str) -> Option<&str> {
         Some(self.find(path)?.memory.as_str())
     }
 
-    /// The same as a number; 0 where there is none.
+    /// Returns the value in memory as a number; 0 if it is missing.
     pub(super) fn number(&self, path: &str) -> f64 {
         let value = self.value(path).and_then(|value| value.parse().ok());
         value.unwrap_or(0.0)
     }
 
-    /// Whether a switch is on.
+    /// Returns whether a switch is on.
     pub(super) fn is_on(&self, path: &str) -> bool {
         self.value(path) == Some("true")
     }
 
-    /// Whether something is wired to a pin.
+    /// Returns whether a pin is connected.
     pub(super) fn is_wired(&self, path: &str) -> bool {
         self.value(path).is_some_and(|pin| pin != NO_PIN)
     }
 
-    /// A power-on finds what is on file.
+    /// Loads the values of the file into memory, as power-on does.
     pub(super) fn load_file(&mut self) {
         for item in &mut self.0 {
             item.memory.clone_from(&item.file);
         }
     }
 
-    /// The value that counts for what a start alone looks at.
+    /// Returns the value in the file, for items that only startup reads.
     pub(super) fn file_value(&self, path: &str) -> Option<&str> {
         Some(self.find(path)?.file.as_str())
     }
 
-    /// The owner changes the file and starts the board; 3 where there is no such item.
+    /// Changes an item in file and memory, as the owner does. Error 3 is an unknown item.
     pub(super) fn set_in_file(&mut self, path: &str, value: &str) -> Result<(), u8> {
         let named = |item: &&mut ConfigItem| item.path.eq_ignore_ascii_case(path);
         let item = self.0.iter_mut().find(named).ok_or(3_u8)?;
@@ -331,7 +331,7 @@ impl FluidConfig {
         Ok(())
     }
 
-    /// The owner takes a section out of the file.
+    /// Removes a section from the file.
     #[cfg(test)]
     pub(super) fn remove_section(&mut self, section: &str) {
         let within = |path: &str| {
@@ -341,7 +341,8 @@ impl FluidConfig {
         self.0.retain(|item| !within(item.path));
     }
 
-    /// `$/path=value`: what the board says before its `ok`; 3 where there is no such item.
+    /// Executes `$/path=value` and returns the message before `ok`. Error 3 is an unknown
+    /// item.
     pub(super) fn set(&mut self, path: &str, value: &str) -> Result<Option<String>, u8> {
         let named = |item: &&mut ConfigItem| item.path.eq_ignore_ascii_case(path);
         let item = self.0.iter_mut().find(named).ok_or(3_u8)?;
@@ -356,11 +357,11 @@ impl FluidConfig {
         Ok(message)
     }
 
-    /// `$/path`: an item, or a section with all it holds; 3 where there is neither.
+    /// Executes `$/path` for an item or a section. Error 3 is an unknown path.
     pub(super) fn show(&self, path: &str) -> Result<String, u8> {
         if let Some(item) = self.find(path) {
             let value = match item.item_type {
-                // Three decimals here, six in the list.
+                // A single item has three decimals, the listing has six.
                 ItemType::Real => format!("{:.3}", self.number(path)),
                 _ => item.memory.clone(),
             };
@@ -378,12 +379,12 @@ impl FluidConfig {
         ))
     }
 
-    /// `$CD`: all of it.
+    /// Returns the whole configuration for `$CD`.
     pub(super) fn dump(&self) -> String {
         format_items(&self.0.iter().collect::<Vec<_>>(), 0, 0)
     }
 
-    /// What a setting of Grbl with this number stands for.
+    /// Returns the value of the item that corresponds to a Grbl setting number.
     pub(super) fn grbl_setting(&self, number: u16) -> Option<f64> {
         let item = match number / 10 {
             10 => "steps_per_mm",
@@ -398,7 +399,7 @@ impl FluidConfig {
     }
 }
 
-/// Items as indented text; so many letters of their paths are left out.
+/// Formats items as indented text, without the first `skip` characters of their paths.
 fn format_items(items: &[&ConfigItem], skip: usize, indent: usize) -> String {
     let mut text = String::new();
     let mut open: Vec<&str> = Vec::new();
@@ -482,10 +483,10 @@ mod tests {
     }
 
     #[test]
-    fn a_value_is_taken_held_or_refused_and_always_ok() {
+    fn values_are_accepted_clamped_or_refused() {
         let mut config = FluidConfig::default();
         assert_eq!(config.set("AXES/x/steps_per_mm", "1234.567"), Ok(None));
-        // A number of single precision.
+        // The firmware stores single-precision numbers.
         assert_eq!(config.value("axes/x/steps_per_mm"), Some("1234.567017"));
         let message = config.set("axes/x/homing/settle_ms", "5000").unwrap();
         assert!(message.unwrap().starts_with("[MSG:WARN:"));

@@ -1,17 +1,16 @@
-//! What a FluidNC board does otherwise than the others of its family: two tasks and a
-//! queue of events between them.
+//! The parts of FluidNC that differ from the other boards: two tasks with an event queue.
 //!
 //! ```text
-//!   bytes ─► poller ─┬─ ? ──────────────────► report, at once, whatever the other does
+//!   bytes ─► poller ─┬─ ? ──────────────────► report, at once, in every state
 //!   pins  ─►  1 ms   ├─ ! ~ Ctrl-X, edges ──► events ─┐
 //!                    └─ one line ───────────────────► main: an event, a line, an event …
-//!                                                       stands still 500 ms at an alarm
+//!                                                       blocked for 500 ms by an alarm
 //! ```
 //!
-//! The poller takes the next line when the one before is answered; until then it looks
-//! at the bytes every 51 ms only, and later still while there are lines it has already
-//! looked at. A reset empties what it has not taken yet; a line it has taken, and the
-//! main task has not begun, is carried out behind the reset.
+//! The poller takes the next line when the previous line is answered. Until then it polls the
+//! bytes only every 51 ms, and less often while polled lines wait. A reset discards the bytes
+//! that the poller has not taken. A line that it has taken, but the main task has not started,
+//! is executed after the reset.
 
 mod commands;
 mod events;
@@ -27,19 +26,19 @@ use homing::HomingCycle;
 
 /// One millisecond.
 const MS: u64 = 1_000_000;
-/// The poller looks at the bytes so often while a line is being carried out.
+/// Polling interval of received bytes while a line is executed, ns.
 const BUSY_POLL_NS: u64 = 51 * MS;
-/// From taking a line until the main task has it.
+/// Time from polling a line until the main task has it, ns.
 const LINE_HANDOVER_NS: u64 = MS;
-/// From power-on until bytes are kept.
+/// Time after power-on in which received bytes are lost, ns.
 const BOOT_DEAF_NS: u64 = 300 * MS;
-/// Bytes the serial driver and the chip keep for the poller.
+/// Capacity of the buffers of serial driver and chip.
 const RECEIVE_BUFFER_BYTES: usize = 384;
-/// What a report calls the room when nothing is kept.
+/// Buffer size that a report gives when the buffer is empty.
 const REPORTED_BUFFER_BYTES: usize = 128;
-/// Motion handed to the pulse timer for each segment of the configuration, s.
+/// Duration of the motion in one configured segment, s.
 const SEGMENT_S: f64 = 0.01;
-/// What the chip and the firmware say when they start, and when, ms after power-on.
+/// Boot messages with their times, ms after power-on.
 const BOOT_TEXT: [(u64, &str); 6] = [
     (20, "rst:0x1 (POWERON_RESET),boot:0x13\r\n"),
     (30, "load:0x3fff0030,len:1184\r\n"),
@@ -52,18 +51,18 @@ const BOOT_TEXT: [(u64, &str); 6] = [
     (1100, "[MSG:INFO: Axis count 3]\r\n"),
 ];
 
-/// What a start reads from the file, and nothing changes afterwards.
+/// The configuration as read at startup, which does not change afterwards.
 #[derive(Clone, Debug, Default)]
 struct StartupConfig {
-    /// Wired limit inputs of X and Z: that of the positive end, and any.
+    /// Connected limit inputs of X and Z: at the positive end, and at any end.
     positive: [bool; 2],
     limit: [bool; 2],
     emergency: bool,
     door: bool,
     probe: bool,
-    /// Axes that have a way to be homed.
+    /// Axes X and Z with a homing section.
     homing: [bool; 2],
-    /// Motion handed to the pulse timer in advance, s.
+    /// Duration of the motion prepared for the pulse timer, s.
     prepared_s: f64,
     blocks: usize,
     /// Speed at full output, r/min.
@@ -97,48 +96,48 @@ impl StartupConfig {
     }
 }
 
-/// What this firmware remembers besides what all of them do.
+/// The state that only FluidNC has.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FluidState {
     start: StartupConfig,
     boot_lines: usize,
     events: VecDeque<FluidEvent>,
-    /// The main task stands still until then.
+    /// Time until which the main task is blocked, ns.
     blocked_until: u64,
-    /// The poller has looked at bytes while a line was being carried out.
+    /// Time of the next poll while a line is executed, ns.
     next_poll_at: u64,
-    /// Bytes the poller has looked at and no line was made of.
+    /// Polled bytes that are not part of a line yet.
     polled_bytes: VecDeque<u8>,
     after_cr: bool,
-    /// A line taken and not begun.
+    /// A received line that is not started.
     line: Option<String>,
     /// A command that waits for the end of all motion.
     command: Option<String>,
-    /// A homing command is under way.
+    /// A homing command is active.
     is_homing: bool,
     cycle: Option<HomingCycle>,
-    /// It brakes to a hold.
+    /// The board decelerates for a feed hold.
     is_braking: bool,
-    /// Inputs as the poller saw them last: limits of X and Z, emergency stop.
+    /// Inputs at the last poll: limits of X and Z, emergency stop.
     polled_inputs: [bool; 3],
-    /// Inputs as the main task knows them.
+    /// Inputs that the main task has processed.
     known_inputs: [bool; 3],
     /// Motors of X and Z that make no pulses.
     blocked_motors: [bool; 2],
     unhomed: [bool; 2],
-    /// The planner was not told of what homing did: it believes to stand so many pulses
-    /// beside the count.
+    /// Difference between the planner's position and the pulse count after failed homing,
+    /// pulses.
     planner_error: [i64; 3],
 }
 
 impl GrblTwin {
-    /// The value of an item of FluidNC's configuration, as it is in memory.
+    /// Returns the value of a FluidNC configuration item in memory.
     pub fn config_item(&self, path: &str) -> Option<&str> {
         self.settings.tree()?.value(path)
     }
 
-    /// The owner writes an item into the file and starts the board, whatever is to be
-    /// said about it: 3 no such item, 2 no such value.
+    /// Changes an item in the configuration file and restarts the board, as the owner does.
+    /// Error 3 is an unknown item, 2 a wrong value.
     pub fn set_config_item(&mut self, path: &str, value: &str) -> Result<(), u8> {
         self.settings
             .tree_mut()
@@ -148,7 +147,7 @@ impl GrblTwin {
         Ok(())
     }
 
-    /// The owner takes a section and all it holds out of the file.
+    /// Removes a section from the configuration file.
     #[cfg(test)]
     pub(crate) fn remove_section(&mut self, section: &str) {
         if let Some(tree) = self.settings.tree_mut() {
@@ -157,7 +156,7 @@ impl GrblTwin {
         self.load_startup_config();
     }
 
-    /// Whether the motors of X and Z make no pulses because of their switches.
+    /// Returns whether the motors of X and Z are blocked by their limit switches.
     pub const fn blocked_motors(&self) -> [bool; 2] {
         self.fluid.blocked_motors
     }
@@ -172,18 +171,18 @@ impl GrblTwin {
         }
     }
 
-    /// Whether the motor of an axis of the board makes no pulses.
+    /// Returns whether the motor of a board axis is blocked.
     pub(super) const fn is_limited(&self, axis: usize) -> bool {
         let [x, z] = self.fluid.blocked_motors;
         (axis == 0 && x) || (axis == 2 && z)
     }
 
-    /// By how many pulses the planner is wrong about the count.
+    /// Returns the error of the planner's position, pulses.
     pub(super) const fn planner_error(&self) -> [i64; 3] {
         self.fluid.planner_error
     }
 
-    /// No block is planned while an axis should be homed first: an alarm instead.
+    /// Returns whether all axes are homed that must be; otherwise raises an alarm.
     pub(super) fn check_homed(&mut self) -> bool {
         let unhomed = self.fluid.unhomed != [false; 2];
         if unhomed {
@@ -201,12 +200,12 @@ impl GrblTwin {
         self.settings.tree().map_or(0.0, |tree| tree.number(path))
     }
 
-    /// Speed at full output as the last start found it, r/min.
+    /// Returns the speed at full output as read at startup, r/min.
     pub(super) const fn full_speed_rpm(&self) -> f64 {
         self.fluid.start.full_speed_rpm
     }
 
-    /// What the reset line does to this board.
+    /// Resets the board as the reset line does.
     pub(super) fn reset_fluid(&mut self) {
         self.fluid = FluidState::default();
         self.state = GrblState::Starting;
@@ -215,12 +214,12 @@ impl GrblTwin {
         if let Some(tree) = self.settings.tree_mut() {
             tree.load_file();
         }
-        // Inches are forgotten too.
+        // The unit setting is not kept.
         let _ = self.settings.set(13, 0.0);
         self.load_startup_config();
     }
 
-    /// A step of the board.
+    /// Advances the board by one time step.
     pub(super) fn advance_fluid(&mut self, step: u64) {
         let booted = self
             .boots_at
@@ -257,13 +256,13 @@ impl GrblTwin {
         self.position_error = [0; 3];
         self.poll_pins();
         self.push_event(FluidEvent::Start);
-        // The first banner comes before a line is looked at.
+        // The startup banner comes before the first line is read.
         for byte in core::mem::take(&mut self.received) {
             self.handle_realtime_byte(byte);
         }
     }
 
-    /// A line is taken and not answered yet.
+    /// Returns whether a line is not answered yet.
     fn is_line_pending(&self) -> bool {
         let fluid = &self.fluid;
         let begun =
@@ -287,7 +286,7 @@ impl GrblTwin {
         }
     }
 
-    /// The poller's turn.
+    /// Runs the poller.
     fn poll(&mut self) {
         self.poll_pins();
         if self.is_line_pending() {
@@ -333,7 +332,7 @@ impl GrblTwin {
         }
     }
 
-    /// Whether a byte is no part of a line; what it asks for is done, or waits.
+    /// Executes or queues a realtime byte. Returns false for a byte of a line.
     fn handle_realtime_byte(&mut self, byte: u8) -> bool {
         match byte {
             b'?' => {
@@ -351,7 +350,7 @@ impl GrblTwin {
         true
     }
 
-    /// Letters of the inputs, as the main task knows them.
+    /// Returns the letters of the inputs that the main task has processed.
     pub(super) fn pin_letters(&self) -> String {
         let [x, z, emergency] = self.fluid.known_inputs;
         let start = &self.fluid.start;
@@ -366,7 +365,7 @@ impl GrblTwin {
         operated.map(|(_, letter)| *letter).collect()
     }
 
-    /// Room for bytes, as a report tells it.
+    /// Returns the free buffer size that a report gives.
     pub(super) fn reported_buffer_free(&self) -> usize {
         REPORTED_BUFFER_BYTES.saturating_sub(self.received.len())
     }
@@ -387,7 +386,7 @@ impl GrblTwin {
                 }
             }
             GrblState::Alarm => {
-                // The pulse timer makes what it has been handed.
+                // The pulse timer completes the prepared motion.
                 let made = self.planner.advance_prepared(seconds);
                 self.count_all_pulses(made);
             }

@@ -1,4 +1,4 @@
-//! Seeking the limit switches: fast to the switch, off it, slowly back, off it again.
+//! Homing of Grbl and grblHAL: fast seek to the switch, pull-off, slow approach, pull-off.
 //!
 //! ```text
 //!   $25 ──────────────────────►|switch     at most 1.5 times the travel ($130), or ALARM:9
@@ -11,15 +11,15 @@ use std::collections::VecDeque;
 
 use super::{GrblState, GrblTwin, Variant};
 
-/// The search goes this far beyond the travel.
+/// Seek distance as a multiple of the travel.
 const SEEK_TRAVEL_FACTOR: f64 = 1.5;
-/// The slow approach goes so many times the way back off the switch.
+/// Distance of the slow approach as a multiple of the pull-off.
 const LOCATE_PULL_OFF_FACTOR: f64 = 5.0;
 
 /// Indices of X and Z among the axes of the board.
 const AXES: [usize; 2] = [0, 2];
 
-/// What one axis does now.
+/// The current stage of homing an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum HomingStage {
     Seek,
@@ -28,24 +28,24 @@ enum HomingStage {
     FinalPullOff,
 }
 
-/// A search under way.
+/// Homing in progress.
 #[derive(Clone, Debug)]
 pub(super) struct GrblHoming {
-    /// Axes still to come, 0 X, 1 Z.
+    /// Axes that are not homed yet, 0 for X and 1 for Z.
     axes: VecDeque<usize>,
     stage: HomingStage,
-    /// Way made in this stage, mm, and its pulses.
+    /// Distance, mm, and pulses made in this stage.
     distance_mm: f64,
     pulses_made: i64,
 }
 
 impl GrblTwin {
-    /// Whether `$HX` is known: bit 1 of `$22` on the larger board.
+    /// Returns whether `$HX` is enabled: bit 1 of `$22` of grblHAL.
     pub(super) fn can_home_single_axis(&self) -> bool {
         self.variant == Variant::GrblHal && self.settings.value(22) as u32 & 2 != 0
     }
 
-    /// Z first, as the firmware does; answered when it is over.
+    /// Starts homing, Z first. Returns `None` if the command is answered at the end.
     pub(super) fn begin_homing(&mut self, [x, z]: [bool; 2]) -> Option<Result<(), u8>> {
         if !self.settings.is_on(22) {
             return Some(Err(5));
@@ -66,7 +66,7 @@ impl GrblTwin {
         None
     }
 
-    /// A step of the search.
+    /// Advances homing by one time step.
     pub(super) fn advance_homing(&mut self, seconds: f64) {
         let Some(mut homing) = self.homing.take() else {
             return;
@@ -135,7 +135,7 @@ impl GrblTwin {
         self.send_answer(Ok(()));
     }
 
-    /// The firmware restarts itself.
+    /// Ends homing with an alarm and restarts the firmware.
     fn fail_homing(&mut self, number: u8) {
         self.state = GrblState::Alarm;
         self.send_text(&format!("ALARM:{number}\r\n"));

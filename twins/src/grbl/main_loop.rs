@@ -1,4 +1,4 @@
-//! The firmware's main loop: lines are read, answered, carried out.
+//! The main loop of Grbl and grblHAL: reads, answers and executes lines.
 
 use super::block::{CutFeed, ParsedBlock};
 use super::planner::PlannedBlock;
@@ -8,7 +8,7 @@ use super::{
 };
 
 impl GrblTwin {
-    /// The firmware's main loop: one line after the other.
+    /// Runs the main loop until it has to wait.
     pub(super) fn run_main_loop(&mut self) {
         let busy = |twin: &Self| {
             twin.waits_for_reset
@@ -38,7 +38,7 @@ impl GrblTwin {
         }
     }
 
-    /// Takes a character into the line; CR and LF each end one.
+    /// Adds a byte to the line. CR and LF each end a line.
     fn append_byte(&mut self, byte: u8) {
         match byte {
             b'\n' | b'\r' => {
@@ -93,7 +93,7 @@ impl GrblTwin {
         }
     }
 
-    /// Tries to carry a block out; false while it must wait.
+    /// Executes a block; returns false if it must wait.
     pub(super) fn execute_block(&mut self, block: ParsedBlock) -> bool {
         if block.waits_for_empty_queue && !(self.planner.is_empty() && self.state != GrblState::Run)
         {
@@ -145,7 +145,7 @@ impl GrblTwin {
         let distance = [0, 1, 2].map(|axis| steps[axis] as f64 / scale[axis]);
         let length = distance.iter().map(|part| part * part).sum::<f64>().sqrt();
         let direction = distance.map(|part| part / length);
-        // No axis faster, nor sooner faster, than its own setting.
+        // No axis exceeds its maximum speed or acceleration.
         let within = |limits: [f64; 3]| {
             (0..3)
                 .filter(|&axis| direction[axis] != 0.0)
@@ -171,14 +171,14 @@ impl GrblTwin {
         }
     }
 
-    /// Where the queue ends, pulses.
+    /// Returns the end position of the planner queue, pulses.
     fn planner_end_position(&self) -> [i64; 3] {
         let ahead = self.planner.pending_pulses();
         let planner_error = self.planner_error();
         [0, 1, 2].map(|axis| self.position[axis] + ahead[axis] + planner_error[axis])
     }
 
-    /// A `$` line; None where the answer comes later or never.
+    /// Executes a `$` line. Returns `None` if it is answered later or never.
     fn execute_command(&mut self, command: &str) -> Option<Result<(), u8>> {
         match command {
             "$" => {
@@ -218,7 +218,7 @@ impl GrblTwin {
         Some(Ok(()))
     }
 
-    /// `$#`: nothing but G54 is offset.
+    /// Lists the offsets for `$#`; only G54 has an offset.
     pub(super) fn list_offsets(&mut self) {
         for system in 54..=59 {
             let offset = if system == 54 {
@@ -241,7 +241,8 @@ impl GrblTwin {
         let value: f64 = value.parse().map_err(|_| 2_u8)?;
         self.settings.set(number, value)?;
         self.update_switch_pulses();
-        // The answer comes when the memory is written; until then nothing is heard.
+        // The answer follows after the setting is written; until then the board receives
+        // nothing.
         self.answer_at = Some(self.now);
         if self.variant == Variant::Grbl {
             self.deaf_until = self.now + SETTING_WRITE_NS;

@@ -1,24 +1,24 @@
-//! The input pins: limit switches and emergency stop.
+//! Input pins: limit switches and emergency stop.
 
 use super::{GrblState, GrblTwin, Variant};
 
-/// The input pins; true is "switch operated".
+/// The input pins of a Grbl board; true is an operated switch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GrblPins {
-    /// Limit of X.
+    /// Limit switch of X.
     pub limit_x: bool,
-    /// Limit of Z.
+    /// Limit switch of Z.
     pub limit_z: bool,
-    /// Door.
+    /// Safety door.
     pub door: bool,
-    /// Probe.
+    /// Probe contact.
     pub probe: bool,
-    /// Emergency stop (the larger boards), or reset (the 8 bit board).
+    /// Emergency stop; the reset input of Grbl 1.1h.
     pub emergency: bool,
 }
 
 impl GrblTwin {
-    /// Whether the limit inputs of X and Z are operated.
+    /// Returns whether the limit inputs of X and Z are operated.
     pub fn limits(&self) -> [bool; 2] {
         let at = |place: i64, switch: i64| place * switch.signum() >= switch.abs();
         let [x, z] = self.switch_pulses;
@@ -28,8 +28,8 @@ impl GrblTwin {
         ]
     }
 
-    /// Puts the limit switches of X and Z so many mm from where the slides stood at
-    /// the beginning; they are operated from there on outwards.
+    /// Places the limit switches of X and Z at distances, mm, from the slides at power-on.
+    /// They are operated there and beyond.
     pub fn place_switches(&mut self, switches: [f64; 2]) {
         self.switches = switches;
         self.update_switch_pulses();
@@ -41,8 +41,8 @@ impl GrblTwin {
         self.switch_pulses = [(at_x * x).round() as i64, (at_z * z).round() as i64];
     }
 
-    /// Limit inputs act on their edges. The 8 bit board looks at no level: letting go
-    /// of a switch is an edge too.
+    /// Checks the edges of the limit and emergency inputs. Grbl 1.1h ignores levels, so
+    /// that releasing a switch is an edge too.
     pub(super) fn check_pins(&mut self) {
         let pressed = self.pins.emergency && !self.previous_emergency;
         self.previous_emergency = self.pins.emergency;

@@ -1,5 +1,4 @@
-//! The board's own planner: straight moves in a short queue, accelerated as its
-//! settings say, seen ahead as far as the queue reaches.
+//! Planner of the board: a short queue of straight moves with acceleration and lookahead.
 //!
 //! ```text
 //!   speed
@@ -7,39 +6,39 @@
 //!     |     /|            |\______          entry speed of the next block:
 //!     |    / |            | |     \         junction, or what can still be
 //!     |___/__|____________|_|______\___     braked within the queue
-//!        block 1           2       way
+//!        block 1           2       distance
 //! ```
 //!
-//! The pulse timer is handed the motion some time in advance, in short pieces. What it has
-//! been handed is no more in the queue, and nothing changes it: a hold brakes behind it.
+//! Motion is prepared for the pulse timer some time in advance, in short segments. Prepared
+//! motion has left the queue and does not change: a feed hold decelerates after it.
 
 use std::collections::VecDeque;
 
-/// Length of a piece of motion in the pulse timer, s.
+/// Duration of a segment for the pulse timer, s.
 const SEGMENT_S: f64 = 1e-4;
-/// The lowest speed the firmware plans with, mm/s.
+/// Minimum speed of the planner, mm/s.
 const MIN_SPEED: f64 = 0.05;
 
-/// One straight move.
+/// One planned straight move.
 #[derive(Clone, Debug)]
 pub(super) struct PlannedBlock {
     /// Pulses of X, Y, Z.
     pub(super) steps: [i64; 3],
-    /// Unit vector.
+    /// Unit vector of the direction.
     pub(super) direction: [f64; 3],
     /// Length, mm.
     pub(super) length: f64,
-    /// Wanted speed, mm/s.
+    /// Nominal speed, mm/s.
     pub(super) nominal_speed: f64,
     /// Acceleration along the move, mm/s².
     pub(super) acceleration: f64,
-    /// Highest speed over the corner before it, mm/s.
+    /// Maximum speed at the junction with the move before, mm/s.
     pub(super) junction_speed: f64,
     entry_speed: f64,
 }
 
 impl PlannedBlock {
-    /// A move that has not been planned yet.
+    /// Creates a move without a planned entry speed.
     pub(super) const fn new(
         steps: [i64; 3],
         direction: [f64; 3],
@@ -59,7 +58,7 @@ impl PlannedBlock {
     }
 }
 
-/// A piece of motion that the pulse timer has been handed.
+/// A segment of motion prepared for the pulse timer.
 #[derive(Clone, Copy, Debug)]
 struct Segment {
     seconds: f64,
@@ -67,20 +66,20 @@ struct Segment {
     speed: f64,
 }
 
-/// The queue, and the move under way.
+/// The planner queue with the current move.
 #[derive(Clone, Debug)]
 pub(super) struct Planner {
     blocks: VecDeque<PlannedBlock>,
     capacity: usize,
-    /// The pulse timer is handed so much motion in advance, s, and has been handed this.
+    /// Durations, s, of the motion to be prepared in advance and of that prepared now.
     prepare_ahead_s: f64,
     prepared_s: f64,
     segments: VecDeque<Segment>,
-    /// Way handed over of the first block, mm.
+    /// Prepared distance of the first block, mm.
     front_distance_mm: f64,
-    /// Its pulses that were handed over.
+    /// Prepared pulses of the first block.
     front_pulses: [i64; 3],
-    /// At the end of what was handed over.
+    /// Speed at the end of the prepared motion, mm/s.
     speed: f64,
     last_block: Option<([f64; 3], f64)>,
 }
@@ -104,19 +103,19 @@ impl Planner {
         *self = Self::new(self.capacity, self.prepare_ahead_s);
     }
 
-    /// The motion breaks off; what was planned stays.
+    /// Stops motion at once; the queue remains.
     pub(super) fn dead_stop(&mut self) {
         self.speed = 0.0;
         self.prepared_s = 0.0;
         self.segments.clear();
     }
 
-    /// Nothing is left to be made.
+    /// Returns whether no motion remains.
     pub(super) fn is_empty(&self) -> bool {
         self.blocks.is_empty() && self.segments.is_empty()
     }
 
-    /// It has braked to a standstill, or has come to its end.
+    /// Returns whether the axes have stopped.
     pub(super) fn is_stopped(&self) -> bool {
         self.segments.is_empty() && (self.speed <= 0.0 || self.blocks.is_empty())
     }
@@ -129,7 +128,7 @@ impl Planner {
         self.capacity.saturating_sub(self.blocks.len())
     }
 
-    /// Pulses still to be made.
+    /// Returns the remaining pulses.
     pub(super) fn pending_pulses(&self) -> [i64; 3] {
         let mut ahead = self.front_pulses.map(|made| -made);
         let planned = self.blocks.iter().map(|block| block.steps);
@@ -142,12 +141,12 @@ impl Planner {
         ahead
     }
 
-    /// Speed along the path, mm/s.
+    /// Returns the speed along the path, mm/s.
     pub(super) fn speed(&self) -> f64 {
         self.segments.front().map_or(0.0, |segment| segment.speed)
     }
 
-    /// Puts a move behind the others; `deviation` is the setting $11, mm.
+    /// Appends a move. `deviation` is the junction deviation, setting $11, mm.
     pub(super) fn push(&mut self, mut block: PlannedBlock, deviation: f64) {
         block.junction_speed = match self.last_block {
             Some((before, nominal)) if !self.blocks.is_empty() => {
@@ -162,8 +161,8 @@ impl Planner {
         self.replan();
     }
 
-    /// From the end, where everything must be able to stand, back to the front,
-    /// then forward: what acceleration can reach.
+    /// Plans the entry speeds: backwards from a stop at the end, then forwards within the
+    /// acceleration.
     fn replan(&mut self) {
         let mut exit = 0.0_f64;
         for block in self.blocks.iter_mut().skip(1).rev() {
@@ -183,7 +182,7 @@ impl Planner {
         }
     }
 
-    /// Lets time pass, s; `hold` brakes to a standstill. Gives the pulses made.
+    /// Advances by a time, s, and returns the pulses made. `hold` decelerates to a stop.
     pub(super) fn advance(&mut self, seconds: f64, hold: bool) -> [i64; 3] {
         while self.prepared_s < self.prepare_ahead_s.max(seconds) {
             let (pulses, made) = self.prepare_segment(SEGMENT_S, hold);
@@ -200,7 +199,7 @@ impl Planner {
         self.advance_prepared(seconds)
     }
 
-    /// Lets time pass, s, in which the pulse timer is handed nothing more. Gives the
+    /// Advances the prepared motion by a time, s, without preparing more. Returns the
     /// pulses made.
     pub(super) fn advance_prepared(&mut self, mut seconds: f64) -> [i64; 3] {
         let mut sum = [0; 3];
@@ -229,8 +228,8 @@ impl Planner {
         sum
     }
 
-    /// The next so many seconds of motion, fewer at the end: pulses, and how long they
-    /// take.
+    /// Prepares the next `wanted` seconds of motion. Returns their pulses and their
+    /// duration, s, which is shorter at the end of the queue.
     fn prepare_segment(&mut self, wanted: f64, hold: bool) -> ([i64; 3], f64) {
         let mut seconds = wanted;
         let mut pulses = [0; 3];
@@ -294,7 +293,7 @@ impl Planner {
     }
 }
 
-/// How fast a corner may be taken when the path may leave it by the deviation.
+/// Returns the maximum speed at a junction, mm/s, for a junction deviation, mm.
 fn junction_speed(before: [f64; 3], after: [f64; 3], acceleration: f64, deviation: f64) -> f64 {
     let cosine: f64 = -(0..3).map(|axis| before[axis] * after[axis]).sum::<f64>();
     if cosine > 0.999_999 {
@@ -321,7 +320,7 @@ mod tests {
         )
     }
 
-    /// Seconds until the queue is empty, and the pulses made.
+    /// Returns the seconds until the queue is empty and the pulses made.
     fn drain(planner: &mut Planner) -> (f64, i64) {
         let (mut ticks, mut x) = (0, 0);
         while !planner.is_empty() {
@@ -355,7 +354,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reversal_stands_between() {
+    fn reversal_stops_between_the_moves() {
         assert!(junction_speed([1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], 200.0, 0.02) == 0.0);
         assert!(junction_speed([1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 200.0, 0.02) > 1e6);
         let square = junction_speed([1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 200.0, 0.02);
@@ -363,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_handed_over_is_in_the_queue_no_more_and_not_made_yet() {
+    fn prepared_motion_has_left_the_queue_but_is_not_made() {
         let mut planner = Planner::new(15, 0.05);
         for _ in 0..10 {
             // 10 ms each.
@@ -373,14 +372,14 @@ mod tests {
         for _ in 0..210 {
             x += planner.advance(1e-4, false)[0];
         }
-        // 21 ms are made, 50 ms lie in the pulse timer.
+        // 21 ms are made; the pulse timer holds 50 ms.
         assert!((40..=42).contains(&x), "{x}");
         assert_eq!(planner.free_blocks(), 15 - 3);
         assert_eq!(planner.pending_pulses(), [200 - x, 0, 0]);
     }
 
     #[test]
-    fn a_hold_brakes_and_goes_on_without_a_lost_pulse() {
+    fn hold_and_resume_lose_no_pulse() {
         let mut planner = Planner::new(15, 0.05);
         planner.push(along_x(1000, 20.0, 200.0), 0.02);
         let mut x = 0;
@@ -390,7 +389,7 @@ mod tests {
         for _ in 0..2000 {
             x += planner.advance(1e-4, true)[0];
         }
-        // 3 mm until then, 1 mm handed over, 1 mm of braking.
+        // 3 mm before the hold, 1 mm prepared, 1 mm of deceleration.
         assert!(planner.is_stopped() && (495..=505).contains(&x), "{x}");
         assert_eq!(x + drain(&mut planner).1, 1000);
     }

@@ -1,16 +1,16 @@
-//! What a board says about itself: `?` and `$I`.
+//! Status reports (`?`) and build information (`$I`).
 
 use core::fmt::Write;
 
 use super::{GrblState, GrblTwin, REPORTS_PER_OFFSET, Variant};
 
-/// Three figures as a board writes them.
+/// Formats three axis values.
 pub(super) fn format_axes([x, y, z]: [f64; 3]) -> String {
     format!("{x:.3},{y:.3},{z:.3}")
 }
 
 impl GrblTwin {
-    /// The answer to `?`.
+    /// Returns the answer to `?`.
     pub(super) fn status_report(&self) -> String {
         let state = match self.state {
             GrblState::Idle => "Idle",
@@ -25,14 +25,14 @@ impl GrblTwin {
         };
         let fluid = self.variant == Variant::FluidNc;
         let [x, y, z] = self.position_mm();
-        // FluidNC tells the place of the work where the machine's is not asked for.
+        // FluidNC reports the work position if the machine position is not selected.
         let coordinate_letter = if fluid && !self.is_field_reported(0) {
             'W'
         } else {
             'M'
         };
         let mut text = format!("<{state}|{coordinate_letter}Pos:{x:.3},{y:.3},{z:.3}");
-        // A `String` takes everything that is written to it.
+        // Writing to a `String` cannot fail.
         if self.is_field_reported(1) {
             let free = if fluid {
                 self.reported_buffer_free()
@@ -95,7 +95,7 @@ impl GrblTwin {
         text
     }
 
-    /// Which outputs are on.
+    /// Returns the field of active outputs.
     const fn accessory_field(&self) -> &'static str {
         match (self.spindle_code, self.coolant) {
             (3, true) => "|A:SF",
@@ -107,14 +107,14 @@ impl GrblTwin {
         }
     }
 
-    /// Whether a report names a field: `$10` of grblHAL has a switch for each, that of
-    /// the others for the first two.
+    /// Returns whether a report has a field. `$10` of grblHAL has a bit for each field,
+    /// that of the others only for the first two.
     fn is_field_reported(&self, field: u32) -> bool {
         let all = self.variant != Variant::GrblHal && field > 1;
         all || self.settings.value(10) as u32 >> field & 1 == 1
     }
 
-    /// The answer to `$I`, without its `ok`.
+    /// Returns the answer to `$I`, without its `ok`.
     pub(super) fn build_info(&self) -> String {
         match self.variant {
             Variant::Grbl => "[VER:1.1h.20190825:]\r\n[OPT:V,15,128]\r\n".into(),

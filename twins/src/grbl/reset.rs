@@ -1,11 +1,11 @@
-//! Power-on, the reset line, a reset by Ctrl-X, and what they forget.
+//! Power-on, reset line and soft reset, and the state that they clear.
 
 use super::block::Modal;
 use super::{BOOT_NS, GrblState, GrblTwin, Variant};
 
 impl GrblTwin {
-    /// The reset line: opening the port does this to boards with the usual USB
-    /// chip. Everything but the settings is gone, the position too.
+    /// Resets the board with the reset line, as opening the port does on most USB boards.
+    /// Everything but the settings is lost, including the position.
     pub fn press_reset(&mut self) {
         self.boots_at = Some(self.now + BOOT_NS);
         self.received.clear();
@@ -13,15 +13,14 @@ impl GrblTwin {
         self.waiting_block = None;
         self.homing = None;
         self.pass = None;
-        // The output that drives the spindle drops.
+        // The spindle output switches off.
         self.spindle_code = 5;
         if self.variant == Variant::FluidNc {
             self.reset_fluid();
         }
     }
 
-    /// The board stops itself with this alarm of its firmware; from the smaller numbers
-    /// it has to be unlocked.
+    /// Stops the board with this alarm number. The lower alarms must be unlocked.
     pub fn raise_alarm(&mut self, number: u8) {
         self.planner.clear();
         self.waiting_block = None;
@@ -46,7 +45,7 @@ impl GrblTwin {
         self.restart_firmware();
     }
 
-    /// What power-on and a soft reset have in common.
+    /// Restarts the firmware after power-on or a soft reset.
     pub(super) fn restart_firmware(&mut self) {
         self.clear_work();
         self.send_text(self.variant.banner());
@@ -57,7 +56,7 @@ impl GrblTwin {
         }
     }
 
-    /// What was read and what was planned is gone, the outputs are off.
+    /// Clears received lines and planned motion and switches the outputs off.
     pub(super) fn clear_work(&mut self) {
         self.received.clear();
         self.line.clear();

@@ -1,17 +1,17 @@
-//! The `$` settings of a board: number, how they are written, value; on a FluidNC
-//! board all but two of the numbers stand for items of its tree.
+//! The `$` settings of a board: numbers, formats and values. Most settings of FluidNC are
+//! items of its configuration tree.
 
 use std::collections::BTreeMap;
 
 use super::Variant;
 use super::config::FluidConfig;
 
-/// Settings whole numbers; all others are written with three decimals.
+/// Settings with whole numbers. All others have three decimals.
 const WHOLE_NUMBER_SETTINGS: [u16; 19] = [
     0, 1, 2, 3, 4, 5, 6, 10, 13, 20, 21, 22, 23, 26, 30, 31, 32, 33, 38,
 ];
 
-/// What a board comes with.
+/// Default settings.
 const DEFAULTS: [(u16, f64); 34] = [
     (0, 10.0),
     (1, 25.0),
@@ -49,14 +49,14 @@ const DEFAULTS: [(u16, f64); 34] = [
     (132, 200.0),
 ];
 
-/// The numbers FluidNC keeps: fields of a report, inches.
+/// Numbered settings of FluidNC: report mask and inches.
 const FLUIDNC_SETTINGS: [(u16, f64); 2] = [(10, 1.0), (13, 0.0)];
 
-/// The settings of a board; they outlive its reset.
+/// The settings of a board. They survive a reset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GrblSettings {
     numbers: BTreeMap<u16, f64>,
-    /// FluidNC alone has one.
+    /// Configuration tree of FluidNC; `None` for other boards.
     tree: Option<FluidConfig>,
 }
 
@@ -70,8 +70,8 @@ impl Default for GrblSettings {
 }
 
 impl GrblSettings {
-    /// Those of a board made with spindle synchronisation (grblHAL), as delivered,
-    /// told of an encoder of so many pulses a turn.
+    /// Returns the default settings of grblHAL with spindle synchronization and an encoder
+    /// of `pulses` per turn.
     pub fn with_encoder(pulses: u16) -> Self {
         let mut settings = Self::default();
         let more = [(38, f64::from(pulses)), (90, 1.0), (91, 0.01), (92, 0.0)];
@@ -79,7 +79,7 @@ impl GrblSettings {
         settings
     }
 
-    /// Those of a FluidNC board, as its owner has set it up.
+    /// Returns the settings of a FluidNC board, as its owner has configured it.
     pub fn with_config_tree() -> Self {
         Self {
             numbers: FLUIDNC_SETTINGS.into_iter().collect(),
@@ -87,8 +87,7 @@ impl GrblSettings {
         }
     }
 
-    /// What a board of this firmware makes of them: without a tree FluidNC has the
-    /// delivered one.
+    /// Adapts the settings to a firmware: FluidNC gets the default tree if they have none.
     pub(super) fn for_variant(self, variant: Variant) -> Self {
         if variant == Variant::FluidNc && self.tree.is_none() {
             Self::with_config_tree()
@@ -105,7 +104,7 @@ impl GrblSettings {
         self.tree.as_mut()
     }
 
-    /// The value of a setting; 0 where there is none.
+    /// Returns the value of a setting; 0 if it is missing.
     pub fn value(&self, number: u16) -> f64 {
         let in_tree = || {
             self.tree
@@ -116,13 +115,13 @@ impl GrblSettings {
         known.or_else(in_tree).unwrap_or(0.0)
     }
 
-    /// Whether a switch is on.
+    /// Returns whether a switch setting is on.
     pub fn is_on(&self, number: u16) -> bool {
         self.value(number) != 0.0
     }
 
-    /// Sets a value; the number of the error otherwise: 3 no such setting,
-    /// 4 a negative value, 6 pulses shorter than 3 µs.
+    /// Sets a value. Returns error 3 for an unknown setting, 4 for a negative value and 6
+    /// for step pulses below 3 µs.
     pub fn set(&mut self, number: u16, value: f64) -> Result<(), u8> {
         let setting = self.numbers.get_mut(&number).ok_or(3_u8)?;
         if value < 0.0 {
@@ -139,12 +138,12 @@ impl GrblSettings {
         Ok(())
     }
 
-    /// Three values of a group: 100 pulses/mm, 110 mm/min, 120 mm/s², 130 mm.
+    /// Returns the X, Y, Z values of a group: 100 pulses/mm, 110 mm/min, 120 mm/s², 130 mm.
     pub fn axis_values(&self, group: u16) -> [f64; 3] {
         [0, 1, 2].map(|axis| self.value(group + axis))
     }
 
-    /// All of them as `$$` shows them.
+    /// Returns all settings as lines of `$$`.
     pub fn lines(&self) -> impl Iterator<Item = String> + '_ {
         self.numbers.iter().map(|(number, value)| {
             if WHOLE_NUMBER_SETTINGS.contains(number) {

@@ -1,7 +1,7 @@
-//! The spindle with its encoder, and the pass that is cut behind it (G33).
+//! The spindle with its encoder, and thread passes synchronized to it (G33).
 //!
 //! ```text
-//!   G33 read      second one-turn signal from here       end of the way
+//!   G33 read      second one-turn signal from here       end of the move
 //!   ───┴───────────────────┴──────────────────────────────────┴───► ok
 //!      speed measured      motion begins, at that speed: nothing is corrected
 //!      no reports          (gains 0), or wrongly
@@ -10,25 +10,25 @@
 use super::block::{CutFeed, ParsedBlock};
 use super::{GrblState, GrblTwin, Variant};
 
-/// Time constant of the spindle, s.
+/// Time constant of the spindle speed, s.
 const TIME_CONSTANT_S: f64 = 0.1;
-/// Nearer to its speed than this part it has it.
+/// Relative deviation below which the spindle has reached its speed.
 const SPEED_TOLERANCE: f64 = 1e-5;
-/// The one-turn signals must have come by then, ns.
+/// Timeout of the index signals, ns.
 const INDEX_TIMEOUT_NS: u64 = 5_000_000_000;
-/// One-turn signals that are waited for.
+/// Index signals before the pass starts.
 const INDEX_SIGNALS_BEFORE_START: f64 = 2.0;
-/// How much longer than asked for the pass becomes for each 1 of the gain $90.
+/// Relative lengthening of the pass per unit of the gain $90.
 const SPEED_ERROR_PER_GAIN: f64 = 0.0165;
-/// Part of the rate of Z that a pass may take.
+/// Maximum fraction of the Z rate for a thread pass.
 const MAX_Z_RATE_FRACTION: f64 = 0.9;
 
-/// What turns behind the board.
+/// The spindle of a lathe with a Grbl board.
 #[derive(Clone, Debug)]
 pub struct GrblSpindle {
-    /// Speed at the greatest S, r/min.
+    /// Speed at the maximum S value, r/min.
     pub full_speed_rpm: f64,
-    /// It stands whatever the board says.
+    /// Whether the spindle is blocked and does not turn.
     pub blocked: bool,
     rpm: f64,
     turns: f64,
@@ -46,12 +46,12 @@ impl Default for GrblSpindle {
 }
 
 impl GrblSpindle {
-    /// Its speed, r/min.
+    /// Returns the speed, r/min.
     pub const fn rpm(&self) -> f64 {
         self.rpm
     }
 
-    /// Turns since power-on.
+    /// Returns the turns since power-on.
     pub const fn turns(&self) -> f64 {
         self.turns
     }
@@ -68,18 +68,20 @@ impl GrblSpindle {
     }
 }
 
-/// Where the slides were at which turn of the spindle: X, Z in pulses.
+/// Positions of the slides in a thread pass, pulses of X and Z, with the turns of the
+/// spindle.
 #[derive(Clone, Debug, Default)]
 pub struct PassTrace(pub Vec<([i64; 2], f64)>);
 
-/// A pass under way.
+/// The current thread pass.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ThreadPass {
     block: ParsedBlock,
     target: [f64; 3],
     /// Speed along the path, mm/s.
     speed: f64,
-    /// Turn at which it begins, and when waiting for it began; none: it has begun.
+    /// Spindle turn at which the pass starts, and start of the wait, ns; `None` after the
+    /// start.
     waits_for_index: Option<(f64, u64)>,
 }
 
@@ -90,27 +92,27 @@ impl ThreadPass {
 }
 
 impl GrblTwin {
-    /// Whether it was told of an encoder and can thread.
+    /// Returns whether an encoder is configured, so that the board can cut threads.
     pub(super) fn has_spindle_sync(&self) -> bool {
         self.variant == Variant::GrblHal && self.settings.value(38) > 0.0
     }
 
-    /// The spindle.
+    /// Returns the spindle.
     pub const fn spindle(&self) -> &GrblSpindle {
         &self.spindle
     }
 
-    /// The same, to be changed.
+    /// Returns the mutable spindle.
     pub const fn spindle_mut(&mut self) -> &mut GrblSpindle {
         &mut self.spindle
     }
 
-    /// The passes cut so far.
+    /// Returns the traces of the thread passes so far.
     pub fn passes(&self) -> &[PassTrace] {
         &self.passes
     }
 
-    /// G33 is carried out; answered when it is over.
+    /// Starts a thread pass (G33), which is answered at its end.
     pub(super) fn begin_pass(
         &mut self,
         block: ParsedBlock,
@@ -137,7 +139,7 @@ impl GrblTwin {
         Ok(())
     }
 
-    /// A step of the spindle, and of the pass that waits for it or follows it.
+    /// Advances the spindle by one step, and a pass that waits for it.
     pub(super) fn advance_spindle(&mut self, step: u64) {
         let seconds = step as f64 * 1e-9;
         let full = match self.variant {
@@ -163,19 +165,19 @@ impl GrblTwin {
             pass.block.feed = CutFeed::Speed(pass.speed);
             self.pass = Some(pass);
             self.plan_move(pass.target, pass.block);
-            // The part of this step behind the signal; the rest is to come.
+            // The time in this step after the index signal.
             let passed = beyond / (self.spindle.rpm.abs() / 60.0).max(1e-9);
             self.pass_time_offset_s = passed.min(seconds) - seconds;
         } else if self.now >= since + INDEX_TIMEOUT_NS {
             self.pass = None;
             self.state = GrblState::Alarm;
             self.send_text("ALARM:14\r\n");
-            // It waits for ever for the motion it has not begun.
+            // The firmware waits forever for a motion that never starts.
             self.main_loop_blocked = true;
         }
     }
 
-    /// Notes where the slides are in a pass.
+    /// Records the position of the slides during a pass.
     pub(super) fn record_pass_position(&mut self) {
         let under_way = self.pass.is_some_and(|pass| !pass.is_waiting_for_index());
         let (at, turns) = (self.pulses(), self.spindle.turns);
@@ -186,7 +188,7 @@ impl GrblTwin {
         }
     }
 
-    /// The way of a pass is made.
+    /// Ends a thread pass and answers its line.
     pub(super) fn finish_pass(&mut self) {
         if self.pass.take().is_some() {
             self.send_answer(Ok(()));

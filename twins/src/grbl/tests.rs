@@ -1,8 +1,8 @@
-//! What a host meets at the wire and at the pins.
+//! Tests what a host sees on the serial line and at the pins.
 
 use super::*;
 
-/// A Grbl board set up for a lathe, its banner read.
+/// Returns a Grbl board configured for a lathe, after its banner.
 fn board(variant: Variant) -> GrblTwin {
     let mut settings = GrblSettings::default();
     let fields = if variant == Variant::Grbl { 3.0 } else { 511.0 };
@@ -26,7 +26,7 @@ fn read_text(twin: &mut GrblTwin) -> String {
     String::from_utf8(twin.read()).unwrap()
 }
 
-/// Writes, lets time pass, reads.
+/// Writes bytes, advances the time, and returns the bytes received.
 fn exchange(twin: &mut GrblTwin, bytes: &[u8], ms: u64) -> String {
     twin.write(bytes);
     twin.advance(ms * 1_000_000);
@@ -34,7 +34,7 @@ fn exchange(twin: &mut GrblTwin, bytes: &[u8], ms: u64) -> String {
 }
 
 #[test]
-fn a_line_is_answered_when_it_is_read_not_when_it_is_done() {
+fn ok_comes_when_the_line_is_read() {
     let mut twin = board(Variant::Grbl);
     assert_eq!(exchange(&mut twin, b"G21G90G1X10F600\n", 20), "ok\r\n");
     assert_eq!(twin.state(), GrblState::Run);
@@ -50,7 +50,7 @@ fn a_carriage_return_is_a_line_of_its_own() {
 }
 
 #[test]
-fn what_does_not_fit_the_buffer_is_lost_in_silence() {
+fn receive_buffer_overflow_loses_bytes_silently() {
     let mut twin = board(Variant::Grbl);
     let mut text = String::from("G21G90G1F1000\n");
     for k in 1..=60 {
@@ -62,7 +62,7 @@ fn what_does_not_fit_the_buffer_is_lost_in_silence() {
 }
 
 #[test]
-fn characters_that_act_at_once_act_inside_a_comment_too() {
+fn realtime_characters_act_inside_comments() {
     let mut twin = board(Variant::Grbl);
     exchange(&mut twin, b"G90G1X10F600\n", 100);
     exchange(&mut twin, b"(hold! it)\n", 300);
@@ -70,7 +70,7 @@ fn characters_that_act_at_once_act_inside_a_comment_too() {
 }
 
 #[test]
-fn a_hold_takes_its_time_and_a_reset_then_keeps_the_position() {
+fn reset_after_complete_hold_keeps_the_position() {
     let mut twin = board(Variant::Grbl);
     twin.settings.set(120, 200.0).unwrap();
     exchange(&mut twin, b"G90G1X40F1200\n", 800);
@@ -118,7 +118,7 @@ fn after_a_hard_limit_there_is_silence_until_a_reset() {
 }
 
 #[test]
-fn errors_latch_on_the_larger_board_only() {
+fn errors_latch_on_grblhal_only() {
     for (variant, then) in [(Variant::Grbl, "ok\r\n"), (Variant::GrblHal, "error:9\r\n")] {
         let mut twin = board(variant);
         assert_eq!(exchange(&mut twin, b"G99\n", 20), "error:20\r\n");
@@ -129,7 +129,7 @@ fn errors_latch_on_the_larger_board_only() {
 }
 
 #[test]
-fn a_board_with_homing_wakes_up_locked() {
+fn board_with_homing_starts_locked() {
     let mut twin = board(Variant::Grbl);
     assert_eq!(exchange(&mut twin, b"$22=1\n", 40), "ok\r\n");
     twin.press_reset();
@@ -141,10 +141,10 @@ fn a_board_with_homing_wakes_up_locked() {
 }
 
 #[test]
-fn lines_have_a_ceiling() {
+fn line_rate_is_limited() {
     let mut twin = board(Variant::Grbl);
     exchange(&mut twin, b"G90G93\n", 20);
-    // Keep the buffer filled for two seconds, as a host that counts characters does.
+    // Keep the buffer filled for two seconds, like a host that counts characters.
     let (mut sent, mut answered, mut x) = (Vec::new(), 0, 0.0);
     for _ in 0..2000 {
         while sent.iter().sum::<usize>() < 100 {
@@ -191,7 +191,7 @@ fn a_switch_that_never_comes_is_alarm_9() {
 }
 
 #[test]
-fn letting_go_of_a_switch_is_an_edge_on_the_small_board_only() {
+fn switch_release_is_an_edge_on_grbl_only() {
     for (variant, again) in [(Variant::Grbl, true), (Variant::GrblHal, false)] {
         let mut twin = board(variant);
         exchange(&mut twin, b"$21=1\n", 40);
@@ -204,7 +204,7 @@ fn letting_go_of_a_switch_is_an_edge_on_the_small_board_only() {
     }
 }
 
-/// A lathe board whose spindle turns at so many r/min; gains as given.
+/// Returns a lathe board with a spindle that turns at `rpm`.
 fn lathe(rpm: f64, gain: f64) -> GrblTwin {
     let mut settings = GrblSettings::with_encoder(1024);
     for (number, value) in [
@@ -230,7 +230,7 @@ fn lathe(rpm: f64, gain: f64) -> GrblTwin {
     twin
 }
 
-/// Turns of the spindle from one place of Z, mm, to another in the last pass.
+/// Returns the spindle turns between two Z positions, mm, in the last pass.
 fn turns_between(twin: &GrblTwin, from: f64, to: f64) -> f64 {
     let trace = &twin.passes().last().unwrap().0;
     let at = |z: f64| {
@@ -246,7 +246,7 @@ fn a_pass_waits_for_the_signal_and_is_answered_at_its_end() {
     assert_eq!(
         exchange(&mut twin, b"G33Z-20K2\n", 100),
         "",
-        "no answer, no report"
+        "neither answer nor report"
     );
     assert_eq!(exchange(&mut twin, b"?", 50), "");
     let text = exchange(&mut twin, b"?", 400);
@@ -257,12 +257,12 @@ fn a_pass_waits_for_the_signal_and_is_answered_at_its_end() {
     assert!(begun.fract() < 0.01, "{begun}");
     let turns = turns_between(&twin, -4.0, -16.0);
     assert!((turns - 6.0).abs() < 0.005, "{turns}");
-    // A segment of the ordinary kind is an error until G1 is said again.
+    // A segment without G1 is an error after a thread pass.
     assert!(exchange(&mut twin, b"Z-19F600\n", 50).contains("error:39"));
 }
 
 #[test]
-fn with_a_gain_the_pass_comes_out_long() {
+fn gain_lengthens_the_thread_pass() {
     let mut twin = lathe(300.0, 1.0);
     exchange(&mut twin, b"G33Z-20K2\n", 3000);
     let turns = turns_between(&twin, -4.0, -16.0);
@@ -270,7 +270,7 @@ fn with_a_gain_the_pass_comes_out_long() {
 }
 
 #[test]
-fn a_hold_in_a_pass_comes_behind_it() {
+fn feed_hold_in_a_pass_acts_at_its_end() {
     let mut twin = lathe(300.0, 0.0);
     exchange(&mut twin, b"G33Z-20K2\n", 700);
     twin.write(b"!");
@@ -281,7 +281,7 @@ fn a_hold_in_a_pass_comes_behind_it() {
 }
 
 #[test]
-fn a_spindle_that_stands_or_stops_is_an_error_or_an_alarm() {
+fn stopped_spindle_is_an_error_or_an_alarm() {
     let mut twin = lathe(300.0, 0.0);
     twin.spindle_mut().blocked = true;
     assert_eq!(
@@ -291,7 +291,7 @@ fn a_spindle_that_stands_or_stops_is_an_error_or_an_alarm() {
     );
     let text = exchange(&mut twin, b"?\n", 4000);
     assert!(text.starts_with("ALARM:14"), "{text}");
-    assert!(!text.contains("ok"), "nothing is read any more: {text}");
+    assert!(!text.contains("ok"), "no further line is read: {text}");
     let text = exchange(&mut twin, &[0x18], 100);
     assert!(
         text.contains("GrblHAL") && twin.state() == GrblState::Alarm,

@@ -1,20 +1,20 @@
-//! The board's side of the blocks: `len seq content crc crc 7E`.
+//! Encodes and parses message blocks: `len seq content crc crc 7E`.
 
-/// The shortest and the longest block.
+/// Length limits of a block.
 const MIN_BLOCK_BYTES: usize = 5;
 const MAX_BLOCK_BYTES: usize = 64;
 const SYNC: u8 = 0x7E;
 
-/// What the receive buffer holds at its front.
+/// The result of parsing the start of the receive buffer.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum BufferFront {
-    /// Not enough for a judgement.
+    /// The buffer does not contain a whole block yet.
     Incomplete,
-    /// So many bytes are to be dropped in silence.
+    /// This number of bytes must be dropped without a reply.
     Skip(usize),
-    /// A block that is none; what follows up to the next 7E is dropped.
+    /// An invalid block. The bytes up to the next 7E must be dropped.
     Invalid,
-    /// A whole block: its length and sequence bits.
+    /// A valid block, with its length and sequence number.
     Block(usize, u8),
 }
 
@@ -56,7 +56,7 @@ pub(super) fn parse_front(buffer: &[u8]) -> BufferFront {
     BufferFront::Block(length, sequence & 0x0F)
 }
 
-/// A block with this content.
+/// Encodes a block with a sequence number and its content.
 pub fn encode_block(sequence: u8, content: &[u8]) -> Vec<u8> {
     let mut block = vec![
         (content.len() + MIN_BLOCK_BYTES) as u8,
@@ -68,7 +68,7 @@ pub fn encode_block(sequence: u8, content: &[u8]) -> Vec<u8> {
     block
 }
 
-/// Appends an integer of up to 32 bits.
+/// Appends an integer of up to 32 bits as VLQ.
 pub(super) fn encode_vlq(out: &mut Vec<u8>, value: i64) {
     if !(-0x0400_0000..0x0C00_0000).contains(&value) {
         out.push((value >> 28 & 0x7F) as u8 | 0x80);
@@ -85,7 +85,7 @@ pub(super) fn encode_vlq(out: &mut Vec<u8>, value: i64) {
     out.push((value & 0x7F) as u8);
 }
 
-/// Takes an integer from the front.
+/// Decodes a VLQ integer and removes it from `content`; `None` if it is incomplete.
 pub(super) fn decode_vlq(content: &mut &[u8]) -> Option<u32> {
     let mut value = 0_u32;
     for index in 0..5 {

@@ -1,4 +1,4 @@
-//! What the commands of the host do.
+//! Executes the commands of the host.
 
 use super::block;
 use super::dictionary::{self, Command, Response, response_id};
@@ -6,18 +6,18 @@ use super::objects::{EdgeCounter, Endstop, Output, Trsync};
 use super::stepper::{QueueResult, Stepper};
 use super::{CLOCK_HZ, ConfigObject, KlipperTwin, MOVE_QUEUE_SIZE, pins};
 
-/// Most parameters of a command.
+/// Maximum number of parameters of a command.
 const MAX_PARAMETERS: usize = 8;
-/// Later than this a step of a moving axis is not made, ticks.
+/// Delay after which a step of a moving stepper causes a shutdown, ticks.
 const MAX_PAST_TICKS: i64 = CLOCK_HZ as i64 / 1000;
 
 const SECOND: u64 = 1_000_000_000;
 
-/// A reason to shut down.
+/// The reason of a shutdown, as the firmware words it.
 type ShutdownReason = &'static str;
 
 impl KlipperTwin {
-    /// Carries out the commands of a block; how many there were.
+    /// Executes the commands of a block and returns their number.
     pub(super) fn execute(&mut self, mut content: &[u8]) -> u64 {
         let mut count = 0;
         while !content.is_empty() && self.boots_at.is_none() {
@@ -325,7 +325,8 @@ impl KlipperTwin {
             }
             _ => {
                 self.trsync(parameters[0])?;
-                // The report of the trigger is the answer, or that of an older one.
+                // The trigger reports its state. If it happened before, the report is
+                // repeated.
                 let triggered = !self.trsync(parameters[0])?.can_trigger;
                 self.trigger_trsync(parameters[0], parameters[1]);
                 if triggered {

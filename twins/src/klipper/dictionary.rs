@@ -1,4 +1,4 @@
-//! What the board says it understands.
+//! The data dictionary: commands, responses, shutdown reasons and pins of the firmware.
 
 use std::fmt::Write;
 
@@ -8,11 +8,11 @@ use super::pins::PORTS;
 
 macro_rules! messages {
     ($kind:ident $table:ident: $($name:ident $text:literal)*) => {
-        /// A message.
+        /// A message of the protocol.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(super) enum $kind { $($name),* }
 
-        /// Its text.
+        /// The messages with their formats.
         pub(super) const $table: &[($kind, &str)] = &[$(($kind::$name, $text)),*];
     };
 }
@@ -62,7 +62,7 @@ messages! { Response RESPONSES:
     Stats "stats count=%u sum=%u sumsq=%u"
 }
 
-/// Reasons of a shutdown.
+/// Reasons of shutdowns, the texts of `static_string_id`.
 pub(super) const SHUTDOWN_REASONS: [&str; 24] = [
     "Timer too close",
     "Stepper too far in past",
@@ -89,12 +89,13 @@ pub(super) const SHUTDOWN_REASONS: [&str; 24] = [
     "Not a valid PWM pin",
     "Can not use timer1 for PWM; timer1 is used for timers",
 ];
-/// Number of the first text.
+/// Id of the first reason.
 const FIRST_REASON_ID: usize = 2;
-/// Texts of build tools make up the rest of a real dictionary.
+/// Size of the build information in a real dictionary, filled with random letters.
 const FILLER_BYTES: usize = 3773;
 
-/// Ids on purpose as boards have them: negative ones, and some of two bytes.
+/// Returns the id of a command. Like real boards, some ids are negative and some have two
+/// bytes.
 pub(super) fn command_id(command: Command) -> i64 {
     match command as i64 {
         0 => 1,
@@ -112,7 +113,7 @@ pub(super) fn response_id(response: Response) -> i64 {
     }
 }
 
-/// The command of an id, and how many parameters it has.
+/// Returns the command with an id and its number of parameters.
 pub(super) fn find_command(id: u32) -> Option<(Command, usize)> {
     let named = COMMANDS
         .iter()
@@ -125,7 +126,7 @@ pub(super) fn static_string_id(text: &str) -> i64 {
     (FIRST_REASON_ID + index.unwrap_or(0)) as i64
 }
 
-/// The dictionary of an ATmega2560 board as it goes over the wire.
+/// Returns the dictionary of an ATmega2560 board, compressed as it is sent to the host.
 pub(super) fn compressed_dictionary(rate: u32, window: u32, has_reset_command: bool) -> Vec<u8> {
     let mut text = String::from("{\"build_versions\":\"");
     let mut state = 12_345_u32;
@@ -133,7 +134,7 @@ pub(super) fn compressed_dictionary(rate: u32, window: u32, has_reset_command: b
         state = state.wrapping_mul(1_103_515_245).wrapping_add(12_345);
         text.push(char::from(b'a' + (state >> 16 & 0x0F) as u8));
     }
-    // A `String` takes everything that is written to it.
+    // Writing to a `String` cannot fail.
     text.push_str("\",\"commands\":{");
     let known = |name: &Command| has_reset_command || *name != Command::Reset;
     for (index, (name, form)) in COMMANDS.iter().filter(|(name, _)| known(name)).enumerate() {

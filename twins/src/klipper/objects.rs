@@ -1,12 +1,12 @@
-//! What the host configures besides steppers.
+//! Objects that the host configures besides steppers.
 
 use std::collections::VecDeque;
 
-/// A switch.
+/// A switch that can trigger a stop during homing.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Endstop {
     pub(super) pin: u32,
-    /// Next look; none: nobody waits for it.
+    /// Clock of the next sample; `None` if homing is not active.
     pub(super) next: Option<i64>,
     pub(super) sample_ticks: i64,
     pub(super) sample_count: u32,
@@ -14,18 +14,18 @@ pub(super) struct Endstop {
     pub(super) level: bool,
     pub(super) trsync: u32,
     pub(super) reason: u32,
-    /// Samples that agreed so far.
+    /// Number of successive samples with the expected level.
     pub(super) matching_samples: u32,
 }
 
 impl Endstop {
-    /// Looks at the pin; whether it has been operated long enough.
+    /// Samples the pin and returns whether the switch has had its level long enough.
     pub(super) fn sample_level(&mut self, level: bool) -> bool {
         let Some(now) = self.next else {
             return false;
         };
         if level != self.level {
-            // Back to the pace of slow looks.
+            // Return to the slow sampling interval.
             let elapsed = i64::from(self.matching_samples) * self.sample_ticks;
             self.next = Some(now - elapsed + self.rest_ticks);
             self.matching_samples = 0;
@@ -41,7 +41,7 @@ impl Endstop {
     }
 }
 
-/// A stop group.
+/// A group of steppers that stop together (Klipper's `trsync`).
 #[derive(Clone, Debug, Default)]
 pub(super) struct Trsync {
     pub(super) can_trigger: bool,
@@ -52,14 +52,14 @@ pub(super) struct Trsync {
     pub(super) report_ticks: i64,
 }
 
-/// An output, switched or of pulse width.
+/// A digital or PWM output.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Output {
     pub(super) pin: u32,
     pub(super) default: u32,
     pub(super) max_duration: i64,
     pub(super) queue: VecDeque<(i64, u32)>,
-    /// When it must have been told again.
+    /// Clock until which the host must renew the value.
     pub(super) max_duration_end: Option<i64>,
     pub(super) pulse_width: bool,
 }
@@ -89,7 +89,7 @@ impl Output {
     }
 }
 
-/// A counter of edges.
+/// A counter of edges at an input.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EdgeCounter {
     pub(super) pin: u32,

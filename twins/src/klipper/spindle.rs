@@ -1,5 +1,4 @@
-//! A spindle that the outputs of the board drive, with one pulse a turn at one of its
-//! inputs.
+//! A spindle driven by the outputs of the board, with an index signal at one of its inputs.
 
 use core::f64::consts::PI;
 
@@ -7,40 +6,40 @@ use super::{ConfigObject, KlipperTwin, pins};
 
 /// Part of a turn in which the index signal is high.
 const INDEX_PULSE_TURNS: f64 = 0.1;
-/// Full pulse width.
+/// PWM value of full speed.
 const MAX_PWM: f64 = 255.0;
 
-/// Where the spindle is wired, and how it is made.
+/// The pins and the dynamics of a spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpindleWiring<'a> {
-    /// Input of the one-turn signal.
+    /// Input pin of the index signal, one pulse per turn.
     pub index_pin: &'a str,
-    /// Outputs that let it turn.
+    /// Output pin that turns the spindle forward.
     pub forward_pin: &'a str,
-    /// See `forward`.
+    /// Output pin that turns the spindle in reverse.
     pub reverse_pin: &'a str,
-    /// Output whose pulse width is the speed; empty: it has one speed.
+    /// PWM output pin of the speed; empty for a spindle with one speed.
     pub speed_pin: &'a str,
-    /// Turns a minute at full width.
+    /// Speed at full PWM value, r/min.
     pub full_speed_rpm: f64,
-    /// Time constant of its speed, s.
+    /// Time constant of speed changes, s.
     pub time_constant_s: f64,
 }
 
-/// A spindle.
+/// A spindle in motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct KlipperSpindle {
     index: u32,
-    /// Forward, reverse, speed; none: it turns by itself.
+    /// Pins of forward, reverse and speed; `None` for a spindle that always turns.
     output_pins: Option<[Option<u32>; 3]>,
     full_speed: f64,
     time_constant_s: f64,
-    /// From here on the speed goes to its target: ns, turns, turns a second.
+    /// Start of the last speed change, ns; from here the speed, r/s, approaches its target.
     since_ns: u64,
     turns: f64,
     speed: f64,
     target: f64,
-    /// Part of the speed, turns a second of it, and since when, ns.
+    /// Ripple: relative amplitude, frequency, Hz, and start time, ns.
     ripple: (f64, f64, u64),
     index_lost: bool,
     index_stuck_high: bool,
@@ -67,7 +66,7 @@ impl KlipperSpindle {
         }
     }
 
-    /// Speed without ripple, turns a second.
+    /// Returns the speed without ripple, r/s.
     fn speed(&self, now: u64) -> f64 {
         let passed = seconds(self.since_ns, now);
         if self.time_constant_s <= 0.0 {
@@ -88,7 +87,7 @@ impl KlipperSpindle {
         self.turns + self.target * passed + missing
     }
 
-    /// Turns since it was fitted.
+    /// Returns the turns since the spindle was attached.
     pub(super) fn turns(&self, now: u64) -> f64 {
         let (part, frequency, since) = self.ripple;
         let phase = 2.0 * PI * frequency * seconds(since, now);
@@ -101,7 +100,7 @@ impl KlipperSpindle {
         (self.since_ns, self.target) = (now, target);
     }
 
-    /// Level of the index signal, if it is at this pin.
+    /// Returns the level of the index signal if `pin` is its pin.
     pub(super) fn level(&self, pin: u32, now: u64) -> Option<bool> {
         let high = || {
             self.index_stuck_high
@@ -112,7 +111,7 @@ impl KlipperSpindle {
 }
 
 impl KlipperTwin {
-    /// A spindle that turns by itself, with its index at this pin.
+    /// Attaches a spindle that always turns at `rpm`, with its index signal at this pin.
     pub fn run_spindle(&mut self, name: &str, rpm: f64) {
         self.spindle = pins::pin_number(name).map(|pin| {
             let mut spindle = KlipperSpindle::new(pin, self.now);
@@ -122,7 +121,7 @@ impl KlipperTwin {
         });
     }
 
-    /// A spindle that the board's outputs drive.
+    /// Attaches a spindle that the outputs of the board drive.
     pub fn attach_spindle(&mut self, make: SpindleWiring<'_>) {
         let pin = |name: &str| pins::pin_number(name);
         self.spindle = pin(make.index_pin).map(|index| KlipperSpindle {
@@ -137,8 +136,7 @@ impl KlipperTwin {
         });
     }
 
-    /// The speed of the spindle goes up and down by so many per cent, so often a
-    /// second.
+    /// Adds a periodic ripple to the spindle speed: amplitude in per cent, frequency in Hz.
     pub fn set_speed_ripple(&mut self, percent: f64, frequency: f64) {
         let now = self.now;
         if let Some(spindle) = &mut self.spindle {
@@ -150,33 +148,32 @@ impl KlipperTwin {
         }
     }
 
-    /// The index signal stays away, or comes again.
+    /// Suppresses the index signal, or restores it.
     pub const fn set_index_lost(&mut self, index_lost: bool) {
         if let Some(spindle) = &mut self.spindle {
             spindle.index_lost = index_lost;
         }
     }
 
-    /// The index signal is high whatever the spindle does: a disturbance.
+    /// Holds the index signal high, like a disturbance, or releases it.
     pub const fn set_index_stuck_high(&mut self, on: bool) {
         if let Some(spindle) = &mut self.spindle {
             spindle.index_stuck_high = on;
         }
     }
 
-    /// Turns of the spindle at a moment, ns, since its outputs last changed; negative
-    /// in reverse.
+    /// Returns the turns of the spindle at time `at`, ns, negative in reverse.
     pub fn spindle_turns(&self, at: u64) -> f64 {
         self.spindle.map_or(0.0, |spindle| spindle.turns(at))
     }
 
-    /// Speed of the spindle without its ripple, turns a minute.
+    /// Returns the spindle speed without ripple, r/min.
     pub fn spindle_rpm(&self) -> f64 {
         self.spindle
             .map_or(0.0, |spindle| spindle.speed(self.now) * 60.0)
     }
 
-    /// The outputs drive the spindle.
+    /// Sets the target speed of the spindle from the board's outputs.
     pub(super) fn drive_spindle(&mut self, now: u64) {
         let Some(spindle) = self.spindle else {
             return;
@@ -200,7 +197,7 @@ impl KlipperTwin {
         }
     }
 
-    /// What an output pin gives; one that is not set up gives nothing.
+    /// Returns the value of an output pin; 0 if it is not configured.
     fn output_value(&self, wanted: u32) -> u32 {
         let given = self.oids.values().find_map(|object| match object {
             ConfigObject::Output(output, value) if output.pin == wanted => Some(*value),

@@ -1,8 +1,8 @@
-//! A stepper and its queue.
+//! A stepper and its queue of moves.
 
 use std::collections::VecDeque;
 
-/// Steps the host has queued as one.
+/// Several steps that the host has queued as one move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct StepperMove {
     pub(super) interval: i64,
@@ -14,27 +14,27 @@ pub(super) struct StepperMove {
 #[derive(Clone, Debug)]
 pub(super) struct Stepper {
     queue: VecDeque<StepperMove>,
-    /// The move under way, with the interval of its next step.
+    /// The current move, with the interval of its next step.
     active: Option<StepperMove>,
-    /// Clock of the next step, or of the last one when it stands.
+    /// Clock of the next step; for a stopped stepper that of the last step.
     next: i64,
     pub(super) position: i64,
-    /// Direction of what is queued next.
+    /// Direction of the moves queued next.
     pub(super) up: bool,
-    /// After a stop what is queued is dropped until the clock is set.
+    /// After a stop the stepper drops moves until the host resets its step clock.
     needs_clock: bool,
-    /// The stop group it belongs to.
+    /// The trsync that stops the stepper.
     pub(super) trsync: Option<u32>,
 }
 
-/// What a queued move leads to.
+/// The effect of queueing a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum QueueResult {
-    /// It waits behind others.
+    /// The move waits in the queue.
     Waiting,
-    /// It starts at this clock.
+    /// The move has started; its first step is at this clock.
     Started(i64),
-    /// It was dropped.
+    /// The move was dropped.
     Dropped,
 }
 
@@ -51,12 +51,12 @@ impl Stepper {
         }
     }
 
-    /// Clock of the next step.
+    /// Returns the clock of the next step.
     pub(super) fn due(&self) -> Option<i64> {
         self.active.map(|_| self.next)
     }
 
-    /// Entries it has in the common queue; the move under way has left it.
+    /// Returns the entries of the stepper in the shared queue, without the current move.
     pub(super) fn queue_length(&self) -> usize {
         self.queue.len()
     }
@@ -93,8 +93,8 @@ impl Stepper {
         self.active = Some(new);
     }
 
-    /// Makes the step that is due; the way it goes, and whether the next move of the
-    /// queue began.
+    /// Makes the due step. Returns its direction and whether the next move of the queue has
+    /// started.
     pub(super) fn step(&mut self) -> (bool, bool) {
         let Some(active) = &mut self.active else {
             return (false, false);
@@ -115,7 +115,7 @@ impl Stepper {
         (up, next.is_some())
     }
 
-    /// At once, whatever is queued; the direction pin falls back, too.
+    /// Stops at once, clears the queue and resets the direction pin.
     pub(super) fn stop(&mut self) {
         self.queue.clear();
         self.active = None;

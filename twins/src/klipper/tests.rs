@@ -9,7 +9,7 @@ fn booted() -> KlipperTwin {
     twin
 }
 
-/// Sends commands in one block; the contents that came back within 20 ms.
+/// Sends commands in one block and returns the contents received within 20 ms.
 fn send_commands(
     twin: &mut KlipperTwin,
     commands: &[(dictionary::Command, &[i64])],
@@ -39,7 +39,7 @@ fn contents(mut bytes: &[u8]) -> Vec<Vec<u8>> {
 
 use dictionary::Command as C;
 
-/// One stepper, oid 0, in group 1, clock at the given ms from now.
+/// Configures steppers 0 and 2 and trsync 1.
 fn stepper(twin: &mut KlipperTwin) {
     send_commands(
         twin,
@@ -58,7 +58,7 @@ fn clock_in(twin: &KlipperTwin, ms: i64) -> i64 {
 }
 
 #[test]
-fn blocks_as_in_the_fixtures() {
+fn encoded_blocks_match_the_fixtures() {
     assert_eq!(encode_block(0, &[]), [0x05, 0x10, 0x9e, 0x81, 0x7e]);
     assert_eq!(
         encode_block(1, &[1, 0, 40]),
@@ -67,7 +67,7 @@ fn blocks_as_in_the_fixtures() {
 }
 
 #[test]
-fn the_dictionary_comes_in_91_pieces() {
+fn dictionary_has_91_chunks() {
     assert_eq!(
         dictionary::compressed_dictionary(CLOCK_HZ, 192, true).len(),
         3574
@@ -88,7 +88,7 @@ fn the_dictionary_comes_in_91_pieces() {
 }
 
 #[test]
-fn a_block_out_of_turn_is_not_carried_out() {
+fn block_with_wrong_sequence_number_is_not_executed() {
     let mut twin = booted();
     let block = encode_block(twin.next_sequence + 3, &[1, 0, 40]);
     twin.write(&block);
@@ -118,7 +118,7 @@ fn steps_come_at_their_clocks() {
 }
 
 #[test]
-fn what_cannot_be_done_ends_in_a_shutdown_that_says_why() {
+fn impossible_commands_cause_shutdown_with_reason() {
     type Commands = Vec<(C, Vec<i64>)>;
     let mut twin = booted();
     stepper(&mut twin);
@@ -164,7 +164,7 @@ fn what_cannot_be_done_ends_in_a_shutdown_that_says_why() {
 }
 
 #[test]
-fn a_queue_that_is_full_overflows() {
+fn full_move_queue_overflows() {
     let mut twin = booted();
     stepper(&mut twin);
     let clock = clock_in(&twin, 1000);
@@ -176,7 +176,7 @@ fn a_queue_that_is_full_overflows() {
 }
 
 #[test]
-fn forty_thousand_steps_on_both_axes_are_made_and_fifty_are_not() {
+fn step_rate_limit_is_between_40_and_50_kilohertz() {
     for (interval, made) in [(400, true), (320, false)] {
         let mut twin = booted();
         stepper(&mut twin);
@@ -201,7 +201,7 @@ fn forty_thousand_steps_on_both_axes_are_made_and_fifty_are_not() {
 }
 
 #[test]
-fn a_group_that_is_not_renewed_stops_its_axes() {
+fn expired_trsync_stops_its_steppers() {
     let mut twin = booted();
     stepper(&mut twin);
     let (clock, timeout) = (clock_in(&twin, 50), clock_in(&twin, 250));
@@ -219,7 +219,7 @@ fn a_group_that_is_not_renewed_stops_its_axes() {
     twin.advance(1000 * MS);
     let stood = twin.last_pulse_ns() - from;
     assert!((249 * MS..=250 * MS).contains(&stood), "{stood}");
-    // Then nothing moves until the clock is set anew.
+    // The stepper does not move until its step clock is reset.
     let count = twin.pulses()[0];
     send_commands(&mut twin, &[(C::QueueStep, &[0, 1600, 100, 0])]);
     twin.advance(1000 * MS);
@@ -227,7 +227,7 @@ fn a_group_that_is_not_renewed_stops_its_axes() {
         (twin.pulses()[0], twin.state()),
         (count, KlipperState::Running)
     );
-    // An axis of a group that can still trigger cannot join another.
+    // A stepper whose trsync can still trigger cannot join another trsync.
     let clock = clock_in(&twin, 50);
     send_commands(
         &mut twin,
@@ -244,7 +244,7 @@ fn a_group_that_is_not_renewed_stops_its_axes() {
 }
 
 #[test]
-fn an_output_that_is_not_renewed_ends_it_all() {
+fn output_not_renewed_causes_shutdown() {
     let mut twin = booted();
     send_commands(
         &mut twin,
@@ -269,7 +269,7 @@ fn an_output_that_is_not_renewed_ends_it_all() {
 }
 
 #[test]
-fn a_configuration_outlives_its_host_and_not_a_reset() {
+fn configuration_survives_the_host_but_not_a_reset() {
     let mut twin = booted();
     stepper(&mut twin);
     twin.advance(10_000 * MS);
@@ -283,7 +283,7 @@ fn a_configuration_outlives_its_host_and_not_a_reset() {
 }
 
 #[test]
-fn turns_are_counted_twice() {
+fn edge_counter_counts_two_edges_per_turn() {
     let mut twin = booted();
     send_commands(
         &mut twin,
@@ -340,7 +340,7 @@ fn the_outputs_drive_the_spindle() {
     );
     twin.advance(80 * MS);
     assert_eq!(twin.spindle_rpm(), 0.0);
-    // After its time constant it has two thirds of its speed, then all of it.
+    // After one time constant the spindle has two thirds of its speed.
     twin.advance(100 * MS);
     assert!(
         (twin.spindle_rpm() - 379.0).abs() < 5.0,
@@ -349,7 +349,7 @@ fn the_outputs_drive_the_spindle() {
     );
     twin.advance(2000 * MS);
     assert!((twin.spindle_rpm() - 600.0).abs() < 0.01);
-    // A ripple neither jumps nor changes the mean: 10 turns a second.
+    // Ripple causes no jump and does not change the mean speed of 10 r/s.
     let turns = |twin: &KlipperTwin| twin.spindle_turns(twin.now());
     let begin = turns(&twin);
     twin.set_speed_ripple(1.0, 0.5);
@@ -363,14 +363,14 @@ fn the_outputs_drive_the_spindle() {
     }
     assert!((turns(&twin) - begin - 20.0).abs() < 1e-6);
     assert!((least - 0.099).abs() < 1e-5 && (most - 0.101).abs() < 1e-5);
-    // A board that gives up lets it run out.
+    // A shutdown lets the spindle run down.
     twin.force_shutdown("test");
     twin.advance(2000 * MS);
     assert!(twin.spindle_rpm().abs() < 0.01);
 }
 
 #[test]
-fn what_the_processor_has_not_is_refused_as_the_firmware_does() {
+fn wrong_pins_and_oids_cause_shutdown() {
     let pin = |name| i64::from(pins::pin_number(name).unwrap());
     let (timer_1, plain, none) = (pin("PB6"), pin("PA4"), 64);
     for (command, numbers, reason) in [

@@ -1,4 +1,4 @@
-//! What happens at its clock: steps, looks at switches, time-outs, outputs.
+//! Runs the timers: steps, switch samples, timeouts, outputs and counters.
 
 use super::dictionary::Response;
 use super::{CLOCK_HZ, ConfigObject, KlipperTwin, MadeStep, STATS_S, STEP_NS, TOO_LATE_NS};
@@ -20,7 +20,7 @@ impl ConfigObject {
 }
 
 impl KlipperTwin {
-    /// Clock of the next thing that happens by itself.
+    /// Returns the clock of the next timer.
     pub(super) fn next_timer(&self) -> Option<i64> {
         let objects = self.oids.values().filter_map(ConfigObject::due);
         objects.chain([self.stats_at]).min()
@@ -150,7 +150,7 @@ impl KlipperTwin {
         }
     }
 
-    /// Stops all steppers of a group, once.
+    /// Stops all steppers of a trsync, unless it has already triggered.
     pub(super) fn trigger_trsync(&mut self, oid: u32, reason: u32) {
         let Some(ConfigObject::Trsync(trsync)) = self.oids.get_mut(&oid) else {
             return;

@@ -1,28 +1,28 @@
-//! Lines as FluidNC's main task carries them out.
+//! Executes lines in FluidNC's main task.
 
 use super::super::config::FluidConfig;
 use super::super::{GrblState, GrblTwin};
 
-/// The longest line, and the longest block of G code.
+/// Maximum length of a line and of a G code block.
 pub(super) const MAX_LINE_BYTES: usize = 254;
 const MAX_BLOCK_BYTES: usize = 127;
 
-/// Commands that wait for the end of all motion, by name.
+/// Commands that wait for the end of all motion.
 const SYNCHRONOUS_COMMANDS: [&str; 13] = [
     "", "$", "#", "I", "CD", "X", "C", "13", "H", "HX", "HY", "HZ", "SLP",
 ];
 
 impl GrblTwin {
-    /// The main task's turn, its events handled.
+    /// Runs the main task after its events.
     pub(super) fn run_fluid_main(&mut self) {
         loop {
-            // It is kept by an alarm, or by a hold it waits in.
+            // An alarm or a completed hold blocks the main task.
             let held = self.state == GrblState::Hold { complete: true };
             if held || self.now < self.fluid.blocked_until.max(self.busy_until) {
                 return;
             }
             if self.fluid.is_homing {
-                // An alarm that ends it comes first.
+                // An alarm that ends homing comes first.
                 if self.state == GrblState::Home || !self.fluid.events.is_empty() {
                     return;
                 }
@@ -81,7 +81,7 @@ impl GrblTwin {
         }
     }
 
-    /// A block of G code; None where it is answered when it is carried out.
+    /// Parses a G code block. Returns `None` if it is answered when executed.
     fn execute_fluid_block(&mut self, line: &str) -> Option<Result<(), u8>> {
         if self.state == GrblState::Alarm {
             return Some(Err(9));
@@ -100,7 +100,7 @@ impl GrblTwin {
         }
     }
 
-    /// A command that has waited for the end of all motion.
+    /// Executes a command after the end of all motion.
     fn execute_fluid_command(&mut self, command: &str) -> Option<Result<(), u8>> {
         let is_at_rest = matches!(
             self.state,
@@ -148,7 +148,7 @@ impl GrblTwin {
         Some(Ok(()))
     }
 
-    /// What is answered at once, in motion too.
+    /// Executes a setting, which is answered at once, also in motion.
     fn execute_setting(&mut self, command: &str) -> Result<(), u8> {
         let (name, value) = command.split_once('=').unwrap_or((command, ""));
         let (name, value) = (name.trim(), value.trim());
@@ -173,7 +173,7 @@ impl GrblTwin {
         Ok(())
     }
 
-    /// `$10`: kept for good.
+    /// Sets or shows `$10`, the stored report mask.
     fn set_report_mask(&mut self, value: &str) -> Result<(), u8> {
         if value.is_empty() {
             let fields = self.settings.value(10);
@@ -193,7 +193,7 @@ impl GrblTwin {
         self.settings.set(10, fields)
     }
 
-    /// `$$`: what hosts of Grbl look for, and no more.
+    /// Lists the settings of `$$` that Grbl hosts look for.
     fn list_grbl_settings(&mut self) {
         let mut text = String::new();
         for number in [13, 10] {
@@ -207,8 +207,8 @@ impl GrblTwin {
         self.send_text(&text);
     }
 
-    /// Out of an alarm all axes count as homed, and the motors of hard limits make pulses
-    /// again.
+    /// Unlocks after an alarm: all axes count as homed, and motors with hard limits are
+    /// released.
     fn unlock(&mut self) {
         if self.state != GrblState::Alarm {
             return;
@@ -224,7 +224,7 @@ impl GrblTwin {
     }
 }
 
-/// A block without blanks and comments, in capitals.
+/// Removes blanks and comments from a block and converts it to capitals.
 fn normalize_block(line: &str) -> String {
     let mut text = String::new();
     let mut comment = false;

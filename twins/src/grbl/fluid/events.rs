@@ -1,15 +1,14 @@
-//! What FluidNC's main task does at an event: a reset, a hold, an alarm, an edge of an
-//! input.
+//! Handles the events of FluidNC's main task: resets, holds, alarms and input edges.
 
 use super::super::{GrblState, GrblTwin};
 use super::MS;
 
-/// How long every alarm keeps the main task.
+/// Time for which each alarm blocks the main task, ns.
 const ALARM_DELAY_NS: u64 = 500 * MS;
-/// Events that find room.
+/// Capacity of the event queue.
 const MAX_EVENTS: usize = 50;
 
-/// What waits for the main task.
+/// An event in the queue of the main task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FluidEvent {
     Start,
@@ -19,13 +18,13 @@ pub(super) enum FluidEvent {
     Resume,
     Macro,
     Alarm(u8),
-    /// A limit switch, 0 X, 1 Z: operated, or let go.
+    /// A limit switch (0 for X, 1 for Z) was operated or released.
     Limit(usize, bool),
-    /// The emergency stop input.
+    /// The emergency stop input has changed.
     Emergency(bool),
-    /// An alarm only a reset ends has had its half second.
+    /// The delay of an alarm that needs a reset has elapsed.
     ResetToContinue,
-    /// The second half of a reset in motion, behind its alarm.
+    /// Second part of a reset in motion, after its alarm.
     FinishReset,
 }
 
@@ -57,7 +56,7 @@ impl GrblTwin {
         }
     }
 
-    /// The first event after power-on.
+    /// Handles the first event after power-on.
     fn handle_start(&mut self) {
         let pins = self.pin_letters();
         if !pins.is_empty() {
@@ -75,7 +74,7 @@ impl GrblTwin {
         }
     }
 
-    /// Everything read and planned is gone; the place stays.
+    /// Clears received lines and planned motion; the position remains.
     fn handle_restart(&mut self) {
         self.received.clear();
         self.fluid.polled_bytes.clear();
@@ -112,7 +111,7 @@ impl GrblTwin {
         self.fluid.events.push_front(FluidEvent::FinishReset);
     }
 
-    /// Outputs off; the line under way ends without an answer.
+    /// Switches the outputs off; the current line ends without an answer.
     fn finish_reset(&mut self) {
         self.spindle_code = 5;
         self.coolant = false;
@@ -132,7 +131,7 @@ impl GrblTwin {
                 self.state = GrblState::Hold { complete: false };
                 self.fluid.is_braking = true;
             }
-            // It leaves the state a reset alone should end, and holds nothing.
+            // A firmware bug: a hold leaves the state that only a reset should end.
             GrblState::Critical => self.state = GrblState::Hold { complete: false },
         }
     }
@@ -173,7 +172,7 @@ impl GrblTwin {
         }
     }
 
-    /// No axis is homed any more, where the configuration asks for it.
+    /// Marks all axes with homing as not homed if the configuration requires homing.
     fn mark_unhomed(&mut self) {
         if self.is_config_on("start/must_home") {
             self.fluid.unhomed = self.fluid.start.homing;
@@ -197,7 +196,7 @@ impl GrblTwin {
             self.state,
             GrblState::Run | GrblState::Idle | GrblState::Hold { .. }
         );
-        // At the start a switch is an alarm whether it is a hard limit or not.
+        // At startup an operated switch is an alarm, even without hard limits.
         if self.state == GrblState::Starting {
             self.push_event(FluidEvent::Alarm(1));
         } else if hard && acts {

@@ -1,30 +1,30 @@
-//! Homing as FluidNC does it: by cycles, the axes of a cycle together.
+//! Homing of FluidNC: in cycles; the axes of a cycle move together.
 //!
 //! ```text
-//!   ◄─ pulloff ─ switch operated at the beginning
+//!   ◄─ pulloff ─ switch operated at the start
 //!   seek ──────────────────────►|switch    at most seek_scaler x max_travel, or ALARM:9
 //!               ◄─ pulloff ─────|          still operated: ALARM:8
 //!        feed   ───────────────►|          at most feed_scaler x pulloff, or ALARM:9
-//!               ◄─ pulloff ─────|          homing_runs times; here the place is set
+//!               ◄─ pulloff ─────|          homing_runs times; here the position is set
 //! ```
 //!
-//! After an alarm the command is answered `ok` all the same.
+//! The command is answered `ok` even after an alarm.
 
 use std::collections::VecDeque;
 
 use super::super::{GrblState, GrblTwin};
 use super::{FluidEvent, MS};
 
-/// Axes of the board and their names in the configuration.
+/// Axes of the board with their configuration paths and letters.
 const AXES: [(usize, &str, char); 2] = [(0, "axes/x", 'X'), (2, "axes/z", 'Z')];
-/// From the end of a way off the switch until the switch is looked at.
+/// Delay from the end of a pull-off to the check of the switch, ns.
 const SWITCH_CHECK_DELAY_NS: u64 = 10 * MS;
-/// The highest number of a cycle.
+/// Highest number of a homing cycle.
 const MAX_CYCLE: i64 = 6;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum HomingPhase {
-    /// Off a switch that is operated at the beginning.
+    /// Pull-off from a switch that is operated at the start.
     Clear,
     Seek,
     PullOffAfterSeek,
@@ -38,31 +38,31 @@ impl HomingPhase {
     }
 }
 
-/// The way of one axis in a phase.
+/// The move of one axis in a phase.
 #[derive(Clone, Copy, Debug)]
 struct AxisMove {
-    /// mm, with sign.
+    /// Signed distance, mm.
     distance_mm: f64,
-    /// mm/s.
+    /// Speed, mm/s.
     rate_mm_per_s: f64,
-    /// Pulses/mm.
+    /// Pulses per mm.
     pulses_per_mm: f64,
     travelled_mm: f64,
     pulses_made: i64,
 }
 
-/// Homing under way.
+/// The current homing cycle.
 #[derive(Clone, Debug)]
 pub(super) struct HomingCycle {
-    /// The count when homing began.
+    /// Position at the start of homing, pulses.
     start_position: [i64; 3],
-    /// Cycles to come, the axes of each.
+    /// Axes of the cycles that follow.
     next: VecDeque<[bool; 2]>,
     axes: [bool; 2],
     phase: HomingPhase,
     runs: u32,
     moves: [Option<AxisMove>; 2],
-    /// The way off the switch is made; it is looked at then.
+    /// Time at which the switch is checked after a pull-off, ns.
     check_switch_at: Option<u64>,
 }
 
@@ -76,7 +76,7 @@ impl GrblTwin {
         self.config_item(&path)?.parse().ok()
     }
 
-    /// `$H`, or one axis; None where it is answered later.
+    /// Starts homing all axes or one axis. Returns `None` if the command is answered later.
     pub(super) fn start_homing(&mut self, only: Option<usize>) -> Option<Result<(), u8>> {
         if self.fluid.known_inputs[2] {
             return Some(Err(40));
@@ -125,7 +125,8 @@ impl GrblTwin {
         None
     }
 
-    /// A switch wired to both ends does not tell from which one it is to be left.
+    /// Returns whether an operated switch serves both ends, so that its direction is
+    /// unknown.
     fn is_ambiguous(&self) -> bool {
         let all = |axis: usize| {
             let path = format!("{}/motor0/limit_all_pin", AXES[axis].1);
@@ -176,7 +177,7 @@ impl GrblTwin {
         let Some(mut cycle) = self.fluid.cycle.take() else {
             return;
         };
-        // The longest search gives the way of all.
+        // The longest seek sets the distance of all axes.
         let longest = (0..2)
             .filter(|axis| cycle.axes[*axis])
             .map(|axis| {
@@ -230,7 +231,7 @@ impl GrblTwin {
         self.fluid.cycle = Some(cycle);
     }
 
-    /// A step of the search.
+    /// Advances homing by one time step.
     pub(super) fn advance_homing_cycle(&mut self, seconds: f64) {
         let Some(mut cycle) = self.fluid.cycle.take() else {
             return;
@@ -266,7 +267,7 @@ impl GrblTwin {
         let check_switch_at = cycle.check_switch_at;
         self.fluid.cycle = Some(cycle);
         if missed {
-            // It reports itself unasked.
+            // The board reports without a request.
             let text = self.status_report();
             self.fail_cycle(9);
             return self.send_text(&text);
@@ -325,7 +326,7 @@ impl GrblTwin {
         self.position_error[number] = 0;
     }
 
-    /// The pulses stop; the command is answered when the alarm has had its time.
+    /// Ends homing with an alarm; the command is answered after its delay.
     fn fail_cycle(&mut self, number: u8) {
         if let Some(cycle) = self.fluid.cycle.take() {
             for (axis, from) in cycle.start_position.into_iter().enumerate() {
@@ -335,7 +336,7 @@ impl GrblTwin {
         self.push_event(FluidEvent::Alarm(number));
     }
 
-    /// An edge into a switch.
+    /// Stops an axis at the edge of its switch.
     pub(super) fn stop_axis_at_switch(&mut self, axis: usize) {
         let Some(cycle) = &mut self.fluid.cycle else {
             return;

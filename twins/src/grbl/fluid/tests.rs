@@ -1,4 +1,4 @@
-//! What a host of a FluidNC board meets at the wire and at the pins.
+//! Tests what a host of a FluidNC board sees on the serial line and at the pins.
 
 use super::super::{GrblSettings, Variant};
 use super::*;
@@ -8,7 +8,7 @@ const HARD_X: (&str, &str) = ("axes/x/motor0/hard_limits", "true");
 const HARD_Z: (&str, &str) = ("axes/z/motor0/hard_limits", "true");
 const MUST_HOME: (&str, &str) = ("start/must_home", "true");
 
-/// A board that has started, its banner read; items as given.
+/// Returns a started board with changed configuration items, after its banner.
 fn board(items: &[(&str, &str)]) -> GrblTwin {
     let mut twin = GrblTwin::new(Variant::FluidNc, GrblSettings::default());
     for (path, value) in items {
@@ -23,14 +23,14 @@ fn read_text(twin: &mut GrblTwin) -> String {
     String::from_utf8(twin.read()).unwrap()
 }
 
-/// Writes, lets time pass, reads.
+/// Writes bytes, advances the time, and returns the bytes received.
 fn exchange(twin: &mut GrblTwin, bytes: &[u8], ms: u64) -> String {
     twin.write(bytes);
     twin.advance(ms * MS);
     read_text(twin)
 }
 
-/// The state of a report.
+/// Returns the state in a status report.
 fn state(twin: &mut GrblTwin) -> String {
     let text = exchange(twin, b"?", 60);
     let begin = text.find('<').unwrap() + 1;
@@ -38,7 +38,7 @@ fn state(twin: &mut GrblTwin) -> String {
 }
 
 #[test]
-fn it_says_who_it_is_without_figures() {
+fn build_info_has_no_option_figures() {
     let mut twin = board(&[]);
     let text = exchange(&mut twin, b"$I\n", 50);
     assert!(text.starts_with("[VER:4.0 FluidNC v4.0.4 (esp32-wifi) :]\r\n[OPT:PHS]\r\n"));
@@ -52,7 +52,7 @@ fn it_says_who_it_is_without_figures() {
 }
 
 #[test]
-fn a_report_names_the_room_when_it_is_asked_for() {
+fn report_has_buffer_size_when_selected() {
     let mut twin = board(&[]);
     assert_eq!(exchange(&mut twin, b"$10\r\n", 20), "$10=1\r\nok\r\n");
     let text = exchange(&mut twin, b"?", 20);
@@ -66,7 +66,7 @@ fn a_report_names_the_room_when_it_is_asked_for() {
     );
     twin.press_reset();
     twin.advance(2_000 * MS);
-    assert!(twin.settings().value(10) > 2.0, "it is kept for good");
+    assert!(twin.settings().value(10) > 2.0, "the mask is stored");
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn a_line_moves_the_axis_by_the_items_of_its_tree() {
     assert_eq!(twin.state(), GrblState::Run);
     twin.advance(1_300 * MS);
     assert_eq!((twin.state(), twin.pulses()), (GrblState::Idle, [2000, 0]));
-    // Gone with a restart, not with Ctrl-X.
+    // A restart clears it, a soft reset does not.
     exchange(&mut twin, &[0x18], 50);
     assert_eq!(twin.config_item("axes/x/steps_per_mm"), Some("200.000000"));
     twin.press_reset();
@@ -95,7 +95,7 @@ fn a_line_moves_the_axis_by_the_items_of_its_tree() {
 }
 
 #[test]
-fn what_acts_at_the_start_alone_is_changed_and_does_nothing() {
+fn startup_items_change_without_effect_until_restart() {
     let mut twin = board(&[]);
     twin.spindle_mut().full_speed_rpm = 1000.0;
     let map = b"$/10V/speed_map=0=0.00% 500=100.00%\n";
@@ -110,10 +110,10 @@ fn what_acts_at_the_start_alone_is_changed_and_does_nothing() {
 }
 
 #[test]
-fn a_start_takes_its_time_and_asks_for_homing_behind_its_banner() {
+fn startup_requires_homing_after_its_banner() {
     let mut twin = GrblTwin::new(Variant::FluidNc, GrblSettings::default());
     twin.set_config_item(MUST_HOME.0, MUST_HOME.1).unwrap();
-    // Too early, then kept for the end of the start; a line is dropped by it.
+    // Early bytes are lost, later ones wait for the end of startup, which drops the line.
     assert!(!exchange(&mut twin, b"?", 200).contains('<'));
     let text = exchange(&mut twin, b"", 1000);
     assert!(text.contains("[MSG:INFO: FluidNC v4.0.4"), "{text}");
@@ -149,7 +149,7 @@ fn a_switch_operated_at_the_start_is_alarm_1_whatever_is_set() {
 }
 
 #[test]
-fn a_question_is_answered_while_an_alarm_keeps_all_else_waiting() {
+fn status_query_is_answered_during_an_alarm() {
     let mut twin = board(&[HARD_X]);
     twin.pins.limit_x = true;
     let text = exchange(&mut twin, b"", 20);
@@ -167,7 +167,7 @@ fn a_question_is_answered_while_an_alarm_keeps_all_else_waiting() {
 }
 
 #[test]
-fn what_comes_behind_a_reset_is_lost_but_for_the_line_already_taken() {
+fn reset_loses_bytes_after_it_except_a_polled_line() {
     let mut twin = board(&[]);
     exchange(&mut twin, b"G1X40F1200\n", 500);
     let text = exchange(&mut twin, b"\x18$10\n$13\n$13\n", 700);
@@ -218,7 +218,7 @@ fn a_hold_takes_120_ms_and_its_ramp_and_no_line_is_read_in_it() {
 }
 
 #[test]
-fn commands_wait_for_the_end_of_motion_items_do_not() {
+fn commands_wait_for_the_end_of_motion_but_items_do_not() {
     let mut twin = board(&[]);
     exchange(&mut twin, b"G1X10F600\n", 30);
     let shown = exchange(&mut twin, b"$/axes/homing_runs\n", 50);
@@ -229,7 +229,7 @@ fn commands_wait_for_the_end_of_motion_items_do_not() {
 }
 
 #[test]
-fn while_lines_wait_a_character_waits_too() {
+fn realtime_characters_wait_while_lines_wait() {
     let mut twin = board(&[]);
     for k in 1..=20 {
         exchange(&mut twin, format!("G1X{k}F600\n").as_bytes(), 5);
@@ -246,7 +246,7 @@ fn while_lines_wait_a_character_waits_too() {
         longest = longest.max((twin.now() - at) / MS);
         twin.advance(7 * MS);
     }
-    // 51 ms, and as long again where the next line was taken in between.
+    // 51 ms, doubled if the poller takes the next line in between.
     assert!((51..=104).contains(&longest), "{longest}");
 }
 
@@ -261,7 +261,7 @@ fn after_a_hard_limit_blocks_are_ok_and_never_carried_out() {
     assert_eq!(twin.state(), GrblState::Critical);
     assert_eq!(state(&mut twin), "Alarm");
     assert_eq!(exchange(&mut twin, b"G1Z-5\n", 100), "ok\r\n");
-    // What waits for the end of motion waits for ever, `$X` too.
+    // Commands that wait for the end of motion wait forever, including `$X`.
     assert_eq!(exchange(&mut twin, b"$X\n", 2000), "");
     assert_eq!(twin.pulses(), stopped_at);
     assert_eq!(exchange(&mut twin, &[0x18], 100), BANNER);
@@ -283,7 +283,7 @@ fn a_motor_at_its_switch_is_counted_and_does_not_move() {
     exchange(&mut twin, b"G1X-1Z-1F600\n", 1000);
     assert_eq!((twin.state(), twin.pulses()), (GrblState::Idle, [0, -80]));
     assert!(exchange(&mut twin, b"?", 20).contains("MPos:-1.000,0.000,-1.000"));
-    // It opens: the motor is free, and no alarm comes.
+    // After the switch opens, the motor is free without an alarm.
     twin.pins.limit_x = false;
     assert_eq!(exchange(&mut twin, b"G1X-2\n", 1000), "ok\r\n");
     assert_eq!(twin.pulses(), [-80, -80]);
@@ -296,7 +296,7 @@ fn to_unlock_out_of_an_alarm_frees_the_motor() {
     twin.pins.limit_x = true;
     exchange(&mut twin, b"", 600);
     assert_eq!(exchange(&mut twin, b"$X\n", 100), "ok\r\n");
-    assert_eq!(twin.state(), GrblState::Critical, "a reset alone ends it");
+    assert_eq!(twin.state(), GrblState::Critical, "only a reset ends it");
     let text = exchange(&mut twin, &[0x18], 700);
     let alarm = "[MSG:INFO: ALARM: Unhomed]\r\nALARM:14\r\n";
     assert_eq!(text, format!("{alarm}{BANNER}"));
@@ -334,7 +334,7 @@ fn the_emergency_stop_is_alarm_13() {
     let text = exchange(&mut twin, b"", 600);
     assert!(text.contains("ALARM:13\r\n"), "{text}");
     assert_eq!(twin.state(), GrblState::Critical);
-    assert_eq!(twin.outputs().0, 3, "the spindle goes on until a reset");
+    assert_eq!(twin.outputs().0, 3, "the spindle turns until a reset");
     assert!(exchange(&mut twin, b"?", 20).contains("|Pn:E"));
     exchange(&mut twin, &[0x18], 50);
     assert_eq!((twin.state(), twin.outputs().0), (GrblState::Idle, 5));
@@ -382,7 +382,7 @@ fn all_axes_of_a_cycle_are_homed_together() {
 }
 
 #[test]
-fn homing_that_fails_is_ok_all_the_same_and_the_planner_is_not_told() {
+fn failed_homing_is_answered_ok_and_leaves_planner_error() {
     let mut twin = board(&[("axes/x/max_travel_mm", "2")]);
     let text = exchange(&mut twin, b"$HX\n", 700);
     assert!(text.starts_with("<Home|"), "{text}");
@@ -391,7 +391,7 @@ fn homing_that_fails_is_ok_all_the_same_and_the_planner_is_not_told() {
     assert_eq!(exchange(&mut twin, b"", 300), "ok\r\n", "and no banner");
     assert_eq!(twin.state(), GrblState::Alarm);
     assert_eq!(twin.pulses(), [176, 0], "1.1 times the travel");
-    // Without a reset the next way is made from where homing began.
+    // Without a reset the next move starts from the position before homing.
     exchange(&mut twin, b"$X\n", 100);
     exchange(&mut twin, b"G90G1X1F600\n", 1000);
     assert_eq!(twin.pulses(), [176 + 80, 0]);
@@ -423,12 +423,12 @@ fn a_reset_while_homing_is_alarm_6_and_the_line_is_not_answered() {
     assert_eq!(text, format!("{alarm}{BANNER}"));
     assert_eq!(twin.state(), GrblState::Alarm);
     let made = twin.pulses()[0] - stopped_at[0];
-    // It is looked at 51 ms after the one before.
+    // The poll is 51 ms after the one before.
     assert!(made <= 40, "{made}");
 }
 
 #[test]
-fn an_axis_without_motion_is_given_its_place() {
+fn axis_homed_without_motion_gets_its_position() {
     let mut twin = board(&[
         ("axes/x/homing/cycle", "-1"),
         ("axes/x/homing/mpos_mm", "12.5"),
@@ -451,7 +451,7 @@ fn a_switch_at_both_ends_is_alarm_12() {
 }
 
 #[test]
-fn macros_are_run_by_characters_of_no_use_to_us() {
+fn macro_characters_run_macros() {
     let mut twin = board(&[]);
     exchange(&mut twin, &[0x85, 0x90, 0xa0], 100);
     assert_eq!(twin.macro_count, 0);
@@ -460,7 +460,7 @@ fn macros_are_run_by_characters_of_no_use_to_us() {
 }
 
 #[test]
-fn any_end_of_a_line_is_one() {
+fn any_line_ending_ends_one_line() {
     let mut twin = board(&[]);
     assert_eq!(
         exchange(&mut twin, b"G21\r\nG90\rG91\nG90\r\n", 50),
