@@ -44,17 +44,15 @@ impl Reader<'_> {
         let Some(first) = self.rest.chars().next() else {
             return false;
         };
-        let length = match first {
-            '/' if self.rest.starts_with("//") => self.comment(),
-            '/' if self.rest.starts_with("/*") => length_to(self.rest, 2, "*/"),
-            '"' => string_length(self.rest, 0),
-            '\'' => character_length(self.rest),
-            'r' | 'b' | 'c' if literal_prefix(self.rest).is_some() => {
-                literal_prefix(self.rest).map_or(1, |at| literal_length(self.rest, at))
-            }
-            letter if letter == '_' || letter.is_alphabetic() => self.identifier(),
-            digit if digit.is_ascii_digit() => word_length(self.rest),
-            other => other.len_utf8(),
+        let literal = literal_prefix(self.rest);
+        let length = match (first, literal) {
+            ('/', _) if self.rest.starts_with("//") => self.comment(),
+            ('/', _) if self.rest.starts_with("/*") => length_to(self.rest, 2, "*/"),
+            (_, Some(at)) => literal_length(self.rest, at),
+            ('\'', _) => character_length(self.rest),
+            (letter, _) if letter == '_' || letter.is_alphabetic() => self.identifier(),
+            (digit, _) if digit.is_ascii_digit() => word_length(self.rest),
+            (other, _) => other.len_utf8(),
         };
         self.line += self.rest[..length].matches('\n').count();
         self.rest = &self.rest[length..];
@@ -86,13 +84,13 @@ fn word_length(text: &str) -> usize {
     text.find(ends).unwrap_or(text.len())
 }
 
-/// From the start of the text to behind `end`, which is looked for from `from` on.
+/// The length of the text up to and including the first `end` at or after `from`.
 fn length_to(text: &str, from: usize, end: &str) -> usize {
     let found = text[from..].find(end);
     found.map_or(text.len(), |at| from + at + end.len())
 }
 
-/// Where the quote or the number signs begin of a literal such as `r#"…"#` or `b"…"`.
+/// Where the quote or the number signs of a string begin: 0 in `"…"`, 1 in `r#"…"#`.
 fn literal_prefix(text: &str) -> Option<usize> {
     let at = text.find(|letter| !matches!(letter, 'r' | 'b' | 'c'))?;
     let rest = text[at..].trim_start_matches('#');
