@@ -1,5 +1,4 @@
-//! Writes a constant for every alarm number that the sources name, from the alarm
-//! table: link and control speak of the same numbers, and the table alone holds them.
+//! Generates the alarm-number constants of `gsk_units::alarm` from the alarm table.
 
 #[path = "../assets/tables/constants.rs"]
 mod constants;

@@ -1,43 +1,44 @@
-//! The correction that the pitch error table of a control makes (003.5, 013, 090–103; manual
-//! III-10).
+//! Computes the correction of the current pitch error table (parameters 003.5, 013, 090 to 103;
+//! manual III-10).
 
 use gsk_core::axis::PitchCurve;
 use gsk_core::memory::{Parameters, PitchTable};
 use gsk_core::units::Axis;
 
-use crate::fit::Curve;
-use crate::measurement::{Deviation, Travel};
+use crate::measurement::{AxisDeviation, SlideTravel};
+use crate::screw_fit::DeviationCurve;
 
-/// The last point of the table.
-pub(crate) const LAST: i64 = 255;
-/// The largest value of a point.
-pub(crate) const LARGEST: i64 = 255;
-/// The largest backlash, 034 and 035.
-pub(crate) const LARGEST_BACKLASH: f64 = 2000.0;
+/// Last point of the pitch error table.
+pub(crate) const LAST_POINT: i64 = 255;
+/// Largest value of a point, in table units.
+pub(crate) const MAX_POINT_VALUE: i64 = 255;
+/// Largest value of the backlash parameters 034 and 035, in units.
+pub(crate) const MAX_BACKLASH: f64 = 2000.0;
 
-/// Units of the table in a millimetre: 0.001 mm, or 0.0001 inch.
-pub(crate) fn units_a_mm(parameters: &Parameters) -> f64 {
+/// Table units per millimetre. A unit is 0.001 mm or 0.0001 inch.
+pub(crate) fn units_per_mm(parameters: &Parameters) -> f64 {
     1.0 / parameters.least_increment()
 }
 
-/// The interval of an axis as it stands; none: there is no compensation.
-pub fn interval_of(axis: Axis, parameters: &Parameters) -> Option<Travel> {
+/// Returns the point distance of the pitch error table of an axis; `None` if it is 0, which
+/// turns the compensation off.
+pub fn pitch_interval(axis: Axis, parameters: &Parameters) -> Option<SlideTravel> {
     let interval = parameters.pitch_interval(axis);
-    (interval > 0).then(|| Travel(interval as f64 / units_a_mm(parameters)))
+    (interval > 0).then(|| SlideTravel(interval as f64 / units_per_mm(parameters)))
 }
 
-/// The correction that is in force, at each of these positions.
-pub fn correction(
+/// Computes the correction that the control applies at each position.
+pub fn compute_correction(
     axis: Axis,
     parameters: &Parameters,
     pitch: &PitchTable,
-    positions: impl IntoIterator<Item = Travel>,
-) -> Curve {
+    positions: impl IntoIterator<Item = SlideTravel>,
+) -> DeviationCurve {
     let curve = PitchCurve::new(axis, parameters, pitch, 1);
-    let units = units_a_mm(parameters);
+    let units = units_per_mm(parameters);
     let points = positions.into_iter().map(|at| {
         let value = curve.at((at.0 * units).round() as i64) as f64;
-        (at, Deviation(value * 1000.0 / units))
+        (at, AxisDeviation(value * 1000.0 / units))
     });
-    Curve::new(points.collect())
+    DeviationCurve::new(points.collect())
 }

@@ -1,20 +1,19 @@
-//! Measurements as CSV: a heading, then a reading a line.
+//! Parses measurements in CSV: a heading, then one reading per line.
 //!
 //! ```text
 //!   run,direction,target,deviation
 //!   1,+,-300,-4.1
 //! ```
 //!
-//! `target` is in mm, `deviation` in µm; `measured` in mm may stand in place of it. Without
-//! `direction` a target is approached from the one before it.
+//! `target` is in mm, `deviation` in µm. The column `measured` in mm can replace `deviation`.
+//! Without the column `direction`, the move from the previous target gives the direction.
 
 use gsk_messages::say;
 
-use crate::fit::Curve;
-use crate::line::{self as line_of, FileFault, MOST_READINGS, lines};
-use crate::measurement::{Deviation, Direction, Measurement, Reading, Travel};
+use crate::file_line::{self, FileFault, MAX_READINGS, lines};
+use crate::measurement::{ApproachDirection, AxisDeviation, AxisReading, Measurement, SlideTravel};
+use crate::screw_fit::DeviationCurve;
 
-/// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Column {
     Run,
@@ -25,7 +24,7 @@ enum Column {
     Other,
 }
 
-fn column(name: &str) -> Column {
+fn parse_column(name: &str) -> Column {
     let name = name.trim().trim_matches('"').to_lowercase();
     // A unit may follow in brackets.
     let name = name
@@ -43,47 +42,47 @@ fn column(name: &str) -> Column {
     }
 }
 
-/// What stands between two fields.
-fn separator(heading: &str) -> Option<char> {
+/// Finds the separator of the fields.
+fn find_separator(heading: &str) -> Option<char> {
     [';', '\t', ',']
         .into_iter()
         .find(|it| heading.contains(*it))
 }
 
-/// Whether a text has a heading with columns.
+/// Whether the first line with content is a heading with known columns.
 pub(crate) fn is_csv(text: &str) -> bool {
     let Some((_, heading)) = lines(text).next() else {
         return false;
     };
-    let known = |separator| {
-        let columns = heading.split(separator).map(column);
+    let has_columns = |separator| {
+        let columns = heading.split(separator).map(parse_column);
         columns.filter(|it| *it != Column::Other).count() >= 2
     };
-    separator(heading).is_some_and(known)
+    find_separator(heading).is_some_and(has_columns)
 }
 
-/// Reads a text.
+/// Parses a CSV file.
 ///
 /// # Errors
-/// The first line that cannot be.
+/// The first line that is malformed.
 pub(crate) fn read(text: &str) -> Result<Measurement, FileFault> {
     let mut rows = lines(text);
     let (first, heading) = rows.next().unwrap_or((1, ""));
-    let separator = separator(heading).unwrap_or(',');
-    let columns: Vec<Column> = heading.split(separator).map(column).collect();
-    let has = |wanted| columns.contains(&wanted);
+    let separator = find_separator(heading).unwrap_or(',');
+    let columns: Vec<Column> = heading.split(separator).map(parse_column).collect();
+    let has = |column| columns.contains(&column);
     if !has(Column::Target) || has(Column::Deviation) == has(Column::Measured) {
         return Err(FileFault::new(first, say::pitch_csv_columns()));
     }
-    let mut readings: Vec<Reading> = Vec::new();
+    let mut readings: Vec<AxisReading> = Vec::new();
     let mut before: Option<(u16, f64)> = None;
-    // Readings whose direction is that of the next move.
+    // First readings of a run: the next move gives their direction.
     let mut undirected = Vec::new();
     for (line, row) in rows {
-        if readings.len() == MOST_READINGS {
+        if readings.len() == MAX_READINGS {
             return Err(FileFault::new(
                 line,
-                say::pitch_too_many_readings(MOST_READINGS),
+                say::pitch_too_many_readings(MAX_READINGS),
             ));
         }
         let fields: Vec<String> = row
@@ -92,23 +91,26 @@ pub(crate) fn read(text: &str) -> Result<Measurement, FileFault> {
                 let field = field.trim().trim_matches('"');
                 match separator {
                     ',' => field.to_owned(),
-                    // A decimal comma.
+                    // Decimal comma.
                     _ => field.replace(',', "."),
                 }
             })
             .collect();
-        let field = |wanted| {
-            let at = columns.iter().position(|it| *it == wanted)?;
+        let field = |column| {
+            let at = columns.iter().position(|it| *it == column)?;
             fields.get(at).map(String::as_str)
         };
-        let needed = |wanted| field(wanted).filter(|it| !it.is_empty());
+        let required = |column| field(column).filter(|it| !it.is_empty());
         let missing = || FileFault::new(line, say::pitch_csv_field_missing(columns.len()));
-        let target = line_of::position(line, needed(Column::Target).ok_or_else(missing)?)?;
-        let deviation = match needed(Column::Measured) {
-            Some(measured) => (line_of::position(line, measured)? - target) * 1000.0,
-            None => line_of::number(line, needed(Column::Deviation).ok_or_else(missing)?)?,
+        let target =
+            file_line::parse_position(line, required(Column::Target).ok_or_else(missing)?)?;
+        let deviation = match required(Column::Measured) {
+            Some(measured) => (file_line::parse_position(line, measured)? - target) * 1000.0,
+            None => {
+                file_line::parse_number(line, required(Column::Deviation).ok_or_else(missing)?)?
+            }
         };
-        let deviation = line_of::microns(line, deviation)?;
+        let deviation = file_line::check_microns(line, deviation)?;
         let run = match field(Column::Run) {
             Some(run) => {
                 let run = run.parse().ok().filter(|run| *run > 0);
@@ -116,28 +118,28 @@ pub(crate) fn read(text: &str) -> Result<Measurement, FileFault> {
             }
             None => 1,
         };
-        let moved = before
+        let moved_mm = before
             .filter(|(last, _)| *last == run)
             .map(|(_, last)| target - last);
-        let direction = match (field(Column::Direction), moved) {
-            (Some(word), _) => line_of::direction(line, word)?,
-            (None, Some(moved)) if moved > 0.0 => Direction::Plus,
-            (None, Some(moved)) if moved < 0.0 => Direction::Minus,
-            // Turned round at the end: it comes from the other side.
+        let direction = match (field(Column::Direction), moved_mm) {
+            (Some(word), _) => file_line::parse_direction(line, word)?,
+            (None, Some(moved)) if moved > 0.0 => ApproachDirection::Plus,
+            (None, Some(moved)) if moved < 0.0 => ApproachDirection::Minus,
+            // The same target twice: the slide has reversed and comes from the other side.
             (None, Some(_)) => readings
                 .last()
-                .map_or(Direction::Plus, |last| last.direction.other()),
+                .map_or(ApproachDirection::Plus, |last| last.direction.other()),
             (None, None) => {
                 undirected.push(readings.len());
-                Direction::Plus
+                ApproachDirection::Plus
             }
         };
         before = Some((run, target));
-        readings.push(Reading {
+        readings.push(AxisReading {
             run,
-            target: Travel(target),
+            target: SlideTravel(target),
             direction,
-            deviation: Deviation(deviation),
+            deviation: AxisDeviation(deviation),
         });
     }
     for at in undirected {
@@ -157,8 +159,8 @@ pub(crate) fn read(text: &str) -> Result<Measurement, FileFault> {
     })
 }
 
-/// A curve of corrections as CSV: position in mm, correction in µm.
-pub fn write(curve: &Curve) -> String {
+/// Writes a correction curve as CSV: position in mm, correction in µm.
+pub fn write(curve: &DeviationCurve) -> String {
     let rows = curve.points().iter();
     let rows = rows.map(|(at, value)| format!("{:.3},{:.3}\n", at.0, value.0));
     format!("position,correction\n{}", rows.collect::<String>())
@@ -177,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_stand_in_any_order_and_language() {
+    fn columns_in_any_order_and_language() {
         let expected = [(1, '+', -10.0, 2.5), (1, '-', -20.0, -1.0)];
         for text in [
             "run,direction,target,deviation\n1,+,-10,2.5\n1,-,-20,-1\n",
@@ -193,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named_with_its_line() {
+    fn errors_name_their_line() {
         for (text, line) in [
             ("target,deviation\n1,x\n", 2),
             ("target,deviation\n1,2\n\n3\n", 4),

@@ -1,47 +1,49 @@
-//! Files of measurements: which of the forms a text has.
+//! Detects the format of a measurement file and parses it.
 
-use crate::line::FileFault;
-use crate::ren::Imported;
-use crate::{csv, ren, rtl};
+use crate::file_line::FileFault;
+use crate::renishaw_ren::ImportedFile;
+use crate::{csv, renishaw_ren, renishaw_rtl};
 
-/// Reads a text about X or Z of a lathe: CSV where its first line with content is a
-/// heading with columns, a linear measurement (RTL) where it has the heading of targets,
-/// the text of a calibration (REN) otherwise.
+/// Parses a measurement file for X or Z of a lathe. A heading with columns means CSV, a heading
+/// `TARGET DATA::` RTL, anything else REN.
 ///
 /// # Errors
-/// The first line that cannot be.
-pub fn read(text: &str) -> Result<Imported, FileFault> {
-    read_of(text, &['X', 'Z'])
+/// The first line that is malformed.
+pub fn read_measurement_file(text: &str) -> Result<ImportedFile, FileFault> {
+    read_measurement_file_with_axes(text, &['X', 'Z'])
 }
 
-/// The same about an axis of a machine that has these.
+/// Parses a measurement file for a machine with these axis letters.
 ///
 /// # Errors
-/// As [`read`].
-pub fn read_of(text: &str, axes: &[char]) -> Result<Imported, FileFault> {
+/// The first line that is malformed.
+pub fn read_measurement_file_with_axes(
+    text: &str,
+    axes: &[char],
+) -> Result<ImportedFile, FileFault> {
     let text = text.trim_start_matches('\u{feff}');
     if csv::is_csv(text) {
-        csv::read(text).map(Imported::Measured)
-    } else if rtl::is_rtl(text) {
-        rtl::read(text).map(Imported::Measured)
+        csv::read(text).map(ImportedFile::Measured)
+    } else if renishaw_rtl::is_rtl(text) {
+        renishaw_rtl::read(text).map(ImportedFile::Measured)
     } else {
-        ren::read(text, axes)
+        renishaw_ren::read(text, axes)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measurement::{Direction, Travel};
-    use crate::plan::{PlanWish, plan};
-    use crate::table_file::add_table;
+    use crate::measurement::{ApproachDirection, SlideTravel};
+    use crate::pitch_plan::{PitchPlanOptions, plan_pitch_table};
+    use crate::table_file::propose_table_values;
     use gsk_core::memory::{Parameters, PitchTable};
     use gsk_core::units::Axis;
 
-    /// Texts put together from pieces of both forms at random: whatever is read is fitted,
-    /// planned or refused, and what is planned the control takes.
+    /// Random texts of lines of all formats: each text that parses is fitted, planned or refused,
+    /// and the control accepts every plan.
     #[test]
-    fn no_text_stops_the_program() {
+    fn random_texts_never_panic() {
         const HEADS: [&str; 5] = [
             "run,direction,target,deviation\n",
             "target,deviation\n",
@@ -80,16 +82,19 @@ mod tests {
             let lines: String = lines.collect();
             let text = format!("{}{lines}", HEADS[throw(HEADS.len())]);
             let own = (Parameters::default(), PitchTable::default());
-            let changes = match read(&text) {
-                Ok(Imported::Table(table)) => add_table(Axis::Z, &table, &own.0, &own.1, false),
-                Ok(Imported::Measured(measured)) => {
-                    let interval = [None, Some(Travel(0.001)), Some(Travel(7.5))][throw(3)];
-                    let wish = PlanWish {
+            let changes = match read_measurement_file(&text) {
+                Ok(ImportedFile::Table(table)) => {
+                    propose_table_values(Axis::Z, &table, &own.0, &own.1, false)
+                }
+                Ok(ImportedFile::Measured(measured)) => {
+                    let interval =
+                        [None, Some(SlideTravel(0.001)), Some(SlideTravel(7.5))][throw(3)];
+                    let options = PitchPlanOptions {
                         interval,
                         clear: throw(2) == 0,
                     };
-                    crate::fit(&measured, Direction::Minus)
-                        .and_then(|fit| plan(Axis::X, &fit, &own.0, &own.1, wish))
+                    crate::fit_screw(&measured, ApproachDirection::Minus)
+                        .and_then(|fit| plan_pitch_table(Axis::X, &fit, &own.0, &own.1, options))
                         .inspect(|_| plans += 1)
                         .map(|plan| plan.proposal)
                 }

@@ -1,26 +1,26 @@
-//! What a laser or a gauge has measured along an axis.
+//! Position deviations along an axis, measured with a laser or a gauge.
 
 use gsk_core::units::Axis;
 
-/// Slide travel from the machine zero, or along an axis, mm; X in radius.
+/// Slide travel in mm: a position relative to the machine zero, or a distance. X is a radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
-pub struct Travel(pub f64);
+pub struct SlideTravel(pub f64);
 
-/// By how much a slide is beyond where it should be, towards plus, µm of slide travel.
+/// Position deviation of a slide in µm: actual minus target position, X as a radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
-pub struct Deviation(pub f64);
+pub struct AxisDeviation(pub f64);
 
-/// The direction in which a target was approached.
+/// Direction in which a target was approached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Direction {
-    /// Towards plus.
+pub enum ApproachDirection {
+    /// Motion towards plus.
     Plus,
-    /// Towards minus.
+    /// Motion towards minus.
     Minus,
 }
 
-impl Direction {
-    /// The one that this is not.
+impl ApproachDirection {
+    /// Returns the opposite direction.
     pub const fn other(self) -> Self {
         match self {
             Self::Plus => Self::Minus,
@@ -28,7 +28,7 @@ impl Direction {
         }
     }
 
-    /// `+` or `-`.
+    /// Returns `+` or `-`.
     pub const fn sign(self) -> char {
         match self {
             Self::Plus => '+',
@@ -37,30 +37,30 @@ impl Direction {
     }
 }
 
-/// One reading.
+/// One measured position deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
-    /// The run it belongs to, from 1.
+pub struct AxisReading {
+    /// Number of the run, from 1.
     pub run: u16,
-    /// Where the slide was to be: machine coordinate.
-    pub target: Travel,
-    /// From where it came.
-    pub direction: Direction,
-    /// By how much it was beyond it.
-    pub deviation: Deviation,
+    /// Target position in machine coordinates.
+    pub target: SlideTravel,
+    /// Direction of the approach.
+    pub direction: ApproachDirection,
+    /// Actual minus target position.
+    pub deviation: AxisDeviation,
 }
 
-/// All readings of an axis, in their order.
+/// All readings of an axis in the order of measurement.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measurement {
-    /// The axis that the file names, if it does.
+    /// Axis from the file; `None` if the file names none.
     pub axis: Option<Axis>,
     /// The readings.
-    pub readings: Vec<Reading>,
+    pub readings: Vec<AxisReading>,
 }
 
 impl Measurement {
-    /// How many runs there are.
+    /// Counts the runs.
     pub fn runs(&self) -> usize {
         let mut runs: Vec<u16> = self.readings.iter().map(|it| it.run).collect();
         runs.sort_unstable();
@@ -68,7 +68,7 @@ impl Measurement {
         runs.len()
     }
 
-    /// Targets that are programmed diameters become slide travel.
+    /// Converts targets from programmed diameters to slide travel.
     #[must_use]
     pub fn from_diameters(mut self) -> Self {
         for reading in &mut self.readings {

@@ -1,5 +1,5 @@
-//! The steps of commissioning, each from its readings to what is to be written
-//! (manual III-12.3 to III-12.8).
+//! Commissioning steps: each converts its readings to parameter changes (manual III-12.3 to
+//! III-12.8).
 
 mod drive;
 mod gear;
@@ -10,16 +10,16 @@ use gsk_core::memory::{Parameters, PitchTable, parameter};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
-use crate::change::{Change, Proposal, of};
-use crate::measurement::Travel;
-use gear::approach;
+use crate::measurement::SlideTravel;
+use crate::parameter_change::{ParameterChange, Proposal, select_by_axis};
+use gear::limit_approach_rate;
 
-pub use drive::{DriveKind, Lag, acceleration, largest_lag};
-pub use gear::{GearMeasured, gear_from_drive, gear_measured};
+pub use drive::{DriveKind, FollowingErrorReading, propose_acceleration, propose_rapid_rate};
+pub use gear::{MeasuredMove, propose_gear_from_drive, propose_gear_from_move};
 
-/// A step.
+/// A step of commissioning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Step {
+pub enum CommissioningStep {
     /// Direction of the motors.
     Direction,
     /// Electronic gear.
@@ -36,8 +36,8 @@ pub enum Step {
     Pitch,
 }
 
-impl Step {
-    /// All of them, in the order in which they are made: each needs those before it.
+impl CommissioningStep {
+    /// All steps in their order. Each step relies on those before it.
     pub const ALL: [Self; 7] = [
         Self::Direction,
         Self::Gear,
@@ -48,7 +48,7 @@ impl Step {
         Self::Pitch,
     ];
 
-    /// Its name.
+    /// Returns the title of the step.
     pub fn name(self) -> Message {
         match self {
             Self::Direction => say::commission_step_direction(),
@@ -61,7 +61,7 @@ impl Step {
         }
     }
 
-    /// What is done in it, and with which keys.
+    /// Returns the instruction to the operator, with the keys to press.
     pub fn explanation(self) -> Message {
         match self {
             Self::Direction => say::commission_explain_direction(),
@@ -75,105 +75,112 @@ impl Step {
     }
 }
 
-fn proposal(
-    changes: Vec<Change>,
+fn build_proposal(
+    changes: Vec<ParameterChange>,
     notes: Vec<Message>,
     parameters: &Parameters,
 ) -> Result<Proposal, Message> {
-    Proposal::of(changes, notes, parameters, &PitchTable::default())
+    Proposal::from_changes(changes, notes, parameters, &PitchTable::default())
 }
 
-const fn value(number: u16, value: i32) -> Change {
-    Change::Value { number, value }
+const fn set_value(number: u16, value: i32) -> ParameterChange {
+    ParameterChange::Value { number, value }
 }
 
-const fn bit(number: u16, bit: u8, on: bool) -> Change {
-    Change::Bit { number, bit, on }
+const fn set_bit(number: u16, bit: u8, on: bool) -> ParameterChange {
+    ParameterChange::Bit { number, bit, on }
 }
 
-/// The bit of the two that belongs to an axis.
-const fn bit_of(axis: Axis) -> u8 {
+const fn axis_bit(axis: Axis) -> u8 {
     match axis {
         Axis::X => 0,
         Axis::Z => 1,
     }
 }
 
-/// The slide moved against the key: 008 is turned over.
+/// Proposes to reverse the motor direction of an axis (parameter 008).
 ///
 /// # Errors
-/// None; the control takes it.
-pub fn direction(axis: Axis, parameters: &Parameters) -> Result<Proposal, Message> {
-    let on = parameters.bit(8, bit_of(axis));
+/// None in practice: the control accepts both states.
+pub fn propose_direction(axis: Axis, parameters: &Parameters) -> Result<Proposal, Message> {
+    let on = parameters.bit(8, axis_bit(axis));
     let notes = vec![say::commission_power_cycle()];
-    proposal(vec![bit(8, bit_of(axis), !on)], notes, parameters)
+    build_proposal(vec![set_bit(8, axis_bit(axis), !on)], notes, parameters)
 }
 
-/// How the machine zero is found (manual III-12.6).
+/// Method of the reference return (manual III-12.6).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ZeroMethod {
-    /// A: there is no switch.
+    /// Method A: no switch.
     NoSwitch,
-    /// B: a switch for deceleration, then the one-turn signal.
+    /// Method B: deceleration switch, then one-turn signal.
     SwitchAndSignal,
-    /// C: one proximity switch.
+    /// Method C: one proximity switch.
     OneSwitch,
 }
 
-/// The parameters of a method, the approach towards plus.
+/// Proposes the parameters of a reference return method, with the approach towards plus.
 ///
 /// # Errors
-/// None; the control takes them.
-pub fn reference(
+/// None in practice: the control accepts the values.
+pub fn propose_reference(
     axis: Axis,
     method: ZeroMethod,
     parameters: &Parameters,
 ) -> Result<Proposal, Message> {
-    let own = bit_of(axis);
+    let axis_bit_number = axis_bit(axis);
     let changes = match method {
-        ZeroMethod::NoSwitch => vec![bit(14, own, false)],
+        ZeroMethod::NoSwitch => vec![set_bit(14, axis_bit_number, false)],
         ZeroMethod::SwitchAndSignal => vec![
-            bit(4, 5, false),
-            bit(6, own, false),
-            bit(7, own, false),
-            bit(11, 2, true),
-            bit(14, own, true),
-            value(parameter::ZERO_LOW_SPEED, 200),
-            value(parameter::ZERO_HIGH_SPEED, approach(7600, parameters)),
+            set_bit(4, 5, false),
+            set_bit(6, axis_bit_number, false),
+            set_bit(7, axis_bit_number, false),
+            set_bit(11, 2, true),
+            set_bit(14, axis_bit_number, true),
+            set_value(parameter::ZERO_LOW_SPEED, 200),
+            set_value(
+                parameter::ZERO_HIGH_SPEED,
+                limit_approach_rate(7600, parameters),
+            ),
         ],
         ZeroMethod::OneSwitch => vec![
-            bit(4, 5, false),
-            bit(6, own, false),
-            bit(7, own, true),
-            bit(11, 2, false),
-            bit(14, own, true),
-            value(parameter::ZERO_LOW_SPEED, 200),
-            value(parameter::ZERO_HIGH_SPEED, approach(5000, parameters)),
+            set_bit(4, 5, false),
+            set_bit(6, axis_bit_number, false),
+            set_bit(7, axis_bit_number, true),
+            set_bit(11, 2, false),
+            set_bit(14, axis_bit_number, true),
+            set_value(parameter::ZERO_LOW_SPEED, 200),
+            set_value(
+                parameter::ZERO_HIGH_SPEED,
+                limit_approach_rate(5000, parameters),
+            ),
         ],
     };
     let notes = match method {
         ZeroMethod::NoSwitch => vec![say::commission_zero_by_hand()],
         _ => vec![say::commission_zero_dog()],
     };
-    proposal(changes, notes, parameters)
+    build_proposal(changes, notes, parameters)
 }
 
-/// The speed of the spindle at S9999, 10 V.
+/// Measured spindle speed at S9999, where the control outputs 10 V.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpindleSpeed {
-    /// The gear, 1 to 4.
+    /// Spindle gear, 1 to 4.
     pub gear: u8,
-    /// What was read, r/min.
+    /// Measured speed, r/min.
     pub rpm: f64,
-    /// What a voltmeter read, V, if it did.
+    /// Measured output voltage, V; `None` if it was not measured.
     pub volts: Option<f64>,
 }
 
-/// Speed at 10 V of a gear (037–040), and the voltage set right (021).
+/// Proposes the spindle speed at 10 V of a gear (037 to 040) and, with a measured voltage, the
+/// output gain (021).
 ///
 /// # Errors
-/// Numbers that are none, a spindle without analog output (001.4 = 0).
-pub fn spindle(read: SpindleSpeed, parameters: &Parameters) -> Result<Proposal, Message> {
+/// A value out of range (gear 1 to 4, 1 to 9999 r/min, 1 to 20 V), or a spindle without analog
+/// output (001.4 = 0).
+pub fn propose_spindle(read: SpindleSpeed, parameters: &Parameters) -> Result<Proposal, Message> {
     if !parameters.analog_spindle() {
         return Err(say::commission_spindle_switched());
     }
@@ -187,63 +194,67 @@ pub fn spindle(read: SpindleSpeed, parameters: &Parameters) -> Result<Proposal, 
         volts => volts.unwrap_or(10.0),
     };
     let gain = (f64::from(parameters.value(parameter::SPINDLE_GAIN)) * 10.0 / volts).round();
-    // With the voltage set right the speed changes with it.
+    // The corrected voltage changes the speed in proportion.
     let rpm = (read.rpm * 10.0 / volts).round();
     let gear = parameter::GEAR_SPEED_1 + u16::from(read.gear) - 1;
-    let mut changes = vec![value(gear, rpm as i32)];
+    let mut changes = vec![set_value(gear, rpm as i32)];
     if read.volts.is_some() {
-        changes.insert(0, value(parameter::SPINDLE_GAIN, gain as i32));
+        changes.insert(0, set_value(parameter::SPINDLE_GAIN, gain as i32));
     }
-    proposal(changes, Vec::new(), parameters)
+    build_proposal(changes, Vec::new(), parameters)
 }
 
-/// Readings of the gauge at the same position: approached towards plus, and towards minus.
+/// Two gauge readings at the same position: approached towards plus and towards minus.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Backlash {
-    /// A, after N20, mm of slide travel.
-    pub a: Travel,
-    /// B, after N40.
-    pub b: Travel,
+pub struct BacklashReading {
+    /// Reading A of the manual, after block N20, mm of slide travel.
+    pub a: SlideTravel,
+    /// Reading B of the manual, after block N40, mm of slide travel.
+    pub b: SlideTravel,
 }
 
-/// |A − B| of several readings becomes 034 or 035. What stands there must be 0 while it is
-/// measured; without readings that is proposed.
+/// Proposes the mean of |A − B| as backlash (034 or 035). The parameter must be 0 during the
+/// measurement; without readings the proposal sets it to 0.
 ///
 /// # Errors
-/// A compensation that is in force, readings that differ too much, a play beyond 2 mm.
-pub fn backlash(
+/// A backlash parameter that is not 0, or a backlash above 2 mm.
+pub fn propose_backlash(
     axis: Axis,
-    readings: &[Backlash],
+    readings: &[BacklashReading],
     parameters: &Parameters,
 ) -> Result<Proposal, Message> {
     const LARGEST_UM: f64 = 2000.0;
     const SPREAD_UM: f64 = 10.0;
-    let number = of(axis, parameter::X_BACKLASH, parameter::Z_BACKLASH);
+    let number = select_by_axis(axis, parameter::X_BACKLASH, parameter::Z_BACKLASH);
     if readings.is_empty() {
         let notes = vec![say::commission_backlash_zero(number)];
-        return proposal(vec![value(number, 0)], notes, parameters);
+        return build_proposal(vec![set_value(number, 0)], notes, parameters);
     }
     if parameters.value(number) != 0 {
         return Err(say::commission_backlash_not_zero(number));
     }
-    let plays: Vec<f64> = readings
+    let backlashes_um: Vec<f64> = readings
         .iter()
         .map(|it| (it.a.0 - it.b.0).abs() * 1000.0)
         .collect();
-    let least = plays.iter().copied().fold(f64::INFINITY, f64::min);
-    let largest = plays.iter().copied().fold(0.0, f64::max);
+    let smallest = backlashes_um.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = backlashes_um.iter().copied().fold(0.0, f64::max);
     if !largest.is_finite() || largest > LARGEST_UM {
         return Err(say::commission_backlash_large(largest, LARGEST_UM));
     }
-    let mean = plays.iter().sum::<f64>() / plays.len() as f64;
+    let mean = backlashes_um.iter().sum::<f64>() / backlashes_um.len() as f64;
     let mut notes = vec![say::commission_backlash_mean(
-        plays.len(),
+        backlashes_um.len(),
         mean,
-        largest - least,
+        largest - smallest,
     )];
-    if largest - least > SPREAD_UM {
+    if largest - smallest > SPREAD_UM {
         notes.push(say::commission_backlash_spread());
     }
     let units = mean / 1000.0 / parameters.least_increment();
-    proposal(vec![value(number, units.round() as i32)], notes, parameters)
+    build_proposal(
+        vec![set_value(number, units.round() as i32)],
+        notes,
+        parameters,
+    )
 }

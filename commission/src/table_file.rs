@@ -1,59 +1,59 @@
-//! A pitch error table read from a file, added to the one that stands in the control (manual
-//! III-10).
+//! Adds the values of a pitch error table file to the table of the control (manual III-10).
 
 use gsk_core::memory::{Parameters, PitchTable, parameter};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
-use crate::change::{Change, Proposal, name, of};
-use crate::correction::{LARGEST, LARGEST_BACKLASH, units_a_mm};
-use crate::ren::Table;
+use crate::correction::{MAX_BACKLASH, MAX_POINT_VALUE, units_per_mm};
+use crate::parameter_change::{ParameterChange, Proposal, axis_letter, select_by_axis};
+use crate::renishaw_ren::PitchTableFile;
 
-/// Adds the values of a file to the table (manual III-10; decision COMMISSION-1). With
-/// `clear` the column is emptied first, and takes the spacing of the file.
+/// Proposes to add the values of a file to the pitch error table of an axis (manual III-10;
+/// decision COMMISSION-1). `clear` empties the column first and takes the interval from the
+/// file.
 ///
 /// # Errors
-/// A spacing or a point that does not fit the parameters, a value beyond ±255: with the line
-/// of the file.
-pub fn add_table(
+/// The line in the file, and the rule: an interval or point that does not fit the parameters,
+/// or a sum beyond ±255.
+pub fn propose_table_values(
     axis: Axis,
-    table: &Table,
+    table: &PitchTableFile,
     parameters: &Parameters,
     pitch: &PitchTable,
     clear: bool,
 ) -> Result<Proposal, Message> {
-    let units = units_a_mm(parameters);
+    let units = units_per_mm(parameters);
     let at_line = |line: u32, rule: Message| say::pitch_file_line(line, rule);
     let mut changes = Vec::new();
-    let mut parameters_then = parameters.clone();
+    let mut changed_parameters = parameters.clone();
     if let Some((line, spacing)) = table.spacing {
-        let wanted = (spacing.0 * units).round();
-        let number = of(
+        let interval_units = (spacing.0 * units).round();
+        let number = select_by_axis(
             axis,
             parameter::X_PITCH_INTERVAL,
             parameter::Z_PITCH_INTERVAL,
         );
-        if !(1.0..=999_999.0).contains(&wanted) {
+        if !(1.0..=999_999.0).contains(&interval_units) {
             return Err(at_line(line, say::pitch_interval_wrong(spacing.0)));
         }
-        if wanted as i64 != parameters.pitch_interval(axis) {
+        if interval_units as i64 != parameters.pitch_interval(axis) {
             if !clear {
-                let stands = parameters.pitch_interval(axis) as f64 / units;
-                let rule = say::pitch_ren_spacing(spacing.0, number, stands);
+                let current = parameters.pitch_interval(axis) as f64 / units;
+                let rule = say::pitch_ren_spacing(spacing.0, number, current);
                 return Err(at_line(line, rule));
             }
-            let change = Change::Value {
+            let change = ParameterChange::Value {
                 number,
-                value: wanted as i32,
+                value: interval_units as i32,
             };
             changes.push(change);
-            let mut none = PitchTable::default();
-            change.apply(&mut parameters_then, &mut none)?;
+            let mut empty = PitchTable::default();
+            change.apply(&mut changed_parameters, &mut empty)?;
         }
     }
-    let interval = parameters_then.pitch_interval(axis);
+    let interval = changed_parameters.pitch_interval(axis);
     if interval == 0 {
-        return Err(say::pitch_no_interval(of(
+        return Err(say::pitch_no_interval(select_by_axis(
             axis,
             parameter::X_PITCH_INTERVAL,
             parameter::Z_PITCH_INTERVAL,
@@ -77,8 +77,8 @@ pub fn add_table(
         if (steps - whole).abs() > 1e-3 {
             return Err(at_line(row.line, say::pitch_ren_off_grid(row.end.0)));
         }
-        let said = row.value.0 * units / 1000.0 / factor;
-        if (said - said.round()).abs() > 1e-6 {
+        let units_value = row.value.0 * units / 1000.0 / factor;
+        if (units_value - units_value.round()).abs() > 1e-6 {
             return Err(at_line(
                 row.line,
                 say::pitch_ren_fraction(row.value.0, factor),
@@ -87,77 +87,77 @@ pub fn add_table(
         // No interval ends at the machine zero.
         let whole = whole as i64;
         let point = match whole {
-            0 if row.point.is_none() && said == 0.0 => continue,
+            0 if row.point.is_none() && units_value == 0.0 => continue,
             0 if row.point.is_none() => {
                 return Err(at_line(row.line, say::pitch_ren_at_zero()));
             }
             1.. => origin + whole,
             _ => origin + whole + 1,
         };
-        if let Some(named) = row.point
+        if let Some(stated) = row.point
             && whole != 0
-            && i64::from(named) != point
+            && i64::from(stated) != point
         {
-            return Err(at_line(row.line, say::pitch_ren_other_point(named, point)));
+            return Err(at_line(row.line, say::pitch_ren_other_point(stated, point)));
         }
         let point = row.point.map_or(point, i64::from);
-        let place = usize::try_from(point).ok().filter(|it| counts.contains(it));
-        let place = place.filter(|it| *it > 0).and_then(|it| column.get_mut(it));
-        let Some(place) = place else {
+        let entry = usize::try_from(point).ok().filter(|it| counts.contains(it));
+        let entry = entry.filter(|it| *it > 0).and_then(|it| column.get_mut(it));
+        let Some(entry) = entry else {
             let (low, high) = (counts.start().max(&1), counts.end());
             return Err(at_line(row.line, say::pitch_ren_no_point(point, low, high)));
         };
-        *place += said.round() as i64;
-        if place.abs() > LARGEST {
-            let rule = say::pitch_ren_sum(point, *place, LARGEST);
+        *entry += units_value.round() as i64;
+        if entry.abs() > MAX_POINT_VALUE {
+            let rule = say::pitch_ren_sum(point, *entry, MAX_POINT_VALUE);
             return Err(at_line(row.line, rule));
         }
     }
     let points = (0..=u8::MAX).zip(column);
-    changes.extend(points.map(|(point, value)| Change::Pitch {
+    changes.extend(points.map(|(point, value)| ParameterChange::Pitch {
         axis,
         point,
         value: value as i16,
     }));
     if let Some((line, backlash)) = table.backlash {
         let value = (backlash.0 * units / 1000.0).round();
-        if !(0.0..=LARGEST_BACKLASH).contains(&value) {
-            let rule = say::pitch_backlash_beyond(value, LARGEST_BACKLASH);
+        if !(0.0..=MAX_BACKLASH).contains(&value) {
+            let rule = say::pitch_backlash_beyond(value, MAX_BACKLASH);
             return Err(at_line(line, rule));
         }
-        changes.push(Change::Value {
-            number: of(axis, parameter::X_BACKLASH, parameter::Z_BACKLASH),
+        changes.push(ParameterChange::Value {
+            number: select_by_axis(axis, parameter::X_BACKLASH, parameter::Z_BACKLASH),
             value: value as i32,
         });
     }
     let mut notes = vec![say::pitch_zero_return_needed()];
     if !parameters.pitch_compensated() {
-        notes.insert(0, say::pitch_switched_off(name(axis)));
+        notes.insert(0, say::pitch_switched_off(axis_letter(axis)));
     }
-    Proposal::of(changes, notes, parameters, pitch)
+    Proposal::from_changes(changes, notes, parameters, pitch)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::import::read;
-    use crate::ren::Imported;
+    use crate::import::read_measurement_file;
+    use crate::renishaw_ren::ImportedFile;
 
-    fn table_of(text: &str) -> Table {
-        match read(text).unwrap() {
-            Imported::Table(table) => table,
-            Imported::Measured(_) => panic!("a table"),
+    fn table_of(text: &str) -> PitchTableFile {
+        match read_measurement_file(text).unwrap() {
+            ImportedFile::Table(table) => table,
+            ImportedFile::Measured(_) => panic!("a table"),
         }
     }
 
-    /// The second example of the siblings' manual, as a file for this control.
+    /// The second example of the sibling manual, as a file for this control.
     #[test]
-    fn values_of_a_file_are_added_to_their_points() {
+    fn file_values_are_added_to_table_points() {
         let mut parameters = Parameters::default();
         parameters.set(parameter::Z_PITCH_ORIGIN, 60).unwrap();
         let table = table_of("spacing 10\nbacklash 5\n-20 -7\n59 -20 0\n-10 6\n10 4\n0 0\n");
         let pitch = PitchTable::default();
-        let proposal = add_table(Axis::Z, &table, &parameters, &pitch, false).unwrap();
+        let proposal = propose_table_values(Axis::Z, &table, &parameters, &pitch, false).unwrap();
         let (mut parameters, mut pitch) = (parameters, pitch);
         for change in &proposal.changes {
             change.apply(&mut parameters, &mut pitch).unwrap();
@@ -165,14 +165,14 @@ mod tests {
         let values: Vec<i16> = (58..=61).map(|point| pitch.value(Axis::Z, point)).collect();
         assert_eq!(values, [0, -7, 6, 4]);
         assert_eq!(parameters.value(parameter::Z_BACKLASH), 5);
-        let twice = add_table(Axis::Z, &table, &parameters, &pitch, false).unwrap();
-        let point = Change::Pitch {
+        let twice = propose_table_values(Axis::Z, &table, &parameters, &pitch, false).unwrap();
+        let point = ParameterChange::Pitch {
             axis: Axis::Z,
             point: 60,
             value: 12,
         };
         assert!(twice.changes.contains(&point));
-        let cleared = add_table(Axis::Z, &table, &parameters, &pitch, true).unwrap();
+        let cleared = propose_table_values(Axis::Z, &table, &parameters, &pitch, true).unwrap();
         assert_eq!(cleared.changes, []);
         for (text, line) in [
             ("spacing 20\n20 1\n", "1"),
@@ -184,9 +184,9 @@ mod tests {
             ("10 0.5\n", "1"),
             ("backlash -3\n10 1\n", "1"),
         ] {
-            let refused = add_table(Axis::Z, &table_of(text), &parameters, &pitch, false);
-            let said = refused.unwrap_err();
-            assert_eq!(said.plain_value("line"), Some(line), "{text}");
+            let result = propose_table_values(Axis::Z, &table_of(text), &parameters, &pitch, false);
+            let message = result.unwrap_err();
+            assert_eq!(message.plain_value("line"), Some(line), "{text}");
         }
     }
 }

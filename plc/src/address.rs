@@ -1,7 +1,7 @@
-//! Addresses of PLC memory: the area letter, the byte (or entry) number and the bit.
+//! PLC addresses: area letter, byte or entry number, and bit.
 //!
-//! `X2.1`, `X002.1` and `X0002.1` name the same bit; listings print four
-//! digits. Bits are octal, 0 to 7.
+//! `X2.1`, `X002.1` and `X0002.1` name the same bit. Listings print four digits. Bits are 0
+//! to 7.
 
 use std::fmt;
 use std::str::FromStr;
@@ -12,34 +12,34 @@ use serde::{Deserialize, Serialize};
 /// A memory area of the PLC, named by its address letter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Area {
-    /// Machine and panel inputs, X0 to X29: machine to PLC.
+    /// Inputs of the machine and the operator panel, X0 to X29: machine to PLC.
     X,
-    /// Machine outputs and lamps, Y0 to Y19: PLC to machine.
+    /// Outputs to the machine and lamps, Y0 to Y19: PLC to machine.
     Y,
-    /// Signals from the CNC, F0 to F255: CNC to PLC.
+    /// Signals from the control, F0 to F255: CNC to PLC.
     F,
-    /// Signals to the CNC, G0 to G255: PLC to CNC.
+    /// Signals to the control, G0 to G255: PLC to CNC.
     G,
-    /// Internal relays R0 to R999; R900 and up belong to the system.
+    /// Internal relays, R0 to R999. The system owns R900 and up.
     R,
-    /// Message requests A0 to A24, one bit a message.
+    /// Message requests, A0 to A24. Each bit requests one message.
     A,
-    /// Keep relays K0 to K39, retained; K30 and up belong to the system.
+    /// Keep relays, K0 to K39, retained. The system owns K30 and up.
     K,
-    /// Data table D0 to D999, bytes; D300 and up are retained.
+    /// Data table of bytes, D0 to D999. D300 and up are retained.
     D,
-    /// Timer values T0 to T99 in ms, 32 bits; T80 and up are retained.
+    /// Timer values, T0 to T99, ms, 32 bits. T80 and up are retained.
     T,
-    /// Counter values C0 to C99, 32 bits, retained.
+    /// Counter values, C0 to C99, 32 bits, retained.
     C,
-    /// Counter presets DC0 to DC99, 32 bits, retained.
+    /// Counter presets, DC0 to DC99, 32 bits, retained.
     Dc,
-    /// Timer presets DT0 to DT99 in ms, 32 bits, retained.
+    /// Timer presets, DT0 to DT99, ms, 32 bits, retained.
     Dt,
 }
 
 impl Area {
-    /// Every area, in the order the pages list them.
+    /// All areas, in the order of the PLC pages.
     pub const ALL: [Area; 12] = [
         Area::X,
         Area::Y,
@@ -55,7 +55,7 @@ impl Area {
         Area::Dt,
     ];
 
-    /// The address letter: `X` … `DC`, `DT`.
+    /// Returns the address letters: `X` to `D`, `T`, `C`, `DC` or `DT`.
     #[must_use]
     pub const fn letter(self) -> &'static str {
         match self {
@@ -74,7 +74,8 @@ impl Area {
         }
     }
 
-    /// How many bytes (X Y F G R A K D) or 32-bit entries (T C DC DT) the area has.
+    /// Returns the number of bytes (X Y F G R A K D) or of 32-bit entries (T C DC DT) in
+    /// the area.
     #[must_use]
     pub const fn count(self) -> u16 {
         match self {
@@ -88,19 +89,19 @@ impl Area {
         }
     }
 
-    /// True for T, C, DC and DT, whose entries are 32 bits wide.
+    /// Returns whether the area consists of 32-bit entries: T, C, DC and DT.
     #[must_use]
     pub const fn is_entry(self) -> bool {
         matches!(self, Area::T | Area::C | Area::Dc | Area::Dt)
     }
 
-    /// True for the areas whose single bits can be addressed: X Y F G R A K.
+    /// Returns whether the bits of the area have addresses: X Y F G R A K.
     #[must_use]
     pub(crate) const fn has_bits(self) -> bool {
         !self.is_entry() && !matches!(self, Area::D)
     }
 
-    fn of_letter(letter: &str) -> Option<Area> {
+    fn from_letter(letter: &str) -> Option<Area> {
         Area::ALL
             .into_iter()
             .find(|area| area.letter().eq_ignore_ascii_case(letter))
@@ -113,26 +114,27 @@ impl fmt::Display for Area {
     }
 }
 
-/// One bit of PLC memory, `X2.1`.
+/// The address of one bit of PLC memory, `X2.1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct BitAddress {
-    /// The area; T, C, D, DC and DT have no addressable bits.
+    /// The area. T, C, D, DC and DT have no bit addresses.
     pub area: Area,
-    /// Byte number in the area, from 0.
+    /// Number of the byte in the area, from 0.
     pub byte: u16,
-    /// Bit in the byte, 0 to 7.
+    /// Number of the bit in the byte, 0 to 7.
     pub bit: u8,
 }
 
 impl BitAddress {
-    /// The bit `byte.bit` of `area`. Memory reads a bit outside the area as 0
-    /// and ignores a write to it.
+    /// Creates the address of bit `byte.bit` in `area`, without a range check.
+    ///
+    /// Memory reads a bit outside the area as 0 and ignores a write to it.
     #[must_use]
     pub const fn new(area: Area, byte: u16, bit: u8) -> BitAddress {
         BitAddress { area, byte, bit }
     }
 
-    /// The bit's byte.
+    /// Returns the address of the byte that contains the bit.
     #[must_use]
     pub(crate) const fn byte_address(self) -> ByteAddress {
         ByteAddress::new(self.area, self.byte)
@@ -140,25 +142,26 @@ impl BitAddress {
 }
 
 impl fmt::Display for BitAddress {
-    /// Listing form, `X0002.1`.
+    /// Writes the address as listings do: `X0002.1`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}{:04}.{}", self.area, self.byte, self.bit)
     }
 }
 
-/// One byte of X Y F G R A K D, or one 32-bit entry of T C DC DT: `R100`, `DT3`.
+/// The address of a byte of X Y F G R A K D (`R100`) or of a 32-bit entry of T C DC DT
+/// (`DT3`).
 ///
-/// Two- and four-byte instructions take the byte as the lowest of the value.
+/// For a value of two or four bytes it is the address of the lowest byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct ByteAddress {
     /// The area.
     pub area: Area,
-    /// Byte or entry number, from 0.
+    /// Number of the byte or entry in the area, from 0.
     pub byte: u16,
 }
 
 impl ByteAddress {
-    /// Byte or entry `byte` of `area`.
+    /// Creates the address of byte or entry `byte` in `area`, without a range check.
     #[must_use]
     pub const fn new(area: Area, byte: u16) -> ByteAddress {
         ByteAddress { area, byte }
@@ -166,36 +169,36 @@ impl ByteAddress {
 }
 
 impl fmt::Display for ByteAddress {
-    /// Listing form, `R0100`, `DT0003`.
+    /// Writes the address as listings do: `R0100`, `DT0003`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}{:04}", self.area, self.byte)
     }
 }
 
-/// Why a text is no address.
+/// The reason why a text is not a valid address.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AddressError {
-    /// Not of the form letter, number, optional point and bit.
+    /// The text is not an area letter, a number and an optional point with a bit.
     Malformed(String),
-    /// The number lies beyond the area's end.
+    /// The number is beyond the end of the area.
     OutOfRange {
-        /// The text as given.
+        /// The text as written.
         text: String,
-        /// Its area.
+        /// The area that the text names.
         area: Area,
-        /// The last byte or entry of the area.
+        /// Number of the last byte or entry of the area.
         last: u16,
     },
-    /// A bit of an area that has none.
+    /// The text names a bit of an area without bit addresses.
     NoBits(String),
-    /// A byte where a bit is wanted.
+    /// The text names a byte where the instruction needs a bit.
     Byte(String),
-    /// A bit where a byte or an entry is wanted.
+    /// The text names a bit where the instruction needs a byte or an entry.
     Bit(String),
 }
 
 impl AddressError {
-    /// What is wrong and what is wanted.
+    /// Returns the message that says what is wrong with the address and what is expected.
     #[must_use]
     pub fn message(&self) -> Message {
         match self {
@@ -218,22 +221,25 @@ impl fmt::Display for AddressError {
 
 impl std::error::Error for AddressError {}
 
-/// The parts of an address text, before bit and byte are told apart.
-struct Parts {
+/// An address text split into its parts, with or without a bit.
+struct ParsedAddress {
     area: Area,
     byte: u16,
     bit: Option<u8>,
 }
 
-/// A text before and after the first of an ASCII character: `str::split_once` without its
-/// preparations, which take longer than a look at a short text.
-pub(crate) fn cut(text: &str, mark: u8) -> Option<(&str, &str)> {
+/// Splits a text at the first `mark`, an ASCII character.
+///
+/// `str::split_once` does the same, but its preparation takes longer than this search in a
+/// short text.
+pub(crate) fn split_once_at(text: &str, mark: u8) -> Option<(&str, &str)> {
     let at = text.bytes().position(|byte| byte == mark)?;
     Some((text.get(..at)?, text.get(at + 1..)?))
 }
 
-/// A decimal number of any length, leading zeros allowed; too large ones saturate.
-pub(crate) fn digits(text: &str) -> Option<u32> {
+/// Parses a decimal number with any number of digits and leading zeros. Numbers beyond
+/// `u32` saturate. Returns `None` for any other text.
+pub(crate) fn parse_decimal(text: &str) -> Option<u32> {
     if text.is_empty() || !text.bytes().all(|byte| byte.is_ascii_digit()) {
         return None;
     }
@@ -245,18 +251,18 @@ pub(crate) fn digits(text: &str) -> Option<u32> {
     Some(value)
 }
 
-fn parts(text: &str) -> Result<Parts, AddressError> {
+fn parse_address(text: &str) -> Result<ParsedAddress, AddressError> {
     let malformed = || AddressError::Malformed(text.to_owned());
     let end = text
         .find(|c: char| !c.is_ascii_alphabetic())
         .unwrap_or(text.len());
     let (letter, rest) = text.split_at(end);
-    let area = Area::of_letter(letter).ok_or_else(malformed)?;
-    let (number, bit) = match cut(rest, b'.') {
+    let area = Area::from_letter(letter).ok_or_else(malformed)?;
+    let (number, bit) = match split_once_at(rest, b'.') {
         Some((number, bit)) => (number, Some(bit)),
         None => (rest, None),
     };
-    let number = digits(number).ok_or_else(malformed)?;
+    let number = parse_decimal(number).ok_or_else(malformed)?;
     let bit = match bit {
         None => None,
         Some(bit) => match bit.as_bytes() {
@@ -265,7 +271,7 @@ fn parts(text: &str) -> Result<Parts, AddressError> {
         },
     };
     match u16::try_from(number) {
-        Ok(byte) if byte < area.count() => Ok(Parts { area, byte, bit }),
+        Ok(byte) if byte < area.count() => Ok(ParsedAddress { area, byte, bit }),
         _ => Err(AddressError::OutOfRange {
             text: text.to_owned(),
             area,
@@ -278,7 +284,7 @@ impl FromStr for BitAddress {
     type Err = AddressError;
 
     fn from_str(text: &str) -> Result<BitAddress, AddressError> {
-        let Parts { area, byte, bit } = parts(text)?;
+        let ParsedAddress { area, byte, bit } = parse_address(text)?;
         if !area.has_bits() {
             return Err(AddressError::NoBits(text.to_owned()));
         }
@@ -291,7 +297,7 @@ impl FromStr for ByteAddress {
     type Err = AddressError;
 
     fn from_str(text: &str) -> Result<ByteAddress, AddressError> {
-        let Parts { area, byte, bit } = parts(text)?;
+        let ParsedAddress { area, byte, bit } = parse_address(text)?;
         if bit.is_some() {
             return Err(AddressError::Bit(text.to_owned()));
         }
@@ -315,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn every_area_ends_where_the_manual_says() {
+    fn every_area_ends_at_its_last_address() {
         for area in Area::ALL {
             let last = format!("{area}{}", area.count() - 1);
             let beyond = format!("{area}{}", area.count());
@@ -325,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_address_is_refused() {
+    fn invalid_addresses_are_refused() {
         for text in [
             "",
             "X",

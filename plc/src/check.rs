@@ -1,4 +1,5 @@
-//! The rules that concern more than one line: rungs, levels, labels, subprograms, length.
+//! Checks the rules that concern more than one line: rungs, levels, labels, subprograms and
+//! program length.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -7,33 +8,33 @@ use gsk_messages::{Message, say};
 
 use crate::address::BitAddress;
 use crate::diagnostic::{CompileError, Rule};
-use crate::instruction::{Mnemonic, Operand, Role, Statement};
+use crate::instruction::{InstructionRole, Mnemonic, Operand, Statement};
 
-/// Capacity of program memory in steps.
+/// Capacity of the program memory, steps.
 pub const MAX_STEPS: u32 = 5000;
-/// Steps that fit in the PLC's 1 ms of each 8 ms slot.
-pub(crate) const SLOT_STEPS: u32 = 500;
-/// Level 1 above this length leaves little room for level 2.
-const LONG_LEVEL_1: u32 = 400;
-/// Depth of the accumulator stack.
-const STACK_DEPTH: u32 = 16;
-/// Depth of nested subprogram calls.
-pub(crate) const CALL_DEPTH: usize = 8;
+/// Steps that the PLC can run in its 1 ms of each 8 ms slot.
+pub(crate) const MAX_SLOT_STEPS: u32 = 500;
+/// Length of level 1, steps, above which the compiler warns that level 2 gets little time.
+const LEVEL1_WARNING_STEPS: u32 = 400;
+/// Capacity of the accumulator stack: the number of open branches.
+const MAX_STACK_DEPTH: u32 = 16;
+/// Maximum nesting depth of subprogram calls.
+pub(crate) const MAX_CALL_DEPTH: usize = 8;
 
-/// Part of the program that a statement belongs to.
+/// The program section of a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Section {
+enum ProgramSection {
     Level1,
     Level2,
-    /// After END2, outside subprograms.
+    /// After END2 and outside subprograms.
     Outside,
-    /// In the subprogram that starts at this statement.
+    /// Within the subprogram that starts at this statement index.
     Subprogram(usize),
 }
 
-/// Where the parts of a program stand, as statement indices.
+/// Statement indices of the levels, labels and subprograms of a program, and its length.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Structure {
+pub(crate) struct LadderStructure {
     pub end1: usize,
     pub end2: usize,
     pub labels: BTreeMap<u16, usize>,
@@ -44,54 +45,57 @@ pub(crate) struct Structure {
 
 struct Checker<'a> {
     statements: &'a [Statement],
-    structure: Structure,
-    sections: Vec<Section>,
+    structure: LadderStructure,
+    sections: Vec<ProgramSection>,
     errors: Vec<CompileError>,
     warnings: Vec<CompileError>,
 }
 
-/// Checks a whole program; returns its structure, the errors and the warnings.
-pub(crate) fn check(statements: &[Statement]) -> (Structure, Vec<CompileError>, Vec<CompileError>) {
+/// Checks a whole program and returns its structure, the errors and the warnings.
+pub(crate) fn check(
+    statements: &[Statement],
+) -> (LadderStructure, Vec<CompileError>, Vec<CompileError>) {
     let mut checker = Checker {
         statements,
-        structure: Structure::default(),
+        structure: LadderStructure::default(),
         sections: Vec::with_capacity(statements.len()),
         errors: Vec::new(),
         warnings: Vec::new(),
     };
-    checker.levels();
-    checker.rungs();
-    checker.numbers();
-    checker.jumps();
-    checker.calls();
-    checker.lengths();
+    checker.check_levels();
+    checker.check_rungs();
+    checker.check_duplicate_numbers();
+    checker.check_jumps();
+    checker.check_calls();
+    checker.check_lengths();
     (checker.structure, checker.errors, checker.warnings)
 }
 
 impl Checker<'_> {
-    fn error(&mut self, at: usize, code: Rule, message: Message) {
-        let error = self.finding(at, code, message);
+    fn add_error(&mut self, at: usize, code: Rule, message: Message) {
+        let error = self.error_at(at, code, message);
         self.errors.push(error);
     }
 
-    fn warn(&mut self, at: usize, code: Rule, message: Message) {
-        let warning = self.finding(at, code, message);
+    fn add_warning(&mut self, at: usize, code: Rule, message: Message) {
+        let warning = self.error_at(at, code, message);
         self.warnings.push(warning);
     }
 
-    fn finding(&self, at: usize, code: Rule, message: Message) -> CompileError {
-        let place = self.statements.get(at).or(self.statements.last());
+    fn error_at(&self, at: usize, code: Rule, message: Message) -> CompileError {
+        let statement = self.statements.get(at).or(self.statements.last());
         CompileError {
-            line: place.map_or(1, |statement| statement.line),
-            rung: place.map_or(0, |statement| statement.rung),
+            line: statement.map_or(1, |statement| statement.line),
+            rung: statement.map_or(0, |statement| statement.rung),
             code,
             message,
         }
     }
 
-    /// Level 1, END1, level 2, END2, then SP … SPE.
-    fn levels(&mut self) {
-        let mut section = Section::Level1;
+    /// Checks the order of the sections: level 1, END1, level 2, END2, subprograms SP to
+    /// SPE.
+    fn check_levels(&mut self) {
+        let mut section = ProgramSection::Level1;
         let mut end1 = None;
         let mut end2 = None;
         let mut strays = 0;
@@ -100,66 +104,66 @@ impl Checker<'_> {
             self.sections.push(section);
             match statement.mnemonic {
                 Mnemonic::End1 if end1.is_some() => {
-                    self.error(at, Rule::E01, say::ladder_end_one_twice());
+                    self.add_error(at, Rule::E01, say::ladder_end_one_twice());
                 }
                 Mnemonic::End1 if end2.is_some() => {
-                    self.error(at, Rule::E01, say::ladder_end_one_late());
+                    self.add_error(at, Rule::E01, say::ladder_end_one_late());
                 }
                 Mnemonic::End1 => {
                     end1 = Some(at);
-                    section = Section::Level2;
+                    section = ProgramSection::Level2;
                 }
                 Mnemonic::End2 if end2.is_some() => {
-                    self.error(at, Rule::E01, say::ladder_end_two_twice());
+                    self.add_error(at, Rule::E01, say::ladder_end_two_twice());
                 }
                 Mnemonic::End2 => {
                     end2 = Some(at);
-                    section = Section::Outside;
+                    section = ProgramSection::Outside;
                 }
-                Mnemonic::Sp => section = self.subprogram_start(at, section),
+                Mnemonic::Sp => section = self.enter_subprogram(at, section),
                 Mnemonic::Spe => match section {
-                    Section::Subprogram(_) => section = Section::Outside,
-                    _ => self.error(at, Rule::E05, say::ladder_subprogram_not_open()),
+                    ProgramSection::Subprogram(_) => section = ProgramSection::Outside,
+                    _ => self.add_error(at, Rule::E05, say::ladder_subprogram_not_open()),
                 },
-                _ if section == Section::Outside && strays == 0 => {
+                _ if section == ProgramSection::Outside && strays == 0 => {
                     strays += 1;
                     let message = say::ladder_code_after_end_two();
-                    self.error(at, Rule::E01, message);
+                    self.add_error(at, Rule::E01, message);
                 }
                 _ => {}
             }
         }
         let last = self.statements.len();
-        if let Section::Subprogram(start) = section {
-            self.error(start, Rule::E05, say::ladder_subprogram_not_ended());
+        if let ProgramSection::Subprogram(start) = section {
+            self.add_error(start, Rule::E05, say::ladder_subprogram_not_ended());
         }
         if end1.is_none() {
             let message = say::ladder_end_one_missing();
-            self.error(last, Rule::E01, message);
+            self.add_error(last, Rule::E01, message);
         }
         if end2.is_none() {
-            self.error(last, Rule::E01, say::ladder_end_two_missing());
+            self.add_error(last, Rule::E01, say::ladder_end_two_missing());
         }
         self.structure.end1 = end1.unwrap_or(0);
         self.structure.end2 = end2.unwrap_or(last);
     }
 
-    fn subprogram_start(&mut self, at: usize, section: Section) -> Section {
+    fn enter_subprogram(&mut self, at: usize, section: ProgramSection) -> ProgramSection {
         match section {
-            Section::Outside => return Section::Subprogram(at),
-            Section::Subprogram(_) => {
-                self.error(at, Rule::E05, say::ladder_subprogram_in_subprogram());
-                return Section::Subprogram(at);
+            ProgramSection::Outside => return ProgramSection::Subprogram(at),
+            ProgramSection::Subprogram(_) => {
+                self.add_error(at, Rule::E05, say::ladder_subprogram_in_subprogram());
+                return ProgramSection::Subprogram(at);
             }
-            Section::Level1 | Section::Level2 => {
-                self.error(at, Rule::E05, say::ladder_subprogram_too_early());
+            ProgramSection::Level1 | ProgramSection::Level2 => {
+                self.add_error(at, Rule::E05, say::ladder_subprogram_too_early());
             }
         }
         section
     }
 
-    /// One result at the output of each rung, and nothing but outputs after it.
-    fn rungs(&mut self) {
+    /// Checks that each rung has one result at its output and only outputs after it.
+    fn check_rungs(&mut self) {
         let mut depth = 0;
         let mut output = false;
         let mut coils: BTreeMap<BitAddress, u32> = BTreeMap::new();
@@ -167,34 +171,34 @@ impl Checker<'_> {
         for (at, statement) in statements.iter().enumerate() {
             let name = statement.mnemonic.row().name;
             match statement.mnemonic.row().role {
-                Role::Start if output => (depth, output) = (1, false),
-                Role::Start if depth == STACK_DEPTH => {
-                    let message = say::ladder_branches_too_many(STACK_DEPTH);
-                    self.error(at, Rule::E02, message);
+                InstructionRole::Start if output => (depth, output) = (1, false),
+                InstructionRole::Start if depth == MAX_STACK_DEPTH => {
+                    let message = say::ladder_branches_too_many(MAX_STACK_DEPTH);
+                    self.add_error(at, Rule::E02, message);
                 }
-                Role::Start => depth += 1,
-                Role::Contact if output => {
+                InstructionRole::Start => depth += 1,
+                InstructionRole::Contact if output => {
                     let message = say::ladder_contact_after_output(name);
-                    self.error(at, Rule::E02, message);
+                    self.add_error(at, Rule::E02, message);
                 }
-                Role::Contact => depth = self.contact(at, depth),
-                Role::Output => {
+                InstructionRole::Contact => depth = self.check_contact(at, depth),
+                InstructionRole::Output => {
                     if !output && depth != 1 {
-                        self.error(at, Rule::E02, no_single_result(name, depth));
+                        self.add_error(at, Rule::E02, no_single_result_message(name, depth));
                     }
                     output = true;
-                    self.coil(at, &mut coils);
+                    self.check_double_coil(at, &mut coils);
                 }
-                Role::Structure => {
-                    self.ineffective(at, depth, output);
+                InstructionRole::Structure => {
+                    self.warn_if_no_output(at, depth, output);
                     (depth, output) = (0, false);
                 }
             }
         }
-        self.ineffective(self.statements.len(), depth, output);
+        self.warn_if_no_output(self.statements.len(), depth, output);
     }
 
-    fn contact(&mut self, at: usize, depth: u32) -> u32 {
+    fn check_contact(&mut self, at: usize, depth: u32) -> u32 {
         let row = self.statements[at].mnemonic.row();
         let block = row.operands.is_empty();
         let wanted = if block { 2 } else { 1 };
@@ -204,20 +208,20 @@ impl Checker<'_> {
             } else {
                 say::ladder_contact_without_start(row.name)
             };
-            self.error(at, Rule::E02, message);
+            self.add_error(at, Rule::E02, message);
             return 1;
         }
         if block { depth - 1 } else { depth }
     }
 
-    fn ineffective(&mut self, at: usize, depth: u32, output: bool) {
+    fn warn_if_no_output(&mut self, at: usize, depth: u32, output: bool) {
         if depth > 0 && !output {
             let before = at.saturating_sub(1);
-            self.warn(before, Rule::W03, say::ladder_rung_without_output());
+            self.add_warning(before, Rule::W03, say::ladder_rung_without_output());
         }
     }
 
-    fn coil(&mut self, at: usize, coils: &mut BTreeMap<BitAddress, u32>) {
+    fn check_double_coil(&mut self, at: usize, coils: &mut BTreeMap<BitAddress, u32>) {
         let statement = &self.statements[at];
         let (Mnemonic::Out, [Operand::Bit(bit)]) = (statement.mnemonic, &statement.operands[..])
         else {
@@ -229,13 +233,13 @@ impl Checker<'_> {
             }
             Entry::Occupied(entry) => {
                 let message = say::ladder_coil_twice(bit, entry.get());
-                self.warn(at, Rule::W01, message);
+                self.add_warning(at, Rule::W01, message);
             }
         }
     }
 
-    /// Labels, subprograms and timers are numbered once each.
-    fn numbers(&mut self) {
+    /// Checks that the number of each label, subprogram and timer is unique.
+    fn check_duplicate_numbers(&mut self) {
         let mut timers: BTreeMap<u16, u32> = BTreeMap::new();
         let statements = self.statements;
         for (at, statement) in statements.iter().enumerate() {
@@ -256,12 +260,12 @@ impl Checker<'_> {
             };
             if first != statement.line {
                 let message = say::ladder_number_twice(noun, first);
-                self.error(at, Rule::E04, message);
+                self.add_error(at, Rule::E04, message);
             }
         }
     }
 
-    fn jumps(&mut self) {
+    fn check_jumps(&mut self) {
         let mut unused = self.structure.labels.clone();
         let statements = self.statements;
         for (at, statement) in statements.iter().enumerate() {
@@ -272,21 +276,22 @@ impl Checker<'_> {
             };
             unused.remove(label);
             let Some(target) = self.structure.labels.get(label).copied() else {
-                self.error(at, Rule::E04, say::ladder_label_missing(label));
+                self.add_error(at, Rule::E04, say::ladder_label_missing(label));
                 continue;
             };
             if self.sections.get(at) != self.sections.get(target) {
                 let message = say::ladder_jump_leaves_part(label);
-                self.error(at, Rule::E05, message);
+                self.add_error(at, Rule::E05, message);
             }
         }
         for (label, at) in unused {
-            self.warn(at, Rule::W02, say::ladder_label_unused(label));
+            self.add_warning(at, Rule::W02, say::ladder_label_unused(label));
         }
     }
 
-    fn calls(&mut self) {
-        // Calls from one subprogram to another: caller's start, callee's start, place.
+    fn check_calls(&mut self) {
+        // Calls between subprograms: start of the caller, start of the callee, index of the
+        // call.
         let mut nested: Vec<(usize, usize, usize)> = Vec::new();
         let statements = self.statements;
         for (at, statement) in statements.iter().enumerate() {
@@ -297,25 +302,26 @@ impl Checker<'_> {
             };
             let target = self.structure.subprograms.get(number).copied();
             if target.is_none() {
-                self.error(at, Rule::E04, say::ladder_subprogram_missing(number));
+                self.add_error(at, Rule::E04, say::ladder_subprogram_missing(number));
             }
             match (self.sections.get(at), target) {
-                (Some(Section::Level1), _) => {
-                    self.error(at, Rule::E05, say::ladder_call_in_level_one());
+                (Some(ProgramSection::Level1), _) => {
+                    self.add_error(at, Rule::E05, say::ladder_call_in_level_one());
                 }
-                (Some(Section::Subprogram(caller)), Some(callee)) => {
+                (Some(ProgramSection::Subprogram(caller)), Some(callee)) => {
                     nested.push((*caller, callee, at));
                 }
                 _ => {}
             }
         }
-        self.nesting(&nested);
+        self.check_call_nesting(&nested);
     }
 
-    /// Subprograms must not call themselves, directly or not, nor nest too deep.
-    fn nesting(&mut self, nested: &[(usize, usize, usize)]) {
-        // Peels off, again and again, the subprograms that no other one calls.
-        // Whatever cannot be peeled is called by itself in the end.
+    /// Checks that no subprogram calls itself, directly or indirectly, and that calls are
+    /// not nested deeper than [`MAX_CALL_DEPTH`].
+    fn check_call_nesting(&mut self, nested: &[(usize, usize, usize)]) {
+        // Topological sort: removes subprograms without callers until none is left. Any
+        // remaining subprogram is part of a recursion.
         let mut callers: BTreeMap<usize, usize> = BTreeMap::new();
         let mut callees: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
         for (caller, callee, at) in nested {
@@ -337,9 +343,9 @@ impl Checker<'_> {
                 if level + 1 > *deepest {
                     *deepest = level + 1;
                 }
-                if level + 1 == CALL_DEPTH + 1 {
-                    let message = say::ladder_calls_too_deep(CALL_DEPTH);
-                    self.error(at, Rule::E05, message);
+                if level + 1 == MAX_CALL_DEPTH + 1 {
+                    let message = say::ladder_calls_too_deep(MAX_CALL_DEPTH);
+                    self.add_error(at, Rule::E05, message);
                 }
                 if let Some(count) = callers.get_mut(&callee) {
                     *count -= 1;
@@ -351,12 +357,12 @@ impl Checker<'_> {
         }
         for (_, calls) in callees {
             for (_, at) in calls {
-                self.error(at, Rule::E05, say::ladder_subprogram_calls_itself());
+                self.add_error(at, Rule::E05, say::ladder_subprogram_calls_itself());
             }
         }
     }
 
-    fn lengths(&mut self) {
+    fn check_lengths(&mut self) {
         let steps = |statements: &[Statement]| -> u32 {
             statements
                 .iter()
@@ -369,19 +375,19 @@ impl Checker<'_> {
         self.structure.steps = total;
         if total > MAX_STEPS {
             let message = say::ladder_too_long(total, MAX_STEPS);
-            self.error(self.statements.len(), Rule::E07, message);
+            self.add_error(self.statements.len(), Rule::E07, message);
         }
-        if level1 > SLOT_STEPS {
-            let message = say::ladder_level_one_too_long(level1, SLOT_STEPS);
-            self.error(end1, Rule::E07, message);
-        } else if level1 > LONG_LEVEL_1 {
-            let message = say::ladder_level_one_long(level1, LONG_LEVEL_1);
-            self.warn(end1, Rule::W04, message);
+        if level1 > MAX_SLOT_STEPS {
+            let message = say::ladder_level_one_too_long(level1, MAX_SLOT_STEPS);
+            self.add_error(end1, Rule::E07, message);
+        } else if level1 > LEVEL1_WARNING_STEPS {
+            let message = say::ladder_level_one_long(level1, LEVEL1_WARNING_STEPS);
+            self.add_warning(end1, Rule::W04, message);
         }
     }
 }
 
-fn no_single_result(name: &str, depth: u32) -> Message {
+fn no_single_result_message(name: &str, depth: u32) -> Message {
     if depth == 0 {
         return say::ladder_output_without_contact(name);
     }

@@ -1,91 +1,93 @@
-//! The compiled program: one small operation a statement, places resolved.
+//! Generates the compiled program: one operation for each statement, with resolved
+//! addresses.
 
-use crate::check::{SLOT_STEPS, Structure};
+use crate::check::{LadderStructure, MAX_SLOT_STEPS};
 use crate::directive::Directives;
-use crate::instruction::{Mnemonic, Operand, Role, Statement};
-use crate::memory::{LATCH, offset};
+use crate::instruction::{InstructionRole, Mnemonic, Operand, Statement};
+use crate::memory::{LATCH_OFFSET, offset};
 
-/// One operation. Operation and statement have the same index, so that a
-/// place in the code is a place in the listing.
+/// One operation of the compiled program. It has the index of its statement, so that a
+/// position in the code is a position in the listing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Op {
-    Ld(Bit),
-    Ldi(Bit),
-    And(Bit),
-    Ani(Bit),
-    Or(Bit),
-    Ori(Bit),
+    Ld(MemoryBit),
+    Ldi(MemoryBit),
+    And(MemoryBit),
+    Ani(MemoryBit),
+    Or(MemoryBit),
+    Ori(MemoryBit),
     Orb,
     Anb,
-    Out(Bit),
-    Set(Bit),
-    Rst(Bit),
-    /// Index in the function table.
+    Out(MemoryBit),
+    Set(MemoryBit),
+    Rst(MemoryBit),
+    /// Index into [`Code::functions`].
     Function(u16),
-    /// Operation to go on with.
+    /// Index of the next operation if the jump is taken.
     Jump(u16),
-    /// First operation of the subprogram.
+    /// Index of the first operation of the subprogram.
     Call(u16),
     Return,
-    /// END1, END2, LBL, SP: nothing to do.
-    Mark,
+    /// No operation: END1, END2, LBL and SP.
+    Nop,
 }
 
-/// One bit of the flat memory.
+/// One bit of the memory array: index of its byte, and mask.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Bit {
+pub(crate) struct MemoryBit {
     pub at: u16,
     pub mask: u8,
 }
 
-/// A number, or the place in flat memory to read it from.
+/// The value of an operand: a constant, or the index of its lowest byte in the memory
+/// array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Value {
+pub(crate) enum OperandValue {
     Number(i32),
-    At(u16),
+    Address(u16),
 }
 
-/// A function instruction with resolved operands.
+/// A function instruction with resolved operands. Indices point into the memory array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Function {
     Compare {
         length: u8,
-        a: Value,
-        b: Value,
+        a: OperandValue,
+        b: OperandValue,
         at: u16,
         bit: u8,
     },
     Timer {
         timer: u8,
         at: u16,
-        preset: Value,
-        output: Bit,
+        preset: OperandValue,
+        output: MemoryBit,
     },
     Counter {
         down: bool,
-        /// CN0: 0 or 1.
+        /// Initial value CN0, 0 or 1.
         initial: i32,
-        reset: Bit,
+        reset: MemoryBit,
         at: u16,
-        preset: Value,
-        output: Bit,
-        /// Index of the edge memory.
+        preset: OperandValue,
+        output: MemoryBit,
+        /// Index of the previous input state in the scan state.
         edge: u16,
     },
     Move {
         length: u8,
-        from: Value,
+        from: OperandValue,
         to: u16,
     },
     Decode {
         length: u8,
-        from: Value,
+        from: OperandValue,
         base: i32,
         to: u16,
     },
     Table {
         length: u8,
-        /// Index of the first entry: 1, or 0 with `.OPT codb0`.
+        /// Number of the first entry: 1, or 0 with `.OPT codb0`.
         first: u8,
         index: u16,
         to: u16,
@@ -95,58 +97,64 @@ pub(crate) enum Function {
         format: u8,
         stations: i32,
         length: u8,
-        current: Value,
-        target: Value,
+        current: OperandValue,
+        target: OperandValue,
         result: u16,
-        output: Bit,
+        output: MemoryBit,
     },
 }
 
-/// Everything the scan needs.
+/// The compiled program as the scan runs it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Code {
     pub ops: Vec<Op>,
     pub functions: Vec<Function>,
-    /// END1: level 1 is the operations before it.
+    /// Index of END1; level 1 consists of the operations before it.
     pub end1: usize,
-    /// Where each part of level 2 ends; at least one.
+    /// Index after the last operation of each part of level 2; never empty.
     pub part_ends: Vec<usize>,
-    /// Number of CTRC instructions, each with an edge memory.
-    pub counters: usize,
-    /// Timers that stand in level 1, one bit each.
+    /// Number of CTRC instructions; the scan state stores the previous input of each.
+    pub counter_count: usize,
+    /// Timers in level 1, one bit per timer number.
     pub level1_timers: u128,
 }
 
-/// Generates the code of a program that passed all checks.
+/// Generates the code of a program that has passed all checks.
 pub(crate) fn generate(
     statements: &[Statement],
-    structure: &Structure,
+    structure: &LadderStructure,
     directives: &Directives,
 ) -> Code {
     let mut code = Code {
         end1: structure.end1,
-        part_ends: divide(statements, structure, directives.undivided),
+        part_ends: divide_level2(statements, structure, directives.undivided),
         ..Code::default()
     };
     for (at, statement) in statements.iter().enumerate() {
         let level1 = at < structure.end1;
-        let op = operation(statement, level1, structure, directives, &mut code);
-        // The checks leave no statement that cannot be translated.
-        code.ops.push(op.unwrap_or(Op::Mark));
+        let op = translate_statement(statement, level1, structure, directives, &mut code);
+        // A program that has passed the checks has no statement without an operation.
+        code.ops.push(op.unwrap_or(Op::Nop));
     }
     code
 }
 
-/// Divides level 2: a part ends with the first rung that fills its slot.
-fn divide(statements: &[Statement], structure: &Structure, undivided: bool) -> Vec<usize> {
-    let budget = SLOT_STEPS.saturating_sub(structure.level1_steps);
+/// Divides level 2 into parts of one slot each. A part ends after the rung that fills the
+/// slot.
+fn divide_level2(
+    statements: &[Statement],
+    structure: &LadderStructure,
+    undivided: bool,
+) -> Vec<usize> {
+    let budget = MAX_SLOT_STEPS.saturating_sub(structure.level1_steps);
     let mut ends = Vec::new();
     let mut steps: u32 = 0;
     let first = structure.end1 + 1;
     let level2 = statements.get(first..structure.end2).unwrap_or_default();
     let mut rung = 0;
     for (at, statement) in level2.iter().enumerate() {
-        let fresh = statement.rung != rung && statement.mnemonic.row().role != Role::Output;
+        let fresh =
+            statement.rung != rung && statement.mnemonic.row().role != InstructionRole::Output;
         if fresh && steps > 0 && steps >= budget && !undivided {
             ends.push(first + at);
             steps = 0;
@@ -158,15 +166,15 @@ fn divide(statements: &[Statement], structure: &Structure, undivided: bool) -> V
     ends
 }
 
-fn operation(
+fn translate_statement(
     statement: &Statement,
     level1: bool,
-    structure: &Structure,
+    structure: &LadderStructure,
     directives: &Directives,
     code: &mut Code,
 ) -> Option<Op> {
     let operands = statement.operands.as_slice();
-    let contact = |operand: &Operand| bit(*operand, !level1);
+    let contact = |operand: &Operand| resolve_bit(*operand, !level1);
     let op = match (statement.mnemonic, operands) {
         (Mnemonic::Ld, [b]) => Op::Ld(contact(b)?),
         (Mnemonic::Ldi, [b]) => Op::Ldi(contact(b)?),
@@ -186,9 +194,9 @@ fn operation(
             Op::Call(u16::try_from(*structure.subprograms.get(number)?).ok()?)
         }
         (Mnemonic::Spe, []) => Op::Return,
-        (Mnemonic::Lbl | Mnemonic::Sp | Mnemonic::End1 | Mnemonic::End2, _) => Op::Mark,
+        (Mnemonic::Lbl | Mnemonic::Sp | Mnemonic::End1 | Mnemonic::End2, _) => Op::Nop,
         _ => {
-            let function = function(statement, level1, directives, code)?;
+            let function = translate_function(statement, level1, directives, code)?;
             let index = u16::try_from(code.functions.len()).ok()?;
             code.functions.push(function);
             Op::Function(index)
@@ -197,20 +205,20 @@ fn operation(
     Some(op)
 }
 
-fn function(
+fn translate_function(
     statement: &Statement,
     level1: bool,
     directives: &Directives,
     code: &mut Code,
 ) -> Option<Function> {
     use Operand::{Bit as BitOperand, Byte, Format, Number};
-    let latch = !level1;
+    let latched = !level1;
     let function = match (statement.mnemonic, statement.operands.as_slice()) {
         (Mnemonic::Cmp, [Number(length), a, b, BitOperand(result)]) => Function::Compare {
             length: u8::try_from(*length).ok()?,
-            a: value(*a, latch)?,
-            b: value(*b, latch)?,
-            at: place(Byte(result.byte_address()), latch)?,
+            a: resolve_value(*a, latched)?,
+            b: resolve_value(*b, latched)?,
+            at: resolve_address(Byte(result.byte_address()), latched)?,
             bit: result.bit,
         },
         (Mnemonic::Tmrb, [Byte(timer), preset, output]) => {
@@ -220,40 +228,40 @@ fn function(
             }
             Function::Timer {
                 timer: number,
-                at: place(Byte(*timer), latch)?,
-                preset: value(*preset, latch)?,
-                output: bit(*output, latch)?,
+                at: resolve_address(Byte(*timer), latched)?,
+                preset: resolve_value(*preset, latched)?,
+                output: resolve_bit(*output, latched)?,
             }
         }
         (Mnemonic::Ctrc, [Format(format), reset, counter, preset, output]) => {
-            let edge = u16::try_from(code.counters).ok()?;
-            code.counters += 1;
+            let edge = u16::try_from(code.counter_count).ok()?;
+            code.counter_count += 1;
             Function::Counter {
                 down: format & 1 == 1,
                 initial: i32::from(format >> 1 & 1),
-                reset: bit(*reset, latch)?,
-                at: place(*counter, latch)?,
-                preset: value(*preset, latch)?,
-                output: bit(*output, latch)?,
+                reset: resolve_bit(*reset, latched)?,
+                at: resolve_address(*counter, latched)?,
+                preset: resolve_value(*preset, latched)?,
+                output: resolve_bit(*output, latched)?,
                 edge,
             }
         }
         (Mnemonic::Movn, [Number(length), from, to]) => Function::Move {
             length: u8::try_from(*length).ok()?,
-            from: value(*from, latch)?,
-            to: place(*to, latch)?,
+            from: resolve_value(*from, latched)?,
+            to: resolve_address(*to, latched)?,
         },
         (Mnemonic::Decb, [Number(length), from, Number(base), to]) => Function::Decode {
             length: u8::try_from(*length).ok()?,
-            from: value(*from, latch)?,
+            from: resolve_value(*from, latched)?,
             base: *base,
-            to: place(*to, latch)?,
+            to: resolve_address(*to, latched)?,
         },
         (Mnemonic::Codb, [Number(length), Number(_), index, to]) => Function::Table {
             length: u8::try_from(*length).ok()?,
             first: u8::from(!directives.table_from_0),
-            index: place(*index, latch)?,
-            to: place(*to, latch)?,
+            index: resolve_address(*index, latched)?,
+            to: resolve_address(*to, latched)?,
             entries: statement.table.as_slice().into(),
         },
         (
@@ -271,41 +279,46 @@ fn function(
             format: *format,
             stations: *stations,
             length: u8::try_from(*length).ok()?,
-            current: value(*current, latch)?,
-            target: value(*target, latch)?,
-            result: place(*result, latch)?,
-            output: bit(*output, latch)?,
+            current: resolve_value(*current, latched)?,
+            target: resolve_value(*target, latched)?,
+            result: resolve_address(*result, latched)?,
+            output: resolve_bit(*output, latched)?,
         },
         _ => return None,
     };
     Some(function)
 }
 
-/// Place in flat memory; level 2 and subprograms read X and F from the latch.
-fn place(operand: Operand, latch: bool) -> Option<u16> {
+/// Resolves an address to its index in the memory array. With `latched`, as in level 2 and
+/// subprograms, X and F resolve to their latched copies.
+fn resolve_address(operand: Operand, latched: bool) -> Option<u16> {
     let Operand::Byte(address) = operand else {
         return None;
     };
     let at = offset(address)?;
-    // X and F are the first two areas, and they end where their copy begins.
-    let at = if latch && at < LATCH { at + LATCH } else { at };
+    // X and F are the first two areas; their copies start where they end.
+    let at = if latched && at < LATCH_OFFSET {
+        at + LATCH_OFFSET
+    } else {
+        at
+    };
     u16::try_from(at).ok()
 }
 
-fn bit(operand: Operand, latch: bool) -> Option<Bit> {
+fn resolve_bit(operand: Operand, latched: bool) -> Option<MemoryBit> {
     let Operand::Bit(address) = operand else {
         return None;
     };
-    Some(Bit {
-        at: place(Operand::Byte(address.byte_address()), latch)?,
+    Some(MemoryBit {
+        at: resolve_address(Operand::Byte(address.byte_address()), latched)?,
         mask: 1 << (address.bit & 7),
     })
 }
 
-fn value(operand: Operand, latch: bool) -> Option<Value> {
+fn resolve_value(operand: Operand, latched: bool) -> Option<OperandValue> {
     match operand {
-        Operand::Number(number) => Some(Value::Number(number)),
-        Operand::Byte(_) => place(operand, latch).map(Value::At),
+        Operand::Number(number) => Some(OperandValue::Number(number)),
+        Operand::Byte(_) => resolve_address(operand, latched).map(OperandValue::Address),
         _ => None,
     }
 }

@@ -1,4 +1,4 @@
-//! What the compiler has to say: errors and warnings, with their place and the rule.
+//! Errors and warnings of the ladder compiler, with their rule, line and rung.
 
 use std::fmt;
 
@@ -6,41 +6,41 @@ use gsk_messages::{Language, Message, say};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// The rule that a ladder breaks.
+/// A rule of the ladder compiler: E00 to E07 are errors, W01 to W04 are warnings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Rule {
     /// The line is neither an instruction nor a directive.
     E00,
     /// END1 or END2 is missing, repeated or in the wrong order.
     E01,
-    /// A rung has no single result at its output, or goes on after it.
+    /// A rung has not exactly one result at its output, or has contacts after it.
     E02,
-    /// An operand names an area, bit or value that the instruction cannot use.
+    /// The instruction cannot use the area, bit or value of an operand.
     E03,
-    /// A label, subprogram or timer number is used twice, or a label or
-    /// subprogram is missing.
+    /// A label, subprogram or timer number is duplicate, or a label or subprogram is
+    /// missing.
     E04,
-    /// A jump or call leaves its program part.
+    /// A jump or call leaves its program section.
     E05,
-    /// Wrong number of operands, length code or table size.
+    /// The number of operands, the length code or the table size is wrong.
     E06,
-    /// The program, or its level 1, is too long.
+    /// The program or its level 1 is too long.
     E07,
-    /// A coil is written by two OUT.
+    /// Two OUT instructions write the same coil.
     W01,
     /// No JMPB uses the label.
     W02,
-    /// The rung has no effect.
+    /// The rung has no output and therefore no effect.
     W03,
-    /// Level 1 takes more than 400 steps.
+    /// Level 1 has more than 400 steps.
     W04,
 }
 
-/// A finding in one line, before its place is known.
-pub(crate) type Finding = (Rule, Message);
+/// The rule that a line breaks and the message for it.
+pub(crate) type RuleViolation = (Rule, Message);
 
 impl Rule {
-    /// Whether a ladder that breaks it compiles all the same.
+    /// Returns whether the rule is a warning, so that the ladder still compiles.
     #[must_use]
     pub const fn is_warning(self) -> bool {
         matches!(self, Self::W01 | Self::W02 | Self::W03 | Self::W04)
@@ -58,11 +58,11 @@ impl fmt::Display for Rule {
 pub struct CompileError {
     /// Line of the source text, from 1.
     pub line: u32,
-    /// Rung (network) of the program, from 1; 0 before the first.
+    /// Number of the rung, from 1; 0 before the first rung.
     pub rung: u32,
-    /// The rule: E for an error, W for a warning.
+    /// The rule that the line breaks.
     pub code: Rule,
-    /// What is wrong and what the manual wants, in one sentence.
+    /// The message: what is wrong and what the manual requires.
     pub message: Message,
 }
 
@@ -74,12 +74,12 @@ impl fmt::Display for CompileError {
 
 impl std::error::Error for CompileError {}
 
-/// Why a ladder does not compile: every error found, and the warnings beside them.
+/// The result of a failed compilation: all errors and warnings.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub struct CompileErrors {
-    /// The errors in line order; never empty.
+    /// The errors, in line order; never empty.
     pub errors: Vec<CompileError>,
-    /// The warnings in line order.
+    /// The warnings, in line order.
     pub warnings: Vec<CompileError>,
 }
 
@@ -88,15 +88,15 @@ impl fmt::Display for CompileErrors {
         for error in self.errors.iter().chain(&self.warnings) {
             writeln!(f, "{error}")?;
         }
-        let summary = summary(self.errors.len(), self.warnings.len());
+        let summary = compile_summary(self.errors.len(), self.warnings.len());
         f.write_str(&summary.text(Language::Zh))
     }
 }
 
-/// The closing line of a compilation, in Chinese in the words of the programming
-/// software.
+/// Returns the last line of the compiler output with the number of errors and warnings. The
+/// Chinese text is that of the programming software.
 #[must_use]
-pub fn summary(errors: usize, warnings: usize) -> Message {
+pub fn compile_summary(errors: usize, warnings: usize) -> Message {
     if errors == 0 {
         say::ladder_compiled(errors, warnings)
     } else {

@@ -1,107 +1,108 @@
-//! The directives of the text form: header, comments, messages, start values.
+//! Parses the directives of a ladder text: header, comments, messages and initial values.
 
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use crate::address::{AddressError, Area, BitAddress, ByteAddress, cut, digits};
-use crate::diagnostic::{Finding, Rule};
+use crate::address::{AddressError, Area, BitAddress, ByteAddress, parse_decimal, split_once_at};
+use crate::diagnostic::{Rule, RuleViolation};
 
-/// What the version page says about the ladder.
+/// The information about the ladder that the version page shows.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
-    /// Design unit, 梯形图设计单位 (`.UNIT`).
+    /// Design unit (`.UNIT`), 梯形图设计单位.
     pub unit: String,
-    /// Designer, 梯形图设计者 (`.AUTHOR`).
+    /// Designer (`.AUTHOR`), 梯形图设计者.
     pub author: String,
-    /// Version, 梯形图版本号 (`.VERSION`).
+    /// Version (`.VERSION`), 梯形图版本号.
     pub version: String,
-    /// Remark, 备注 (`.REMARK`).
+    /// Remark (`.REMARK`), 备注.
     pub remark: String,
 }
 
-/// Text shown while a message request bit is 1 (`.MSG`).
+/// A message that the control shows while its request bit is 1 (`.MSG`).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Message {
-    /// The request bit, in A0 to A24.
+pub struct LadderMessage {
+    /// Request bit, in A0 to A24.
     pub bit: BitAddress,
     /// Message number, 1000 to 9999.
     pub number: u16,
-    /// The text.
+    /// Text of the message.
     pub text: String,
 }
 
-/// What a comment is attached to.
+/// An address of a bit, a byte or a 32-bit entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum Subject {
-    /// A bit.
+pub enum PlcAddress {
+    /// Address of a bit.
     Bit(BitAddress),
-    /// A byte or entry.
+    /// Address of a byte or a 32-bit entry.
     Byte(ByteAddress),
 }
 
-/// Name of an address (`.CMT`).
+/// The names of an address in both languages (`.CMT`).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Comment {
-    /// The address.
-    pub subject: Subject,
-    /// Chinese text, at most 15 characters.
+    /// The named address.
+    pub subject: PlcAddress,
+    /// Chinese name, at most 15 characters.
     pub chinese: String,
-    /// English text, at most 30 characters.
+    /// English name, at most 30 characters.
     pub english: String,
 }
 
-/// Value of a retained address when the retained store is blank (`.INIT`).
+/// The initial value of an address in an empty retained memory (`.INIT`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StartValue {
-    /// A byte of K or D, or an entry of C, DC or DT.
+    /// Address of a byte of K or D, or of an entry of C, DC or DT.
     pub address: ByteAddress,
-    /// Its value.
+    /// Initial value: 0 to 255 for a byte, 0 to 2147483647 for an entry.
     pub value: i32,
 }
 
-/// An M code that the ladder carries out beside the control's own (`.MCODE`).
+/// An M code that the ladder implements in addition to those of the control (`.MCODE`).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MCode {
-    /// The number, 0 to 99.
+    /// Number of the M code, 0 to 99.
     pub code: u8,
-    /// What it does.
+    /// Description of the M code.
     pub text: String,
 }
 
-/// Title of the rungs that follow (`.NET`).
+/// The title of the rungs that follow (`.NET`).
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Network {
-    /// Index of the first statement under the title.
+pub struct NetworkTitle {
+    /// Index of the first statement after the title.
     pub statement: usize,
-    /// The title.
+    /// Text of the title.
     pub title: String,
 }
 
-/// All directives of a text.
+/// All directives of a ladder text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Directives {
     pub header: Header,
-    /// `.OPT codb0`: CODB tables count from 0.
+    /// `.OPT codb0`: the entries of CODB tables are numbered from 0.
     pub table_from_0: bool,
-    /// `.OPT n1`: level 2 is not divided.
+    /// `.OPT n1`: level 2 is not divided into parts.
     pub undivided: bool,
-    pub networks: Vec<Network>,
+    pub network_titles: Vec<NetworkTitle>,
     pub comments: Vec<Comment>,
-    pub messages: Vec<Message>,
+    pub messages: Vec<LadderMessage>,
     pub start_values: Vec<StartValue>,
     pub m_codes: Vec<MCode>,
 }
 
-const CHINESE_CHARACTERS: usize = 15;
-const ENGLISH_CHARACTERS: usize = 30;
+const MAX_CHINESE_CHARACTERS: usize = 15;
+const MAX_ENGLISH_CHARACTERS: usize = 30;
 
-/// Reads one directive line into `directives`.
+/// Parses one directive line and adds its content to `directives`. `statement` is the
+/// number of statements before the line.
 pub(crate) fn parse(
     code: &str,
     statement: usize,
     directives: &mut Directives,
-) -> Result<(), Finding> {
-    let tokens = tokens(code)?;
+) -> Result<(), RuleViolation> {
+    let tokens = split_tokens(code)?;
     let (name, arguments) = match tokens.split_first() {
         Some((Token::Word(name), arguments)) => (name.to_ascii_uppercase(), arguments),
         _ => {
@@ -114,7 +115,7 @@ pub(crate) fn parse(
         (".VERSION", [Token::Text(text)]) => directives.header.version = (*text).to_owned(),
         (".REMARK", [Token::Text(text)]) => directives.header.remark = (*text).to_owned(),
         (".OPT", [Token::Word(option)]) => set_option(option, directives)?,
-        (".NET", [Token::Text(title)]) => directives.networks.push(Network {
+        (".NET", [Token::Text(title)]) => directives.network_titles.push(NetworkTitle {
             statement,
             title: (*title).to_owned(),
         }),
@@ -128,20 +129,22 @@ pub(crate) fn parse(
         ) => {
             directives
                 .comments
-                .push(comment(address, chinese, english)?);
+                .push(parse_comment(address, chinese, english)?);
         }
         (".MSG", [Token::Word(bit), Token::Word(number), Token::Text(text)]) => {
-            let message = message(bit, number, text, &directives.messages)?;
+            let message = parse_message(bit, number, text, &directives.messages)?;
             directives.messages.push(message);
         }
         (".INIT", [Token::Word(address), Token::Word(value)]) => {
-            directives.start_values.push(start_value(address, value)?);
+            directives
+                .start_values
+                .push(parse_start_value(address, value)?);
         }
         (".MCODE", [Token::Word(code), Token::Text(text)]) => {
-            let code = m_code(code, text, &directives.m_codes)?;
+            let code = parse_m_code(code, text, &directives.m_codes)?;
             directives.m_codes.push(code);
         }
-        _ => return Err((Rule::E00, usage(&name))),
+        _ => return Err((Rule::E00, usage_message(&name))),
     }
     Ok(())
 }
@@ -152,12 +155,12 @@ enum Token<'a> {
     Text(&'a str),
 }
 
-fn tokens(code: &str) -> Result<Vec<Token<'_>>, Finding> {
+fn split_tokens(code: &str) -> Result<Vec<Token<'_>>, RuleViolation> {
     let mut tokens = Vec::new();
     let mut rest = code.trim_start();
     while !rest.is_empty() {
         if let Some(quoted) = rest.strip_prefix('"') {
-            let Some((text, after)) = cut(quoted, b'"') else {
+            let Some((text, after)) = split_once_at(quoted, b'"') else {
                 return Err((Rule::E00, say::ladder_quote_missing()));
             };
             tokens.push(Token::Text(text));
@@ -174,7 +177,7 @@ fn tokens(code: &str) -> Result<Vec<Token<'_>>, Finding> {
     Ok(tokens)
 }
 
-fn usage(name: &str) -> gsk_messages::Message {
+fn usage_message(name: &str) -> gsk_messages::Message {
     let form = match name {
         ".UNIT" | ".AUTHOR" | ".VERSION" | ".REMARK" | ".NET" => say::ladder_form_text(),
         ".OPT" => say::ladder_form_option(),
@@ -189,7 +192,7 @@ fn usage(name: &str) -> gsk_messages::Message {
     say::ladder_directive_form(name, form)
 }
 
-fn set_option(option: &str, directives: &mut Directives) -> Result<(), Finding> {
+fn set_option(option: &str, directives: &mut Directives) -> Result<(), RuleViolation> {
     match option.to_ascii_lowercase().as_str() {
         "codb0" => directives.table_from_0 = true,
         "n1" => directives.undivided = true,
@@ -201,16 +204,17 @@ fn set_option(option: &str, directives: &mut Directives) -> Result<(), Finding> 
     Ok(())
 }
 
-fn comment(address: &str, chinese: &str, english: &str) -> Result<Comment, Finding> {
+fn parse_comment(address: &str, chinese: &str, english: &str) -> Result<Comment, RuleViolation> {
     let subject = if address.contains('.') {
-        address.parse().map(Subject::Bit)
+        address.parse().map(PlcAddress::Bit)
     } else {
-        address.parse().map(Subject::Byte)
+        address.parse().map(PlcAddress::Byte)
     };
     let subject = subject.map_err(|error| (Rule::E03, error.message()))?;
-    if chinese.chars().count() > CHINESE_CHARACTERS || english.chars().count() > ENGLISH_CHARACTERS
+    if chinese.chars().count() > MAX_CHINESE_CHARACTERS
+        || english.chars().count() > MAX_ENGLISH_CHARACTERS
     {
-        let message = say::ladder_comment_too_long(CHINESE_CHARACTERS, ENGLISH_CHARACTERS);
+        let message = say::ladder_comment_too_long(MAX_CHINESE_CHARACTERS, MAX_ENGLISH_CHARACTERS);
         return Err((Rule::E03, message));
     }
     Ok(Comment {
@@ -220,7 +224,12 @@ fn comment(address: &str, chinese: &str, english: &str) -> Result<Comment, Findi
     })
 }
 
-fn message(bit: &str, number: &str, text: &str, messages: &[Message]) -> Result<Message, Finding> {
+fn parse_message(
+    bit: &str,
+    number: &str,
+    text: &str,
+    messages: &[LadderMessage],
+) -> Result<LadderMessage, RuleViolation> {
     let bit: BitAddress = bit
         .parse()
         .map_err(|error: AddressError| (Rule::E03, error.message()))?;
@@ -228,7 +237,7 @@ fn message(bit: &str, number: &str, text: &str, messages: &[Message]) -> Result<
         let message = say::ladder_message_bit_wrong(bit);
         return Err((Rule::E03, message));
     }
-    let number = digits(number)
+    let number = parse_decimal(number)
         .and_then(|number| u16::try_from(number).ok())
         .filter(|number| (1000..=9999).contains(number));
     let Some(number) = number else {
@@ -237,15 +246,15 @@ fn message(bit: &str, number: &str, text: &str, messages: &[Message]) -> Result<
     if messages.iter().any(|message| message.bit == bit) {
         return Err((Rule::E04, say::ladder_message_twice(bit)));
     }
-    Ok(Message {
+    Ok(LadderMessage {
         bit,
         number,
         text: text.to_owned(),
     })
 }
 
-fn m_code(code: &str, text: &str, codes: &[MCode]) -> Result<MCode, Finding> {
-    let code = digits(code)
+fn parse_m_code(code: &str, text: &str, codes: &[MCode]) -> Result<MCode, RuleViolation> {
+    let code = parse_decimal(code)
         .and_then(|code| u8::try_from(code).ok())
         .filter(|code| *code <= 99);
     let Some(code) = code else {
@@ -260,7 +269,7 @@ fn m_code(code: &str, text: &str, codes: &[MCode]) -> Result<MCode, Finding> {
     })
 }
 
-fn start_value(address: &str, value: &str) -> Result<StartValue, Finding> {
+fn parse_start_value(address: &str, value: &str) -> Result<StartValue, RuleViolation> {
     let address: ByteAddress = address
         .parse()
         .map_err(|error: AddressError| (Rule::E03, error.message()))?;
@@ -272,7 +281,7 @@ fn start_value(address: &str, value: &str) -> Result<StartValue, Finding> {
             return Err((Rule::E03, message));
         }
     };
-    let value = digits(value)
+    let value = parse_decimal(value)
         .and_then(|value| i32::try_from(value).ok())
         .filter(|value| *value <= largest);
     let Some(value) = value else {

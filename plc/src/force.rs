@@ -1,20 +1,20 @@
-//! Bits held at a value by hand.
+//! Forced bits: bits that hold a value set by hand.
 
 use serde::{Deserialize, Serialize};
 
 use crate::address::BitAddress;
 use crate::memory::{SIZE, offset};
 
-/// A bit held at a value.
+/// A forced bit and its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Force {
-    /// The bit.
+    /// Address of the forced bit.
     pub bit: BitAddress,
-    /// Its value.
+    /// Value that the bit holds.
     pub value: bool,
 }
 
-/// All forced bits, in address order. They go with the power.
+/// All forced bits, in address order. Power-off clears them.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Forces(pub Vec<Force>);
 
@@ -23,7 +23,8 @@ impl Forces {
         self.0.is_empty()
     }
 
-    /// Puts the forced values back after something may have written others.
+    /// Writes the forced values to memory again, after the ladder or the machine may have
+    /// changed them.
     pub fn apply(&self, bytes: &mut [u8; SIZE]) {
         for Force { bit, value } in &self.0 {
             if let Some(at) = offset(bit.byte_address()) {

@@ -1,11 +1,10 @@
-//! The function instructions at work: compare, move, decode, table, rotate,
-//! timer, counter.
+//! Runs the function instructions: compare, move, decode, table, rotate, timer and counter.
 
-use crate::code::{Bit, Function, Value};
+use crate::code::{Function, MemoryBit, OperandValue};
 use crate::memory::{RESULT_FLAGS, SIZE};
 use crate::timer::Timers;
 
-/// R900: result bits of CMP for the whole program.
+/// Result flags of CMP in R900, shared by the whole program.
 const RESULT_ZERO: u8 = 1 << 0;
 const RESULT_NEGATIVE: u8 = 1 << 1;
 pub(crate) const RESULT_OVERFLOW: u8 = 1 << 5;
@@ -13,25 +12,25 @@ pub(crate) const RESULT_BITS: u8 = RESULT_ZERO | RESULT_NEGATIVE | RESULT_OVERFL
 
 /// Digits of the ROTB format, `RN0 DIR POS INC`.
 const ROTATE_FROM_1: u8 = 1 << 3;
-const ROTATE_SHORT_WAY: u8 = 1 << 2;
-const ROTATE_TO_POSITION_BEFORE: u8 = 1 << 1;
+const ROTATE_SHORTEST_DIRECTION: u8 = 1 << 2;
+const ROTATE_TO_STATION_BEFORE_TARGET: u8 = 1 << 1;
 const ROTATE_STEP_COUNT: u8 = 1 << 0;
 
-type Bytes = [u8; SIZE];
+type MemoryBytes = [u8; SIZE];
 
-/// What function instructions remember from scan to scan, beside memory.
-pub(crate) struct Remembered<'a> {
+/// State of the function instructions that is kept between scans outside PLC memory.
+pub(crate) struct FunctionState<'a> {
     pub timers: &'a mut Timers,
-    /// Last ACT of each CTRC.
-    pub edges: &'a mut [bool],
+    /// Previous input state (ACT) of each CTRC.
+    pub counter_inputs: &'a mut [bool],
 }
 
-/// Carries out one function instruction with the rung's result `act`.
+/// Runs one function instruction. `act` is the result of the rung, the input ACT.
 pub(crate) fn execute(
     function: &Function,
     act: bool,
-    bytes: &mut Bytes,
-    remembered: &mut Remembered<'_>,
+    bytes: &mut MemoryBytes,
+    state: &mut FunctionState<'_>,
 ) {
     match function {
         Function::Compare {
@@ -44,7 +43,7 @@ pub(crate) fn execute(
             if act {
                 let a = read(bytes, *a, *length);
                 let b = read(bytes, *b, *length);
-                compare(bytes, a, b, usize::from(*at), *bit);
+                write_comparison(bytes, a, b, usize::from(*at), *bit);
             }
         }
         Function::Timer {
@@ -54,10 +53,10 @@ pub(crate) fn execute(
             output,
         } => {
             let preset = read(bytes, *preset, 4).max(0);
-            let elapsed = read(bytes, Value::At(*at), 4);
+            let elapsed = read(bytes, OperandValue::Address(*at), 4);
             let elapsed = if act { elapsed.clamp(0, preset) } else { 0 };
             let done = act && elapsed == preset;
-            remembered.timers.executed(*timer, act && !done);
+            state.timers.record_execution(*timer, act && !done);
             write(bytes, *at, 4, elapsed);
             write_bit(bytes, *output, done);
         }
@@ -70,7 +69,7 @@ pub(crate) fn execute(
             output,
             edge,
         } => {
-            let Some(last) = remembered.edges.get_mut(usize::from(*edge)) else {
+            let Some(last) = state.counter_inputs.get_mut(usize::from(*edge)) else {
                 return;
             };
             let rising = act && !*last;
@@ -81,8 +80,8 @@ pub(crate) fn execute(
                 write(bytes, *at, 4, start);
                 write_bit(bytes, *output, false);
             } else if rising {
-                let value = read(bytes, Value::At(*at), 4);
-                let (value, end) = count(value, *down, *initial, preset);
+                let value = read(bytes, OperandValue::Address(*at), 4);
+                let (value, end) = next_counter_value(value, *down, *initial, preset);
                 write(bytes, *at, 4, value);
                 write_bit(bytes, *output, value == end);
             }
@@ -131,7 +130,7 @@ pub(crate) fn execute(
             if act {
                 let current = read(bytes, *current, *length);
                 let target = read(bytes, *target, *length);
-                let (value, reverse) = rotate(*format, *stations, current, target);
+                let (value, reverse) = compute_rotation(*format, *stations, current, target);
                 write(bytes, *result, *length, value);
                 write_bit(bytes, *output, reverse);
             }
@@ -139,11 +138,12 @@ pub(crate) fn execute(
     }
 }
 
-/// One- and two-byte values are unsigned, four-byte ones signed.
-fn read(bytes: &Bytes, value: Value, length: u8) -> i32 {
+/// Reads a value of 1, 2 or 4 bytes. Values of 1 and 2 bytes are unsigned, values of 4
+/// bytes are signed.
+fn read(bytes: &MemoryBytes, value: OperandValue, length: u8) -> i32 {
     let at = match value {
-        Value::Number(number) => return number,
-        Value::At(at) => usize::from(at),
+        OperandValue::Number(number) => return number,
+        OperandValue::Address(at) => usize::from(at),
     };
     match length {
         1 => i32::from(bytes[at]),
@@ -153,18 +153,18 @@ fn read(bytes: &Bytes, value: Value, length: u8) -> i32 {
 }
 
 /// Writes the lowest `length` bytes of `value`.
-fn write(bytes: &mut Bytes, at: u16, length: u8, value: i32) {
+fn write(bytes: &mut MemoryBytes, at: u16, length: u8, value: i32) {
     let value = value.to_le_bytes();
     let width = usize::from(length).min(value.len());
     let at = usize::from(at);
     bytes[at..at + width].copy_from_slice(&value[..width]);
 }
 
-fn read_bit(bytes: &Bytes, bit: Bit) -> bool {
+fn read_bit(bytes: &MemoryBytes, bit: MemoryBit) -> bool {
     bytes[usize::from(bit.at)] & bit.mask != 0
 }
 
-fn write_bit(bytes: &mut Bytes, bit: Bit, value: bool) {
+fn write_bit(bytes: &mut MemoryBytes, bit: MemoryBit, value: bool) {
     let byte = &mut bytes[usize::from(bit.at)];
     if value {
         *byte |= bit.mask;
@@ -173,7 +173,7 @@ fn write_bit(bytes: &mut Bytes, bit: Bit, value: bool) {
     }
 }
 
-fn compare(bytes: &mut Bytes, a: i32, b: i32, at: usize, bit: u8) {
+fn write_comparison(bytes: &mut MemoryBytes, a: i32, b: i32, at: usize, bit: u8) {
     let three = u8::from(a > b) | u8::from(a == b) << 1 | u8::from(a < b) << 2;
     bytes[at] = bytes[at] & !(0b111 << bit) | three << bit;
     let mut flags = bytes[RESULT_FLAGS] & !RESULT_BITS;
@@ -186,8 +186,8 @@ fn compare(bytes: &mut Bytes, a: i32, b: i32, at: usize, bit: u8) {
     bytes[RESULT_FLAGS] = flags;
 }
 
-/// The counter's next value, and the value at which its output is 1.
-fn count(value: i32, down: bool, initial: i32, preset: i32) -> (i32, i32) {
+/// Returns the next value of a counter and the value at which its output is 1.
+fn next_counter_value(value: i32, down: bool, initial: i32, preset: i32) -> (i32, i32) {
     if down {
         let next = value.saturating_sub(1);
         let next = if next < initial { preset } else { next };
@@ -202,8 +202,8 @@ fn count(value: i32, down: bool, initial: i32, preset: i32) -> (i32, i32) {
     (next, preset)
 }
 
-/// Result of ROTB and whether the way leads backwards.
-fn rotate(format: u8, stations: i32, current: i32, target: i32) -> (i32, bool) {
+/// Returns the result of ROTB and whether the rotation is backwards.
+fn compute_rotation(format: u8, stations: i32, current: i32, target: i32) -> (i32, bool) {
     let set = |digit: u8| format & digit != 0;
     let base = i64::from(set(ROTATE_FROM_1));
     let stations = i64::from(stations.max(1));
@@ -211,9 +211,9 @@ fn rotate(format: u8, stations: i32, current: i32, target: i32) -> (i32, bool) {
     let target = i64::from(target) - base;
     let forward = (target - current).rem_euclid(stations);
     let backward = (current - target).rem_euclid(stations);
-    let reverse = set(ROTATE_SHORT_WAY) && backward < forward;
+    let reverse = set(ROTATE_SHORTEST_DIRECTION) && backward < forward;
     let steps = if reverse { backward } else { forward };
-    let before = set(ROTATE_TO_POSITION_BEFORE) && steps > 0;
+    let before = set(ROTATE_TO_STATION_BEFORE_TARGET) && steps > 0;
     let result = if set(ROTATE_STEP_COUNT) {
         steps - i64::from(before)
     } else {
@@ -233,8 +233,8 @@ mod tests {
 
     #[test]
     fn rotation_of_twelve_stations_from_1() {
-        // Short way, position before the target: the manual's example.
-        let before = |target| rotate(0b1110, 12, 1, target);
+        // Example of the manual: shortest direction, station before the target.
+        let before = |target| compute_rotation(0b1110, 12, 1, target);
         assert_eq!(before(10), (11, true));
         assert_eq!(before(8), (9, true));
         assert_eq!(before(5), (4, false));
@@ -260,7 +260,7 @@ mod tests {
         ];
         for (format, stations, current, target, result, backwards) in table {
             assert_eq!(
-                rotate(format, stations, current, target),
+                compute_rotation(format, stations, current, target),
                 (result, backwards),
                 "format {format:04b}, {stations} stations, {current} to {target}"
             );
@@ -269,13 +269,16 @@ mod tests {
 
     #[test]
     fn counting_wraps_at_both_ends() {
-        assert_eq!(count(9, false, 0, 10), (10, 10));
-        assert_eq!(count(10, false, 0, 10), (0, 10));
-        assert_eq!(count(10, false, 1, 10), (1, 10));
-        assert_eq!(count(i32::MAX, false, 0, i32::MAX), (0, i32::MAX));
-        assert_eq!(count(1, true, 0, 10), (0, 0));
-        assert_eq!(count(0, true, 0, 10), (10, 0));
-        assert_eq!(count(1, true, 1, 10), (10, 1));
-        assert_eq!(count(i32::MIN, true, 0, 10), (10, 0));
+        assert_eq!(next_counter_value(9, false, 0, 10), (10, 10));
+        assert_eq!(next_counter_value(10, false, 0, 10), (0, 10));
+        assert_eq!(next_counter_value(10, false, 1, 10), (1, 10));
+        assert_eq!(
+            next_counter_value(i32::MAX, false, 0, i32::MAX),
+            (0, i32::MAX)
+        );
+        assert_eq!(next_counter_value(1, true, 0, 10), (0, 0));
+        assert_eq!(next_counter_value(0, true, 0, 10), (10, 0));
+        assert_eq!(next_counter_value(1, true, 1, 10), (10, 1));
+        assert_eq!(next_counter_value(i32::MIN, true, 0, 10), (10, 0));
     }
 }

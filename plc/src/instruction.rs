@@ -1,216 +1,221 @@
-//! The one table of instructions: mnemonic, role in a rung, operands, steps.
+//! The instruction table: mnemonic, role in a rung, operands and steps.
 //!
-//! Parsing, checking, counting of steps, listing and help all read [`TABLE`].
+//! Parser, checks, step count, listing and help all use [`INSTRUCTIONS`].
 
 use serde::{Deserialize, Serialize};
 
 use crate::address::{Area, BitAddress, ByteAddress};
 
-/// An instruction of the ladder language.
+/// The mnemonic of a ladder instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Mnemonic {
-    /// Starts a rung or branch with a normally open contact.
+    /// LD: starts a rung or a branch with a normally open contact.
     Ld,
-    /// Starts a rung or branch with a normally closed contact.
+    /// LDI: starts a rung or a branch with a normally closed contact.
     Ldi,
-    /// Series contact, normally open.
+    /// AND: normally open contact in series.
     And,
-    /// Series contact, normally closed.
+    /// ANI: normally closed contact in series.
     Ani,
-    /// Parallel contact, normally open.
+    /// OR: normally open contact in parallel.
     Or,
-    /// Parallel contact, normally closed.
+    /// ORI: normally closed contact in parallel.
     Ori,
-    /// Series blocks in parallel.
+    /// ORB: connects two series blocks in parallel.
     Orb,
-    /// Parallel blocks in series.
+    /// ANB: connects two parallel blocks in series.
     Anb,
-    /// Coil.
+    /// OUT: writes the result of the rung to a bit.
     Out,
-    /// Sets a bit that then stays 1.
+    /// SET: sets a bit to 1 if the result of the rung is 1.
     Set,
-    /// Resets a bit that then stays 0.
+    /// RST: resets a bit to 0 if the result of the rung is 1.
     Rst,
-    /// Compares two binary numbers.
+    /// CMP: compares two binary numbers.
     Cmp,
-    /// On-delay timer.
+    /// TMRB: on-delay timer.
     Tmrb,
-    /// Counter.
+    /// CTRC: up or down counter.
     Ctrc,
-    /// Copies a number.
+    /// MOVN: copies a number.
     Movn,
-    /// Binary decode: eight successive numbers to eight bits.
+    /// DECB: decodes a binary number; eight successive values have one bit each.
     Decb,
-    /// Binary code conversion: a table.
+    /// CODB: reads a value from a table.
     Codb,
-    /// Rotation control: shortest way and number of steps.
+    /// ROTB: rotation control; computes direction and target station or number of steps.
     Rotb,
-    /// Jump to a label.
+    /// JMPB: jumps to a label.
     Jmpb,
-    /// Label.
+    /// LBL: defines a label.
     Lbl,
-    /// Calls a subprogram.
+    /// CALL: calls a subprogram.
     Call,
-    /// Start of a subprogram.
+    /// SP: starts a subprogram.
     Sp,
-    /// End of a subprogram.
+    /// SPE: ends a subprogram.
     Spe,
-    /// End of level 1.
+    /// END1: ends level 1.
     End1,
-    /// End of level 2.
+    /// END2: ends level 2.
     End2,
 }
 
-/// Where in a rung an instruction may stand.
+/// The position of an instruction in a rung.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    /// LD, LDI: begin a rung or a branch.
+pub enum InstructionRole {
+    /// Starts a rung or a branch: LD and LDI.
     Start,
-    /// Contacts and block instructions inside a rung.
+    /// A contact or a block instruction within a rung.
     Contact,
-    /// Takes the result of the rung.
+    /// Uses the result of the rung.
     Output,
-    /// Stands outside rungs.
+    /// Is outside rungs: labels, subprograms and ends of levels.
     Structure,
 }
 
-/// What an operand may be.
+/// The kind of operand that an instruction accepts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// Any bit: X Y F G R K A.
+pub enum OperandKind {
+    /// Any bit of X Y F G R K A.
     Contact,
-    /// A bit that may be written: Y G R K A.
+    /// A writable bit, of Y G R K A.
     Coil,
-    /// The first of three result bits, bit 0 to 5.
+    /// The first of three adjacent result bits, bit 0 to 5 of a byte.
     ThreeCoils,
-    /// Length of the values: 1, 2 or 4 bytes.
+    /// Length of the values, 1, 2 or 4 bytes.
     Length,
-    /// A number or any byte or entry.
+    /// A number, or any byte or entry.
     Value,
     /// Any byte or entry.
     Source,
-    /// A byte or entry that may be written.
+    /// A writable byte or entry.
     Target,
     /// The byte that receives eight decoded bits.
     DecodeTarget,
     /// The byte with a table index.
     Index,
-    /// Where a table value goes.
+    /// The byte or entry that receives a table value.
     TableTarget,
-    /// Position of a rotating part.
+    /// The byte or entry with a position of a rotating part.
     Position,
-    /// Where a rotation result goes.
+    /// The byte or entry that receives the result of a rotation.
     RotationTarget,
-    /// A timer T.
+    /// A timer, T0 to T99.
     Timer,
-    /// A counter C.
+    /// A counter, C0 to C99.
     Counter,
-    /// A time in ms: a number or DT.
+    /// A time, ms, as a number or a DT entry.
     Time,
-    /// A count: a number or DC.
+    /// A count, as a number or a DC entry.
     Count,
-    /// A number.
+    /// A constant number.
     Number,
     /// Number of stations, from 1.
     Stations,
-    /// Code 1 to 8 of a table size 2, 4, … 256.
+    /// Code of a table size, 1 to 8 for 2, 4, … 256 entries.
     TableSize,
-    /// Four digits `0 0 CN0 U/D`.
+    /// Counter format, four digits `0 0 CN0 U/D`.
     CounterFormat,
-    /// Four digits `RN0 DIR POS INC`.
+    /// Rotation format, four digits `RN0 DIR POS INC`.
     RotationFormat,
-    /// A label L.
+    /// A label, L0 to L9999.
     Label,
-    /// A subprogram P.
+    /// A subprogram, P0 to P9999.
     Subprogram,
 }
 
-/// Areas whose bits can be written.
+/// Areas with writable bits.
 const COILS: &[Area] = &[Area::Y, Area::G, Area::R, Area::K, Area::A];
 
-impl Kind {
-    /// Areas an address may lie in; empty when the operand is no address.
+impl OperandKind {
+    /// Returns the areas that an address operand may use; empty if the operand is not an
+    /// address.
     #[must_use]
     pub const fn areas(self) -> &'static [Area] {
         use Area::{A, C, D, Dc, Dt, F, G, K, R, T, X, Y};
         match self {
-            Kind::Contact => &[X, Y, F, G, R, K, A],
-            Kind::Coil | Kind::ThreeCoils | Kind::DecodeTarget => COILS,
-            Kind::Value | Kind::Source => &[R, X, Y, F, G, K, A, D, T, C, Dc, Dt],
-            Kind::Target => &[R, Y, G, K, A, D, T, C, Dc, Dt],
-            Kind::Index => &[R, X, Y, G, F, A, K, D],
-            Kind::TableTarget | Kind::RotationTarget => &[R, Y, G, K, A, D, Dt, Dc],
-            Kind::Position => &[R, X, Y, F, G, K, A, D, Dc, Dt],
-            Kind::Timer => &[T],
-            Kind::Counter => &[C],
-            Kind::Time => &[Dt],
-            Kind::Count => &[Dc],
+            OperandKind::Contact => &[X, Y, F, G, R, K, A],
+            OperandKind::Coil | OperandKind::ThreeCoils | OperandKind::DecodeTarget => COILS,
+            OperandKind::Value | OperandKind::Source => &[R, X, Y, F, G, K, A, D, T, C, Dc, Dt],
+            OperandKind::Target => &[R, Y, G, K, A, D, T, C, Dc, Dt],
+            OperandKind::Index => &[R, X, Y, G, F, A, K, D],
+            OperandKind::TableTarget | OperandKind::RotationTarget => &[R, Y, G, K, A, D, Dt, Dc],
+            OperandKind::Position => &[R, X, Y, F, G, K, A, D, Dc, Dt],
+            OperandKind::Timer => &[T],
+            OperandKind::Counter => &[C],
+            OperandKind::Time => &[Dt],
+            OperandKind::Count => &[Dc],
             _ => &[],
         }
     }
 
-    /// True when the operand is a single bit.
+    /// Returns whether the operand is the address of a single bit.
     #[must_use]
     pub const fn is_bit(self) -> bool {
-        matches!(self, Kind::Contact | Kind::Coil | Kind::ThreeCoils)
+        matches!(
+            self,
+            OperandKind::Contact | OperandKind::Coil | OperandKind::ThreeCoils
+        )
     }
 
-    /// True when the instruction writes the operand.
+    /// Returns whether the instruction writes the operand.
     #[must_use]
     pub(crate) const fn is_written(self) -> bool {
         matches!(
             self,
-            Kind::Coil
-                | Kind::ThreeCoils
-                | Kind::Target
-                | Kind::DecodeTarget
-                | Kind::TableTarget
-                | Kind::RotationTarget
+            OperandKind::Coil
+                | OperandKind::ThreeCoils
+                | OperandKind::Target
+                | OperandKind::DecodeTarget
+                | OperandKind::TableTarget
+                | OperandKind::RotationTarget
         )
     }
 
-    /// True when a plain number may stand here.
+    /// Returns whether the operand may be a constant number.
     #[must_use]
-    pub const fn takes_number(self) -> bool {
+    pub const fn can_be_number(self) -> bool {
         matches!(
             self,
-            Kind::Length
-                | Kind::Value
-                | Kind::Time
-                | Kind::Count
-                | Kind::Number
-                | Kind::Stations
-                | Kind::TableSize
+            OperandKind::Length
+                | OperandKind::Value
+                | OperandKind::Time
+                | OperandKind::Count
+                | OperandKind::Number
+                | OperandKind::Stations
+                | OperandKind::TableSize
         )
     }
 
-    /// True when the operand is as many bytes wide as the instruction's length says.
+    /// Returns whether the operand has the length, in bytes, of the instruction's length
+    /// operand.
     #[must_use]
-    pub const fn is_wide(self) -> bool {
+    pub const fn has_instruction_length(self) -> bool {
         matches!(
             self,
-            Kind::Value
-                | Kind::Source
-                | Kind::Target
-                | Kind::TableTarget
-                | Kind::Position
-                | Kind::RotationTarget
+            OperandKind::Value
+                | OperandKind::Source
+                | OperandKind::Target
+                | OperandKind::TableTarget
+                | OperandKind::Position
+                | OperandKind::RotationTarget
         )
     }
 }
 
-/// One row of the instruction table.
+/// The properties of one instruction, a row of [`INSTRUCTIONS`].
 #[derive(Debug)]
-pub struct Row {
-    /// The instruction.
+pub struct InstructionRow {
+    /// The instruction that the row describes.
     pub mnemonic: Mnemonic,
-    /// Its name in a listing.
+    /// Name in a listing, in capital letters.
     pub name: &'static str,
-    /// Where in a rung it may stand.
-    pub role: Role,
-    /// Its operands in order. CODB has its table after them.
-    pub operands: &'static [Kind],
-    /// Steps without a table: 1 for basic instructions, SET and RST, else
+    /// Position of the instruction in a rung.
+    pub role: InstructionRole,
+    /// Kinds of the operands, in order. The table of CODB follows them.
+    pub operands: &'static [OperandKind],
+    /// Steps in program memory without a table: 1 for contacts, OUT, SET and RST; otherwise
     /// 1 and one for each operand.
     pub steps: u32,
 }
@@ -218,11 +223,11 @@ pub struct Row {
 const fn row(
     mnemonic: Mnemonic,
     name: &'static str,
-    role: Role,
-    operands: &'static [Kind],
+    role: InstructionRole,
+    operands: &'static [OperandKind],
     steps: u32,
-) -> Row {
-    Row {
+) -> InstructionRow {
+    InstructionRow {
         mnemonic,
         name,
         role,
@@ -231,108 +236,196 @@ const fn row(
     }
 }
 
-/// The instruction table.
-pub static TABLE: [Row; 25] = [
-    row(Mnemonic::Ld, "LD", Role::Start, &[Kind::Contact], 1),
-    row(Mnemonic::Ldi, "LDI", Role::Start, &[Kind::Contact], 1),
-    row(Mnemonic::And, "AND", Role::Contact, &[Kind::Contact], 1),
-    row(Mnemonic::Ani, "ANI", Role::Contact, &[Kind::Contact], 1),
-    row(Mnemonic::Or, "OR", Role::Contact, &[Kind::Contact], 1),
-    row(Mnemonic::Ori, "ORI", Role::Contact, &[Kind::Contact], 1),
-    row(Mnemonic::Orb, "ORB", Role::Contact, &[], 1),
-    row(Mnemonic::Anb, "ANB", Role::Contact, &[], 1),
-    row(Mnemonic::Out, "OUT", Role::Output, &[Kind::Coil], 1),
-    row(Mnemonic::Set, "SET", Role::Output, &[Kind::Coil], 1),
-    row(Mnemonic::Rst, "RST", Role::Output, &[Kind::Coil], 1),
+/// The properties of all instructions, in the order of [`Mnemonic`].
+pub static INSTRUCTIONS: [InstructionRow; 25] = [
+    row(
+        Mnemonic::Ld,
+        "LD",
+        InstructionRole::Start,
+        &[OperandKind::Contact],
+        1,
+    ),
+    row(
+        Mnemonic::Ldi,
+        "LDI",
+        InstructionRole::Start,
+        &[OperandKind::Contact],
+        1,
+    ),
+    row(
+        Mnemonic::And,
+        "AND",
+        InstructionRole::Contact,
+        &[OperandKind::Contact],
+        1,
+    ),
+    row(
+        Mnemonic::Ani,
+        "ANI",
+        InstructionRole::Contact,
+        &[OperandKind::Contact],
+        1,
+    ),
+    row(
+        Mnemonic::Or,
+        "OR",
+        InstructionRole::Contact,
+        &[OperandKind::Contact],
+        1,
+    ),
+    row(
+        Mnemonic::Ori,
+        "ORI",
+        InstructionRole::Contact,
+        &[OperandKind::Contact],
+        1,
+    ),
+    row(Mnemonic::Orb, "ORB", InstructionRole::Contact, &[], 1),
+    row(Mnemonic::Anb, "ANB", InstructionRole::Contact, &[], 1),
+    row(
+        Mnemonic::Out,
+        "OUT",
+        InstructionRole::Output,
+        &[OperandKind::Coil],
+        1,
+    ),
+    row(
+        Mnemonic::Set,
+        "SET",
+        InstructionRole::Output,
+        &[OperandKind::Coil],
+        1,
+    ),
+    row(
+        Mnemonic::Rst,
+        "RST",
+        InstructionRole::Output,
+        &[OperandKind::Coil],
+        1,
+    ),
     row(
         Mnemonic::Cmp,
         "CMP",
-        Role::Output,
-        &[Kind::Length, Kind::Value, Kind::Value, Kind::ThreeCoils],
+        InstructionRole::Output,
+        &[
+            OperandKind::Length,
+            OperandKind::Value,
+            OperandKind::Value,
+            OperandKind::ThreeCoils,
+        ],
         5,
     ),
     row(
         Mnemonic::Tmrb,
         "TMRB",
-        Role::Output,
-        &[Kind::Timer, Kind::Time, Kind::Coil],
+        InstructionRole::Output,
+        &[OperandKind::Timer, OperandKind::Time, OperandKind::Coil],
         4,
     ),
     row(
         Mnemonic::Ctrc,
         "CTRC",
-        Role::Output,
+        InstructionRole::Output,
         &[
-            Kind::CounterFormat,
-            Kind::Contact,
-            Kind::Counter,
-            Kind::Count,
-            Kind::Coil,
+            OperandKind::CounterFormat,
+            OperandKind::Contact,
+            OperandKind::Counter,
+            OperandKind::Count,
+            OperandKind::Coil,
         ],
         6,
     ),
     row(
         Mnemonic::Movn,
         "MOVN",
-        Role::Output,
-        &[Kind::Length, Kind::Value, Kind::Target],
+        InstructionRole::Output,
+        &[OperandKind::Length, OperandKind::Value, OperandKind::Target],
         4,
     ),
     row(
         Mnemonic::Decb,
         "DECB",
-        Role::Output,
-        &[Kind::Length, Kind::Source, Kind::Number, Kind::DecodeTarget],
+        InstructionRole::Output,
+        &[
+            OperandKind::Length,
+            OperandKind::Source,
+            OperandKind::Number,
+            OperandKind::DecodeTarget,
+        ],
         5,
     ),
     row(
         Mnemonic::Codb,
         "CODB",
-        Role::Output,
+        InstructionRole::Output,
         &[
-            Kind::Length,
-            Kind::TableSize,
-            Kind::Index,
-            Kind::TableTarget,
+            OperandKind::Length,
+            OperandKind::TableSize,
+            OperandKind::Index,
+            OperandKind::TableTarget,
         ],
         5,
     ),
     row(
         Mnemonic::Rotb,
         "ROTB",
-        Role::Output,
+        InstructionRole::Output,
         &[
-            Kind::RotationFormat,
-            Kind::Stations,
-            Kind::Length,
-            Kind::Position,
-            Kind::Position,
-            Kind::RotationTarget,
-            Kind::Coil,
+            OperandKind::RotationFormat,
+            OperandKind::Stations,
+            OperandKind::Length,
+            OperandKind::Position,
+            OperandKind::Position,
+            OperandKind::RotationTarget,
+            OperandKind::Coil,
         ],
         8,
     ),
-    row(Mnemonic::Jmpb, "JMPB", Role::Output, &[Kind::Label], 2),
-    row(Mnemonic::Lbl, "LBL", Role::Structure, &[Kind::Label], 2),
-    row(Mnemonic::Call, "CALL", Role::Output, &[Kind::Subprogram], 2),
-    row(Mnemonic::Sp, "SP", Role::Structure, &[Kind::Subprogram], 2),
-    row(Mnemonic::Spe, "SPE", Role::Structure, &[], 1),
-    row(Mnemonic::End1, "END1", Role::Structure, &[], 1),
-    row(Mnemonic::End2, "END2", Role::Structure, &[], 1),
+    row(
+        Mnemonic::Jmpb,
+        "JMPB",
+        InstructionRole::Output,
+        &[OperandKind::Label],
+        2,
+    ),
+    row(
+        Mnemonic::Lbl,
+        "LBL",
+        InstructionRole::Structure,
+        &[OperandKind::Label],
+        2,
+    ),
+    row(
+        Mnemonic::Call,
+        "CALL",
+        InstructionRole::Output,
+        &[OperandKind::Subprogram],
+        2,
+    ),
+    row(
+        Mnemonic::Sp,
+        "SP",
+        InstructionRole::Structure,
+        &[OperandKind::Subprogram],
+        2,
+    ),
+    row(Mnemonic::Spe, "SPE", InstructionRole::Structure, &[], 1),
+    row(Mnemonic::End1, "END1", InstructionRole::Structure, &[], 1),
+    row(Mnemonic::End2, "END2", InstructionRole::Structure, &[], 1),
 ];
 
 impl Mnemonic {
-    /// The instruction's row of the table.
+    /// Returns the properties of the instruction.
     #[must_use]
-    pub fn row(self) -> &'static Row {
-        // The table stands in the order of the enumeration (tested below).
-        &TABLE[self as usize]
+    pub fn row(self) -> &'static InstructionRow {
+        // The rows are in the order of the enumeration; a test below checks it.
+        &INSTRUCTIONS[self as usize]
     }
 
-    /// The instruction called `name`, in either case.
+    /// Returns the instruction with this name, in upper or lower case.
     #[must_use]
-    pub(crate) fn of_name(name: &str) -> Option<Mnemonic> {
-        TABLE
+    pub(crate) fn from_name(name: &str) -> Option<Mnemonic> {
+        INSTRUCTIONS
             .iter()
             .find(|row| row.name.eq_ignore_ascii_case(name))
             .map(|row| row.mnemonic)
@@ -344,11 +437,11 @@ impl Mnemonic {
 pub enum Operand {
     /// A bit address.
     Bit(BitAddress),
-    /// A byte or entry address.
+    /// Address of a byte or an entry.
     Byte(ByteAddress),
-    /// A number.
+    /// A constant number.
     Number(i32),
-    /// Four binary digits, the first one in bit 3.
+    /// Four binary digits; the first digit is bit 3.
     Format(u8),
     /// Number of a label L.
     Label(u16),
@@ -356,23 +449,23 @@ pub enum Operand {
     Subprogram(u16),
 }
 
-/// One instruction with its operands and its place in the text.
+/// One instruction with its operands and its position in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Statement {
-    /// The instruction.
+    /// The instruction of the statement.
     pub mnemonic: Mnemonic,
-    /// Its operands, in the order of the table.
+    /// The operands, in the order of the instruction table.
     pub operands: Vec<Operand>,
-    /// The entries of a CODB table.
+    /// The entries of a CODB table; empty for other instructions.
     pub table: Vec<i32>,
     /// Line of the source text, from 1.
     pub line: u32,
-    /// Rung, from 1.
+    /// Number of the rung, from 1.
     pub rung: u32,
 }
 
 impl Statement {
-    /// Steps of program memory: the capacity is 5000.
+    /// Returns the steps that the statement takes of the 5000 steps of program memory.
     #[must_use]
     pub fn steps(&self) -> u32 {
         self.mnemonic.row().steps + u32::try_from(self.table.len()).unwrap_or(u32::MAX)
@@ -384,17 +477,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_stands_in_the_order_of_the_mnemonics() {
-        for row in &TABLE {
+    fn instruction_table_is_in_mnemonic_order() {
+        for row in &INSTRUCTIONS {
             assert_eq!(row.mnemonic.row().name, row.name);
-            assert_eq!(Mnemonic::of_name(row.name), Some(row.mnemonic));
+            assert_eq!(Mnemonic::from_name(row.name), Some(row.mnemonic));
         }
     }
 
     #[test]
-    fn steps_follow_the_operands() {
-        for row in &TABLE {
-            let basic = row.role != Role::Output && row.role != Role::Structure
+    fn steps_are_one_plus_operand_count() {
+        for row in &INSTRUCTIONS {
+            let basic = row.role != InstructionRole::Output
+                && row.role != InstructionRole::Structure
                 || matches!(row.mnemonic, Mnemonic::Out | Mnemonic::Set | Mnemonic::Rst);
             let expected = if basic { 1 } else { 1 + row.operands.len() };
             assert_eq!(row.steps as usize, expected, "{}", row.name);

@@ -1,18 +1,18 @@
-//! A compiled ladder and everything that can be said about it.
+//! The compiled ladder and its properties.
 
 use serde::{Deserialize, Serialize};
 
 use crate::check;
 use crate::code::{self, Code};
 use crate::diagnostic::{CompileError, CompileErrors};
-use crate::directive::{Comment, Directives, Header, MCode, Message, StartValue, Subject};
+use crate::directive::{Comment, Directives, Header, LadderMessage, MCode, PlcAddress, StartValue};
 use crate::instruction::{Mnemonic, Operand, Statement};
 use crate::parser;
-use crate::reach::Reach;
+use crate::rung_dependencies::RungDependencies;
 
-/// A ladder program, compiled. It never changes; share it in an `Arc`.
+/// A compiled ladder program. It is immutable and can be shared in an `Arc`.
 ///
-/// Saved as its source text and compiled again when read back.
+/// It is serialized as its source text and compiled again when it is deserialized.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Ladder {
@@ -20,8 +20,9 @@ pub struct Ladder {
     directives: Directives,
     statements: Vec<Statement>,
     code: Code,
-    /// What each rung reads and writes; `None` with jumps or subprograms.
-    reach: Option<Reach>,
+    /// The bytes that each rung reads and writes; `None` if the ladder has jumps or
+    /// subprograms.
+    dependencies: Option<RungDependencies>,
     warnings: Vec<CompileError>,
     steps: u32,
     level1_steps: u32,
@@ -31,13 +32,13 @@ pub struct Ladder {
 /// One rung of the listing.
 #[derive(Clone, Copy, Debug)]
 pub struct Rung<'a> {
-    /// Number, from 1.
+    /// Number of the rung, from 1.
     pub number: u32,
-    /// Title (`.NET`) of the network that begins here.
+    /// Title (`.NET`) of the network that starts with this rung.
     pub title: Option<&'a str>,
     /// Step number of the first instruction, from 0.
     pub step: u32,
-    /// The instructions.
+    /// The instructions of the rung.
     pub statements: &'a [Statement],
 }
 
@@ -46,7 +47,7 @@ impl Ladder {
     ///
     /// # Errors
     ///
-    /// Every rule that the text breaks, with line and rung.
+    /// All rules that the text breaks, with line and rung.
     pub fn compile(source: &str) -> Result<Ladder, CompileErrors> {
         let parsed = parser::parse(source);
         let (structure, found, mut warnings) = check::check(&parsed.statements);
@@ -58,7 +59,7 @@ impl Ladder {
             return Err(CompileErrors { errors, warnings });
         }
         let code = code::generate(&parsed.statements, &structure, &parsed.directives);
-        let reach = Reach::of(&code, &parsed.statements);
+        let dependencies = RungDependencies::from_code(&code, &parsed.statements);
         let mut directives = parsed.directives;
         directives.messages.sort_by_key(|message| message.bit);
         directives.comments.sort_by_key(|comment| comment.subject);
@@ -68,7 +69,7 @@ impl Ladder {
             directives,
             statements: parsed.statements,
             code,
-            reach,
+            dependencies,
             warnings,
             steps: structure.steps,
             level1_steps: structure.level1_steps,
@@ -76,87 +77,88 @@ impl Ladder {
         })
     }
 
-    /// The text that was compiled.
+    /// Returns the source text.
     #[must_use]
     pub fn source(&self) -> &str {
         &self.source
     }
 
-    /// Unit, author, version and remark, as the version page shows them.
+    /// Returns design unit, author, version and remark, as the version page shows them.
     #[must_use]
     pub fn header(&self) -> &Header {
         &self.directives.header
     }
 
-    /// What the compiler noticed: W01 to W04.
+    /// Returns the warnings of the compiler, W01 to W04.
     #[must_use]
     pub fn warnings(&self) -> &[CompileError] {
         &self.warnings
     }
 
-    /// Steps of the whole program; there is room for 5000.
+    /// Returns the steps of the whole program, at most 5000.
     #[must_use]
     pub fn steps(&self) -> u32 {
         self.steps
     }
 
-    /// Steps of level 1 with END1.
+    /// Returns the steps of level 1, including END1.
     #[must_use]
     pub fn level1_steps(&self) -> u32 {
         self.level1_steps
     }
 
-    /// Parts that level 2 is divided into; its period is as many slots of 8 ms.
+    /// Returns the number of parts of level 2. Each slot of 8 ms runs one part.
     #[must_use]
-    pub fn parts(&self) -> usize {
+    pub fn part_count(&self) -> usize {
         self.code.part_ends.len()
     }
 
-    /// Number of rungs.
+    /// Returns the number of rungs.
     #[must_use]
     pub fn rung_count(&self) -> u32 {
         self.rungs
     }
 
-    /// Messages, in the order of their request bits.
+    /// Returns the messages, in the order of their request bits.
     #[must_use]
-    pub fn messages(&self) -> &[Message] {
+    pub fn messages(&self) -> &[LadderMessage] {
         &self.directives.messages
     }
 
-    /// Names of addresses, in address order; the first one of each.
+    /// Returns the names of addresses, in address order. Of duplicates it contains the
+    /// first.
     #[must_use]
     pub fn comments(&self) -> &[Comment] {
         &self.directives.comments
     }
 
-    /// The name of one address.
+    /// Returns the name of one address.
     #[must_use]
-    pub fn comment(&self, subject: Subject) -> Option<&Comment> {
+    pub fn comment(&self, subject: PlcAddress) -> Option<&Comment> {
         let comments = &self.directives.comments;
         let found = comments.binary_search_by_key(&subject, |comment| comment.subject);
         found.ok().and_then(|at| comments.get(at))
     }
 
-    /// Values of retained addresses for a blank store.
+    /// Returns the initial values of retained addresses, for an empty retained memory.
     #[must_use]
     pub fn start_values(&self) -> &[StartValue] {
         &self.directives.start_values
     }
 
-    /// M codes that the ladder carries out beside the control's own.
+    /// Returns the M codes that the ladder implements in addition to those of the control.
     #[must_use]
     pub fn m_codes(&self) -> &[MCode] {
         &self.directives.m_codes
     }
 
-    /// All instructions in program order.
+    /// Returns all instructions, in program order.
     #[must_use]
     pub fn statements(&self) -> &[Statement] {
         &self.statements
     }
 
-    /// The rungs in program order.
+    /// Returns the rungs, in program order.
     pub fn rungs(&self) -> impl Iterator<Item = Rung<'_>> {
         let mut first = 0;
         let mut step = 0;
@@ -174,7 +176,8 @@ impl Ladder {
         })
     }
 
-    /// Labels in program order, with the rung that each begins.
+    /// Returns the labels in program order, each with the number of the rung that it
+    /// starts.
     pub fn labels(&self) -> impl Iterator<Item = (u16, u32)> {
         self.statements
             .iter()
@@ -184,11 +187,12 @@ impl Ladder {
             })
     }
 
-    /// Title given at the statement with index `first`; of several the last one counts.
+    /// Returns the title before the statement with index `first`. Of several titles the
+    /// last counts.
     pub(crate) fn title_at(&self, first: usize) -> Option<&str> {
-        let networks = &self.directives.networks;
-        let end = networks.partition_point(|network| network.statement <= first);
-        let network = networks.get(end.checked_sub(1)?)?;
+        let network_titles = &self.directives.network_titles;
+        let end = network_titles.partition_point(|network| network.statement <= first);
+        let network = network_titles.get(end.checked_sub(1)?)?;
         (network.statement == first).then_some(network.title.as_str())
     }
 
@@ -196,8 +200,8 @@ impl Ladder {
         &self.code
     }
 
-    pub(crate) const fn reach(&self) -> Option<&Reach> {
-        self.reach.as_ref()
+    pub(crate) const fn dependencies(&self) -> Option<&RungDependencies> {
+        self.dependencies.as_ref()
     }
 
     pub(crate) fn directives(&self) -> &Directives {
@@ -206,7 +210,7 @@ impl Ladder {
 }
 
 impl PartialEq for Ladder {
-    /// Two ladders are equal when their texts are.
+    /// Two ladders are equal if their source texts are equal.
     fn eq(&self, other: &Ladder) -> bool {
         self.source == other.source
     }

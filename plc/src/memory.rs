@@ -1,4 +1,4 @@
-//! The PLC's memory: every area in one flat array, little-endian.
+//! PLC memory: all areas in one little-endian byte array.
 
 use std::fmt;
 
@@ -7,12 +7,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::address::{Area, BitAddress, ByteAddress};
 
-/// X and F stand first and together, so that one copy fills the latch of level 2.
+/// X and F are the first areas, so that one copy latches both for level 2.
 const X: usize = 0;
 const F: usize = X + Area::X.count() as usize;
-/// From a byte of X or F to its copy in the latch that level 2 reads.
-pub(crate) const LATCH: usize = F + Area::F.count() as usize;
-const Y: usize = 2 * LATCH;
+/// Distance in bytes from a byte of X or F to its latched copy for level 2.
+pub(crate) const LATCH_OFFSET: usize = F + Area::F.count() as usize;
+const Y: usize = 2 * LATCH_OFFSET;
 const G: usize = Y + Area::Y.count() as usize;
 const R: usize = G + Area::G.count() as usize;
 const A: usize = R + Area::R.count() as usize;
@@ -22,24 +22,24 @@ const T: usize = D + Area::D.count() as usize;
 const C: usize = T + 4 * Area::T.count() as usize;
 const DC: usize = C + 4 * Area::C.count() as usize;
 const DT: usize = DC + 4 * Area::Dc.count() as usize;
-/// Size of the flat array.
+/// Size of the memory array, bytes.
 pub(crate) const SIZE: usize = DT + 4 * Area::Dt.count() as usize;
 
-/// First retained entry of T.
-const T_RETAINED: usize = 80;
-/// First retained byte of D.
-const D_RETAINED: usize = 300;
+/// Number of the first retained entry of T.
+const FIRST_RETAINED_T: usize = 80;
+/// Number of the first retained byte of D.
+const FIRST_RETAINED_D: usize = 300;
 
-/// What new DC and DT entries hold: as good as never.
+/// Initial value of DC and DT entries, practically unlimited.
 const NEW_PRESET: i32 = i32::MAX;
 
-/// Signals to the CNC that mean "nothing wrong" at 1: *IT G8.0, *ESP G8.4,
-/// *SP G8.5, the limits *+L G114 and *-L G116. A ladder that does not write
-/// them must not freeze the machine.
-const INACTIVE_AT_1: [(usize, u8); 3] = [(8, 0b0011_0001), (114, 0b1111), (116, 0b1111)];
+/// Signals to the CNC that are inactive at 1: *IT G8.0, *ESP G8.4, *SP G8.5, the limits *+L
+/// G114 and *-L G116. They start at 1, so that a ladder that does not write them does not
+/// stop the machine.
+const SIGNALS_INACTIVE_AT_1: [(usize, u8); 3] = [(8, 0b0011_0001), (114, 0b1111), (116, 0b1111)];
 
 #[inline]
-const fn base(area: Area) -> usize {
+const fn area_start(area: Area) -> usize {
     match area {
         Area::X => X,
         Area::Y => Y,
@@ -56,35 +56,37 @@ const fn base(area: Area) -> usize {
     }
 }
 
-/// Place of a byte or entry in the flat array; `None` outside its area.
+/// Returns the index of a byte or entry in the memory array, or `None` outside its area.
 #[inline]
 pub(crate) fn offset(address: ByteAddress) -> Option<usize> {
     if address.byte >= address.area.count() {
         return None;
     }
     let width = if address.area.is_entry() { 4 } else { 1 };
-    Some(base(address.area) + width * usize::from(address.byte))
+    Some(area_start(address.area) + width * usize::from(address.byte))
 }
 
-/// Place of R900, where every comparison leaves its result bits.
+/// Index of R900, the result flags of every comparison.
 pub(crate) const RESULT_FLAGS: usize = R + 900;
 
-/// All memory of the PLC. A read outside an area gives 0, a write there is ignored.
+/// All memory of the PLC. A read outside an area gives 0; a write outside an area is
+/// ignored.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(try_from = "Vec<u8>", into = "Vec<u8>")]
-pub struct Memory {
+pub struct PlcMemory {
     bytes: Box<[u8; SIZE]>,
-    /// Something other than X and F was written since [`Memory::take_written`] last asked.
+    /// A write outside X and F has happened since the last
+    /// [`PlcMemory::take_changed_length`].
     written: bool,
 }
 
-impl PartialEq for Memory {
-    fn eq(&self, other: &Memory) -> bool {
+impl PartialEq for PlcMemory {
+    fn eq(&self, other: &PlcMemory) -> bool {
         self.bytes == other.bytes
     }
 }
 
-impl Eq for Memory {}
+impl Eq for PlcMemory {}
 
 macro_rules! byte_area {
     ($get:ident, $set:ident, $area:ident, $doc:literal) => {
@@ -118,12 +120,12 @@ macro_rules! entry_area {
     };
 }
 
-impl Memory {
-    /// Memory whose retained store is blank: presets DC and DT at 2147483647,
-    /// everything else 0, the interlock signals to the CNC inactive.
+impl PlcMemory {
+    /// Creates memory with an empty retained part: presets DC and DT are 2147483647, the
+    /// interlock signals to the CNC are inactive, and everything else is 0.
     #[must_use]
-    pub fn new() -> Memory {
-        let mut memory = Memory {
+    pub fn new() -> PlcMemory {
+        let mut memory = PlcMemory {
             bytes: Box::new([0; SIZE]),
             written: true,
         };
@@ -150,20 +152,20 @@ impl Memory {
     entry_area!(dc, set_dc, Dc, "the counter presets DC0 to DC99");
     entry_area!(dt, set_dt, Dt, "the timer presets DT0 to DT99, in ms");
 
-    /// Writes X0 to X29.
+    /// Writes the inputs X0 to X29.
     #[inline]
     pub fn set_inputs(&mut self, x: &[u8; F - X]) {
         self.bytes[X..F].copy_from_slice(x);
     }
 
-    /// Y0 to Y19.
+    /// Returns the outputs Y0 to Y19.
     #[must_use]
     #[inline]
     pub fn outputs(&self) -> &[u8] {
         &self.bytes[Y..G]
     }
 
-    /// One bit.
+    /// Returns the value of a bit.
     #[must_use]
     #[inline]
     pub fn bit(&self, address: BitAddress) -> bool {
@@ -172,7 +174,7 @@ impl Memory {
             && self.byte(address.byte_address()) >> address.bit & 1 == 1
     }
 
-    /// Writes one bit.
+    /// Writes the value of a bit.
     #[inline]
     pub fn set_bit(&mut self, address: BitAddress, value: bool) {
         if !address.area.has_bits() || address.bit > 7 {
@@ -184,122 +186,128 @@ impl Memory {
         self.set_byte(address.byte_address(), byte);
     }
 
-    /// One byte; the lowest one of an entry of T, C, DC or DT.
+    /// Returns a byte; of an entry of T, C, DC or DT the lowest byte.
     #[must_use]
     #[inline]
     pub fn byte(&self, address: ByteAddress) -> u8 {
         offset(address).map_or(0, |at| self.bytes[at])
     }
 
-    /// Writes one byte; the lowest one of an entry of T, C, DC or DT.
+    /// Writes a byte; of an entry of T, C, DC or DT the lowest byte.
     #[inline]
     pub fn set_byte(&mut self, address: ByteAddress, value: u8) {
         if let Some(at) = offset(address) {
             self.bytes[at] = value;
-            self.written |= at >= LATCH;
+            self.written |= at >= LATCH_OFFSET;
         }
     }
 
-    /// Two bytes, the addressed one lowest.
+    /// Returns a value of two bytes. The address is that of the lowest byte.
     #[must_use]
     pub fn word(&self, address: ByteAddress) -> u16 {
-        u16::from_le_bytes(self.several(address))
+        u16::from_le_bytes(self.read_bytes(address))
     }
 
-    /// Writes two bytes, the addressed one lowest.
+    /// Writes a value of two bytes. The address is that of the lowest byte.
     pub fn set_word(&mut self, address: ByteAddress, value: u16) {
-        self.set_several(address, value.to_le_bytes());
+        self.write_bytes(address, value.to_le_bytes());
     }
 
-    /// Four bytes, the addressed one lowest; the whole entry of T, C, DC or DT.
+    /// Returns a value of four bytes or an entry of T, C, DC or DT. The address is that of
+    /// the lowest byte.
     #[must_use]
     pub fn long(&self, address: ByteAddress) -> i32 {
-        i32::from_le_bytes(self.several(address))
+        i32::from_le_bytes(self.read_bytes(address))
     }
 
-    /// Writes four bytes, the addressed one lowest; the whole entry of T, C, DC or DT.
+    /// Writes a value of four bytes or an entry of T, C, DC or DT. The address is that of
+    /// the lowest byte.
     pub fn set_long(&mut self, address: ByteAddress, value: i32) {
-        self.set_several(address, value.to_le_bytes());
+        self.write_bytes(address, value.to_le_bytes());
     }
 
-    /// True while any message request bit of A0 to A24 is 1.
+    /// Returns whether any message request bit of A0 to A24 is 1.
     #[must_use]
-    pub fn any_message(&self) -> bool {
+    pub fn has_message_request(&self) -> bool {
         self.bytes[A..K].iter().any(|byte| *byte != 0)
     }
 
-    /// What power-off loses: X Y F G R A, T0 to T79 and D0 to D299 become 0,
-    /// and the signals to the CNC that interlock at 0 become 1.
+    /// Clears what power-off loses: X Y F G R A, T0 to T79 and D0 to D299 become 0. The
+    /// signals to the CNC that interlock at 0 become 1.
     pub(crate) fn clear_volatile(&mut self) {
         self.written = true;
         self.bytes[..K].fill(0);
-        self.bytes[D..D + D_RETAINED].fill(0);
-        self.bytes[T..T + 4 * T_RETAINED].fill(0);
-        for (byte, bits) in INACTIVE_AT_1 {
+        self.bytes[D..D + FIRST_RETAINED_D].fill(0);
+        self.bytes[T..T + 4 * FIRST_RETAINED_T].fill(0);
+        for (byte, bits) in SIGNALS_INACTIVE_AT_1 {
             self.bytes[G + byte] = bits;
         }
     }
 
-    /// The part of memory that the battery keeps.
+    /// Returns the retained part of memory, which the battery keeps.
     #[must_use]
-    pub fn retained(&self) -> Retained {
+    pub fn retained(&self) -> RetainedMemory {
         let entries = |area, first: u16| -> Vec<i32> {
             (first..Area::count(area))
                 .map(|entry| self.long(ByteAddress::new(area, entry)))
                 .collect()
         };
-        Retained {
+        RetainedMemory {
             k: self.bytes[K..D].to_vec(),
-            d300: self.bytes[D + D_RETAINED..T].to_vec(),
-            t80: entries(Area::T, T_RETAINED as u16),
+            d300: self.bytes[D + FIRST_RETAINED_D..T].to_vec(),
+            t80: entries(Area::T, FIRST_RETAINED_T as u16),
             c: entries(Area::C, 0),
             dc: entries(Area::Dc, 0),
             dt: entries(Area::Dt, 0),
         }
     }
 
-    /// Puts back what the battery kept. Entries that `retained` lacks stay as they are.
-    pub fn restore_retained(&mut self, retained: &Retained) {
+    /// Restores the retained part of memory. Entries that `retained` lacks do not change.
+    pub fn restore_retained(&mut self, retained: &RetainedMemory) {
         self.written = true;
-        restore_bytes(&mut self.bytes[K..D], &retained.k);
-        restore_bytes(&mut self.bytes[D + D_RETAINED..T], &retained.d300);
-        self.restore_entries(Area::T, T_RETAINED as u16, &retained.t80);
+        copy_bytes(&mut self.bytes[K..D], &retained.k);
+        copy_bytes(&mut self.bytes[D + FIRST_RETAINED_D..T], &retained.d300);
+        self.restore_entries(Area::T, FIRST_RETAINED_T as u16, &retained.t80);
         self.restore_entries(Area::C, 0, &retained.c);
         self.restore_entries(Area::Dc, 0, &retained.dc);
         self.restore_entries(Area::Dt, 0, &retained.dt);
     }
 
-    /// The flat array.
+    /// Returns the memory array.
     pub(crate) fn bytes(&self) -> &[u8; SIZE] {
         &self.bytes
     }
 
-    /// How many bytes of the flat array may have changed since this was last asked, but
-    /// for what the scan has written: X, F and their copy, or all.
-    pub(crate) fn take_written(&mut self) -> usize {
+    /// Returns the length, from the start of the array, in which bytes may have changed
+    /// since the last call, apart from writes of the scan: X, F and their copies, or the
+    /// whole array.
+    pub(crate) fn take_changed_length(&mut self) -> usize {
         if core::mem::take(&mut self.written) {
             SIZE
         } else {
-            2 * LATCH
+            2 * LATCH_OFFSET
         }
     }
 
-    /// The flat array, for the scan, which follows its own changes.
+    /// Returns the mutable memory array for the scan, which tracks its own changes.
     pub(crate) fn bytes_mut(&mut self) -> &mut [u8; SIZE] {
         &mut self.bytes
     }
 
-    /// One bit as level 2 sees it: X and F as its cycle began.
+    /// Returns the value of a bit in level 2, where X and F are latched at the start of the
+    /// cycle.
     pub(crate) fn bit_in_level2(&self, address: BitAddress) -> bool {
         match offset(address.byte_address()) {
-            Some(at) if at < LATCH => self.bytes[at + LATCH] >> (address.bit & 7) & 1 == 1,
+            Some(at) if at < LATCH_OFFSET => {
+                self.bytes[at + LATCH_OFFSET] >> (address.bit & 7) & 1 == 1
+            }
             _ => self.bit(address),
         }
     }
 
-    /// Copies X and F to the latch that level 2 reads.
+    /// Copies X and F to the latched copies for level 2.
     pub(crate) fn latch_inputs(&mut self) {
-        self.bytes.copy_within(..LATCH, LATCH);
+        self.bytes.copy_within(..LATCH_OFFSET, LATCH_OFFSET);
     }
 
     fn restore_entries(&mut self, area: Area, first: u16, values: &[i32]) {
@@ -308,43 +316,43 @@ impl Memory {
         }
     }
 
-    fn several<const N: usize>(&self, address: ByteAddress) -> [u8; N] {
+    fn read_bytes<const N: usize>(&self, address: ByteAddress) -> [u8; N] {
         let mut value = [0; N];
         if let Some(at) = offset(address) {
-            let end = (at + N).min(end_of(address.area));
+            let end = (at + N).min(area_end(address.area));
             value[..end - at].copy_from_slice(&self.bytes[at..end]);
         }
         value
     }
 
-    fn set_several<const N: usize>(&mut self, address: ByteAddress, value: [u8; N]) {
+    fn write_bytes<const N: usize>(&mut self, address: ByteAddress, value: [u8; N]) {
         if let Some(at) = offset(address) {
-            let end = (at + N).min(end_of(address.area));
+            let end = (at + N).min(area_end(address.area));
             self.bytes[at..end].copy_from_slice(&value[..end - at]);
-            self.written |= end > LATCH;
+            self.written |= end > LATCH_OFFSET;
         }
     }
 }
 
-fn end_of(area: Area) -> usize {
+fn area_end(area: Area) -> usize {
     let width = if area.is_entry() { 4 } else { 1 };
-    base(area) + width * usize::from(area.count())
+    area_start(area) + width * usize::from(area.count())
 }
 
-fn restore_bytes(target: &mut [u8], values: &[u8]) {
+fn copy_bytes(target: &mut [u8], values: &[u8]) {
     for (byte, value) in target.iter_mut().zip(values) {
         *byte = *value;
     }
 }
 
-impl Default for Memory {
-    fn default() -> Memory {
-        Memory::new()
+impl Default for PlcMemory {
+    fn default() -> PlcMemory {
+        PlcMemory::new()
     }
 }
 
-impl fmt::Debug for Memory {
-    /// Only the bytes that are not 0: 4 KB of zeros help nobody.
+impl fmt::Debug for PlcMemory {
+    /// Writes only the bytes and entries that are not 0.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut map = f.debug_map();
         for area in Area::ALL {
@@ -364,30 +372,30 @@ impl fmt::Debug for Memory {
     }
 }
 
-impl From<Memory> for Vec<u8> {
-    fn from(memory: Memory) -> Vec<u8> {
+impl From<PlcMemory> for Vec<u8> {
+    fn from(memory: PlcMemory) -> Vec<u8> {
         memory.bytes.to_vec()
     }
 }
 
-impl TryFrom<Vec<u8>> for Memory {
+impl TryFrom<Vec<u8>> for PlcMemory {
     type Error = Message;
 
-    fn try_from(bytes: Vec<u8>) -> Result<Memory, Message> {
+    fn try_from(bytes: Vec<u8>) -> Result<PlcMemory, Message> {
         let length = bytes.len();
         let bytes = bytes
             .try_into()
             .map_err(|_| say::ladder_memory_size(SIZE, length))?;
-        Ok(Memory {
+        Ok(PlcMemory {
             bytes,
             written: true,
         })
     }
 }
 
-/// The battery-backed part of memory, as a file keeps it.
+/// The retained part of PLC memory, as files store it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Retained {
+pub struct RetainedMemory {
     /// Keep relays K0 to K39.
     pub k: Vec<u8>,
     /// Data table D300 to D999.
@@ -409,7 +417,7 @@ mod tests {
     #[test]
     fn areas_do_not_overlap() {
         for area in Area::ALL {
-            let mut memory = Memory::new();
+            let mut memory = PlcMemory::new();
             let before = memory.clone();
             for byte in 0..area.count() {
                 memory.set_byte(ByteAddress::new(area, byte), 0x5A);
@@ -429,7 +437,7 @@ mod tests {
 
     #[test]
     fn wide_values_are_little_endian_and_end_with_the_area() {
-        let mut memory = Memory::new();
+        let mut memory = PlcMemory::new();
         memory.set_long(ByteAddress::new(Area::R, 10), 0x0403_0201);
         assert_eq!((memory.r(10), memory.r(13)), (1, 4));
         memory.set_long(ByteAddress::new(Area::R, 998), -1);
@@ -438,8 +446,8 @@ mod tests {
     }
 
     #[test]
-    fn power_off_keeps_what_the_manual_keeps() {
-        let mut memory = Memory::new();
+    fn power_off_keeps_the_retained_areas() {
+        let mut memory = PlcMemory::new();
         for area in Area::ALL {
             for byte in 0..area.count() {
                 memory.set_byte(ByteAddress::new(area, byte), 1);
@@ -459,14 +467,14 @@ mod tests {
         }
         assert_eq!((memory.g(8), memory.g(114), memory.g(116)), (0x31, 15, 15));
 
-        let mut fresh = Memory::new();
+        let mut fresh = PlcMemory::new();
         fresh.restore_retained(&memory.retained());
         assert_eq!(fresh, memory);
     }
 
     #[test]
-    fn a_blank_store_has_presets_of_never() {
-        let memory = Memory::new();
+    fn new_presets_are_the_largest_number() {
+        let memory = PlcMemory::new();
         assert_eq!(
             (memory.dt(0), memory.dc(99), memory.c(0)),
             (i32::MAX, i32::MAX, 0)
@@ -475,7 +483,7 @@ mod tests {
 
     #[test]
     fn addresses_outside_an_area_read_0() {
-        let mut memory = Memory::new();
+        let mut memory = PlcMemory::new();
         memory.set_x(30, 255);
         memory.set_bit(BitAddress::new(Area::X, 0, 9), true);
         memory.set_bit(BitAddress::new(Area::D, 0, 0), true);

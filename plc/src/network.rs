@@ -1,138 +1,142 @@
-//! A rung as a drawing has it: contacts in series and parallel, then outputs.
+//! Converts rungs to ladder diagrams of contacts and outputs, and back to instruction
+//! lists.
 //!
 //! ```text
-//!  LD a          a     c
-//!  OR b       ─┬─┤├─┬──┤├──( y )     Series [ Parallel [a, b], c ]
-//!  AND c       └─┤├─┘
-//!  OUT y         b
+//! LD a          a     c
+//! OR b       ─┬─┤├─┬──┤├──( y )     Series [ Parallel [a, b], c ]
+//! AND c       └─┤├─┘
+//! OUT y         b
 //! ```
 //!
-//! The drawing keeps whether a contact was written as one (`AND c`) or as a
-//! block of its own (`LD c`, `ANB`), so that it leads back to the same list.
+//! The diagram keeps whether a contact is written as a contact (`AND c`) or as a block
+//! (`LD c`, `ANB`), so that it converts back to the same list.
 
 use crate::address::BitAddress;
-use crate::instruction::{Mnemonic, Operand, Role, Statement};
+use crate::instruction::{InstructionRole, Mnemonic, Operand, Statement};
 use crate::ladder::{Ladder, Rung};
 
-/// One contact.
+/// One contact of a ladder diagram.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Contact {
-    /// The bit it looks at.
+    /// The bit that the contact reads.
     pub bit: BitAddress,
-    /// Normally closed: conducts while the bit is 0.
+    /// Whether the contact is normally closed, so that it conducts while the bit is 0.
     pub normally_closed: bool,
     /// Index of its statement in the rung.
     pub at: usize,
 }
 
-/// Contacts and how they are joined.
+/// A contact, or several elements in series or in parallel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Element {
     /// A single contact.
     Contact(Contact),
-    /// One behind the other, from the left.
+    /// Elements in series, from left to right.
     Series(Vec<Branch>),
-    /// One below the other, from the top.
+    /// Elements in parallel, from top to bottom.
     Parallel(Vec<Branch>),
 }
 
-/// A member of a series or of parallel branches.
+/// One member of a series or parallel connection.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Branch {
-    /// What is joined.
+    /// The connected element.
     pub element: Element,
-    /// Written as a block, with LD and ANB or ORB. A member of several
-    /// contacts always is; a single contact need not be.
+    /// Whether the member is written as a block, with LD and ANB or ORB. A member of
+    /// several contacts is always a block.
     pub block: bool,
-    /// Index of the statement that joins it to those before it.
+    /// Index of the statement that connects the member to the members before it.
     pub at: usize,
 }
 
-/// One rung as a drawing.
+/// One rung as a ladder diagram.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Network {
-    /// Number, from 1.
+    /// Number of the rung, from 1.
     pub number: u32,
-    /// Title (`.NET`) that begins here.
+    /// Title (`.NET`) that starts with this rung.
     pub title: Option<String>,
-    /// Index of its first statement in the program.
+    /// Index of the first statement in the program.
     pub first: usize,
-    /// What it is.
-    pub body: Body,
+    /// The contents of the rung.
+    pub body: RungBody,
 }
 
-/// The two kinds of rungs.
+/// The contents of a rung: a structural instruction, or contacts and outputs.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Body {
-    /// END1, END2, LBL, SP, SPE.
-    Mark(Statement),
-    /// Contacts and outputs.
+pub enum RungBody {
+    /// END1, END2, LBL, SP or SPE.
+    Structure(Statement),
+    /// Contacts with outputs.
     Rung {
-        /// The contacts. One element; several only in a rung without output,
-        /// of which the compiler says that it has no effect.
+        /// One element. Only a rung without output has several; the compiler warns that it
+        /// has no effect.
         contacts: Vec<Element>,
-        /// Coils and function instructions, all fed by the same contacts.
+        /// Coils and function instructions, all with the same input.
         outputs: Vec<Statement>,
     },
 }
 
-/// The state of one statement of a rung, for the live view.
+/// The power flow at one statement of a rung, for the live view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Power {
-    /// A contact conducts; a coil's bit is 1.
+pub struct PowerFlow {
+    /// Whether the contact conducts or the bit of the coil is 1.
     pub closed: bool,
-    /// Power reaches its right side; an output's input is on.
+    /// Whether power reaches the right side of the contact or the input of the output.
     pub live: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Way {
+enum Connection {
     Series,
     Parallel,
 }
 
 impl Element {
-    /// Appends a member; a series of a series stays one series.
-    fn join(self, way: Way, member: Branch) -> Element {
+    /// Appends a member. A series within a series stays one series.
+    fn join(self, connection: Connection, member: Branch) -> Element {
         let first = |element| Branch {
             element,
             block: false,
             at: member.at,
         };
-        match (way, self) {
-            (Way::Series, Element::Series(mut members)) => {
+        match (connection, self) {
+            (Connection::Series, Element::Series(mut members)) => {
                 members.push(member);
                 Element::Series(members)
             }
-            (Way::Parallel, Element::Parallel(mut members)) => {
+            (Connection::Parallel, Element::Parallel(mut members)) => {
                 members.push(member);
                 Element::Parallel(members)
             }
-            (Way::Series, element) => Element::Series(vec![first(element), member]),
-            (Way::Parallel, element) => Element::Parallel(vec![first(element), member]),
+            (Connection::Series, element) => Element::Series(vec![first(element), member]),
+            (Connection::Parallel, element) => Element::Parallel(vec![first(element), member]),
         }
     }
 
-    fn write(&self, list: &mut Vec<(Mnemonic, Option<BitAddress>)>) {
-        let (way, members) = match self {
+    fn write_list(&self, list: &mut Vec<(Mnemonic, Option<BitAddress>)>) {
+        let (connection, members) = match self {
             Element::Contact(contact) => {
-                list.push((name(None, contact), Some(contact.bit)));
+                list.push((contact_mnemonic(None, contact), Some(contact.bit)));
                 return;
             }
-            Element::Series(members) => (Way::Series, members),
-            Element::Parallel(members) => (Way::Parallel, members),
+            Element::Series(members) => (Connection::Series, members),
+            Element::Parallel(members) => (Connection::Parallel, members),
         };
         for (index, member) in members.iter().enumerate() {
             match &member.element {
-                element if index == 0 => element.write(list),
+                element if index == 0 => element.write_list(list),
                 Element::Contact(contact) if !member.block => {
-                    list.push((name(Some(way), contact), Some(contact.bit)));
+                    list.push((
+                        contact_mnemonic(Some(connection), contact),
+                        Some(contact.bit),
+                    ));
                 }
                 element => {
-                    element.write(list);
-                    let joint = match way {
-                        Way::Series => Mnemonic::Anb,
-                        Way::Parallel => Mnemonic::Orb,
+                    element.write_list(list);
+                    let joint = match connection {
+                        Connection::Series => Mnemonic::Anb,
+                        Connection::Parallel => Mnemonic::Orb,
                     };
                     list.push((joint, None));
                 }
@@ -140,59 +144,66 @@ impl Element {
         }
     }
 
-    /// Lets power in from the left and notes what comes of it; gives what
-    /// leaves on the right.
-    fn feed(&self, live: bool, closed: &impl Fn(&Contact) -> bool, states: &mut [Power]) -> bool {
+    /// Propagates power from the left through the element, records it in `states`, and
+    /// returns the power on the right.
+    fn propagate_power(
+        &self,
+        live: bool,
+        closed: &impl Fn(&Contact) -> bool,
+        states: &mut [PowerFlow],
+    ) -> bool {
         match self {
             Element::Contact(contact) => {
                 let closed = closed(contact);
-                let state = Power {
+                let state = PowerFlow {
                     closed,
                     live: live && closed,
                 };
-                if let Some(place) = states.get_mut(contact.at) {
-                    *place = state;
+                if let Some(state_slot) = states.get_mut(contact.at) {
+                    *state_slot = state;
                 }
                 state.live
             }
             Element::Series(members) => members.iter().fold(live, |live, member| {
-                let out = member.element.feed(live, closed, states);
-                note_joint(member, out, states);
+                let out = member.element.propagate_power(live, closed, states);
+                set_joint_power(member, out, states);
                 out
             }),
             Element::Parallel(members) => members.iter().fold(false, |out, member| {
-                let out = member.element.feed(live, closed, states) || out;
-                note_joint(member, out, states);
+                let out = member.element.propagate_power(live, closed, states) || out;
+                set_joint_power(member, out, states);
                 out
             }),
         }
     }
 }
 
-/// ORB and ANB have a state too: that of the blocks they join.
-fn note_joint(member: &Branch, live: bool, states: &mut [Power]) {
+/// Records the state of an ORB or ANB, which is that of the blocks it connects.
+fn set_joint_power(member: &Branch, live: bool, states: &mut [PowerFlow]) {
     let is_joint = member.block || !matches!(member.element, Element::Contact(_));
-    if is_joint && let Some(place) = states.get_mut(member.at) {
-        *place = Power { closed: live, live };
+    if is_joint && let Some(state_slot) = states.get_mut(member.at) {
+        *state_slot = PowerFlow { closed: live, live };
     }
 }
 
-fn name(way: Option<Way>, contact: &Contact) -> Mnemonic {
-    match (way, contact.normally_closed) {
+fn contact_mnemonic(connection: Option<Connection>, contact: &Contact) -> Mnemonic {
+    match (connection, contact.normally_closed) {
         (None, false) => Mnemonic::Ld,
         (None, true) => Mnemonic::Ldi,
-        (Some(Way::Series), false) => Mnemonic::And,
-        (Some(Way::Series), true) => Mnemonic::Ani,
-        (Some(Way::Parallel), false) => Mnemonic::Or,
-        (Some(Way::Parallel), true) => Mnemonic::Ori,
+        (Some(Connection::Series), false) => Mnemonic::And,
+        (Some(Connection::Series), true) => Mnemonic::Ani,
+        (Some(Connection::Parallel), false) => Mnemonic::Or,
+        (Some(Connection::Parallel), true) => Mnemonic::Ori,
     }
 }
 
 impl Network {
     fn new(rung: &Rung<'_>, first: usize) -> Network {
         let body = match rung.statements {
-            [mark] if mark.mnemonic.row().role == Role::Structure => Body::Mark(mark.clone()),
-            statements => drawing(statements),
+            [mark] if mark.mnemonic.row().role == InstructionRole::Structure => {
+                RungBody::Structure(mark.clone())
+            }
+            statements => draw_rung(statements),
         };
         Network {
             number: rung.number,
@@ -202,17 +213,17 @@ impl Network {
         }
     }
 
-    /// The instruction list of the drawing. Lines are those of the outputs'
-    /// first statement, or 0.
+    /// Returns the instruction list of the diagram. Contacts have the line number of the
+    /// first output, or 0 without outputs.
     #[must_use]
     pub fn statements(&self) -> Vec<Statement> {
         let (contacts, outputs) = match &self.body {
-            Body::Mark(mark) => return vec![mark.clone()],
-            Body::Rung { contacts, outputs } => (contacts, outputs),
+            RungBody::Structure(mark) => return vec![mark.clone()],
+            RungBody::Rung { contacts, outputs } => (contacts, outputs),
         };
         let mut list = Vec::new();
         for element in contacts {
-            element.write(&mut list);
+            element.write_list(&mut list);
         }
         let line = outputs.first().map_or(0, |output| output.line);
         list.into_iter()
@@ -227,27 +238,27 @@ impl Network {
             .collect()
     }
 
-    /// Where power flows: one state for each statement of the rung.
-    pub fn power(&self, bit: impl Fn(BitAddress) -> bool) -> Vec<Power> {
-        let Body::Rung { contacts, outputs } = &self.body else {
-            return vec![Power::default()];
+    /// Returns the power flow, one state for each statement of the rung. `bit` reads a bit.
+    pub fn power_flow(&self, bit: impl Fn(BitAddress) -> bool) -> Vec<PowerFlow> {
+        let RungBody::Rung { contacts, outputs } = &self.body else {
+            return vec![PowerFlow::default()];
         };
         let of_outputs = self.statements().len() - outputs.len();
-        let mut states = vec![Power::default(); of_outputs];
+        let mut states = vec![PowerFlow::default(); of_outputs];
         let closed = |contact: &Contact| bit(contact.bit) != contact.normally_closed;
-        let live = contacts
-            .iter()
-            .fold(false, |_, element| element.feed(true, &closed, &mut states));
-        states.extend(outputs.iter().map(|output| Power {
-            closed: coil(output).is_some_and(&bit),
+        let live = contacts.iter().fold(false, |_, element| {
+            element.propagate_power(true, &closed, &mut states)
+        });
+        states.extend(outputs.iter().map(|output| PowerFlow {
+            closed: written_bit(output).is_some_and(&bit),
             live,
         }));
         states
     }
 }
 
-/// The bit that an output statement writes, if it is one bit.
-fn coil(output: &Statement) -> Option<BitAddress> {
+/// Returns the bit that an output statement writes, if it writes a single bit.
+fn written_bit(output: &Statement) -> Option<BitAddress> {
     let kinds = output.mnemonic.row().operands.iter();
     kinds
         .zip(&output.operands)
@@ -257,7 +268,7 @@ fn coil(output: &Statement) -> Option<BitAddress> {
         })
 }
 
-fn drawing(statements: &[Statement]) -> Body {
+fn draw_rung(statements: &[Statement]) -> RungBody {
     let mut contacts: Vec<Element> = Vec::new();
     let mut outputs = Vec::new();
     for (at, statement) in statements.iter().enumerate() {
@@ -269,24 +280,24 @@ fn drawing(statements: &[Statement]) -> Body {
             })),
             _ => None,
         };
-        let (way, member) = match statement.mnemonic {
+        let (connection, member) = match statement.mnemonic {
             Mnemonic::Ld => (None, contact(false)),
             Mnemonic::Ldi => (None, contact(true)),
-            Mnemonic::And => (Some(Way::Series), contact(false)),
-            Mnemonic::Ani => (Some(Way::Series), contact(true)),
-            Mnemonic::Or => (Some(Way::Parallel), contact(false)),
-            Mnemonic::Ori => (Some(Way::Parallel), contact(true)),
-            Mnemonic::Anb => (Some(Way::Series), contacts.pop()),
-            Mnemonic::Orb => (Some(Way::Parallel), contacts.pop()),
+            Mnemonic::And => (Some(Connection::Series), contact(false)),
+            Mnemonic::Ani => (Some(Connection::Series), contact(true)),
+            Mnemonic::Or => (Some(Connection::Parallel), contact(false)),
+            Mnemonic::Ori => (Some(Connection::Parallel), contact(true)),
+            Mnemonic::Anb => (Some(Connection::Series), contacts.pop()),
+            Mnemonic::Orb => (Some(Connection::Parallel), contacts.pop()),
             _ => {
                 outputs.push(statement.clone());
                 continue;
             }
         };
         let Some(element) = member else { continue };
-        let joined = match (way, contacts.pop()) {
-            (Some(way), Some(before)) => before.join(
-                way,
+        let joined = match (connection, contacts.pop()) {
+            (Some(connection), Some(before)) => before.join(
+                connection,
                 Branch {
                     element,
                     block: matches!(statement.mnemonic, Mnemonic::Anb | Mnemonic::Orb),
@@ -300,11 +311,11 @@ fn drawing(statements: &[Statement]) -> Body {
         };
         contacts.push(joined);
     }
-    Body::Rung { contacts, outputs }
+    RungBody::Rung { contacts, outputs }
 }
 
 impl Ladder {
-    /// The rungs as drawings, in program order.
+    /// Returns the ladder diagrams of all rungs, in program order.
     pub fn networks(&self) -> impl Iterator<Item = Network> + '_ {
         let mut first = 0;
         self.rungs().map(move |rung| {
@@ -314,7 +325,7 @@ impl Ladder {
         })
     }
 
-    /// One rung as a drawing; numbers begin with 1.
+    /// Returns the ladder diagram of the rung with this number, from 1.
     #[must_use]
     pub fn network(&self, number: u32) -> Option<Network> {
         let statements = self.statements();
@@ -329,11 +340,12 @@ impl Ladder {
         Some(Network::new(&rung, first))
     }
 
-    /// The text with a rung's lines replaced by others; empty ones delete it.
-    /// Comments and everything outside the rung stay as they are. Compile the
-    /// result: nothing is checked here.
+    /// Returns the source text with the lines of one rung replaced; empty `lines` delete
+    /// the rung.
+    ///
+    /// Comments and everything outside the rung do not change. The result is not checked.
     #[must_use]
-    pub fn with_rung(&self, number: u32, lines: &str) -> String {
+    pub fn source_with_rung(&self, number: u32, lines: &str) -> String {
         let statements = self.statements().iter();
         let mut of_rung = statements.filter(|statement| statement.rung == number);
         let Some(first) = of_rung.next().map(|statement| statement.line) else {

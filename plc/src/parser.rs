@@ -1,39 +1,39 @@
-//! Instruction-list text to statements and directives, line by line.
+//! Parses an instruction list line by line to statements and directives.
 //!
-//! Everything that one line alone can tell is checked here: the instruction,
-//! the number of its operands, their areas and ranges. What concerns several
-//! lines is checked in `check`.
+//! The parser checks everything that depends on one line: the instruction, the number of
+//! its operands, their areas and their ranges. The module `check` checks several lines
+//! together.
 
 use gsk_messages::{Message, say};
 
-use crate::address::{AddressError, Area, BitAddress, ByteAddress, cut, digits};
-use crate::diagnostic::{CompileError, Finding, Rule};
+use crate::address::{AddressError, Area, BitAddress, ByteAddress, parse_decimal, split_once_at};
+use crate::diagnostic::{CompileError, Rule, RuleViolation};
 use crate::directive::{self, Directives};
-use crate::instruction::{Kind, Mnemonic, Operand, Role, Statement};
+use crate::instruction::{InstructionRole, Mnemonic, Operand, OperandKind, Statement};
 
-/// First relay byte that belongs to the system.
+/// First byte of R that the system owns.
 const SYSTEM_RELAYS: u16 = 900;
-/// First keep relay byte that belongs to the system.
+/// First byte of K that the system owns.
 const SYSTEM_KEEP_RELAYS: u16 = 30;
-/// Highest number of a label or subprogram.
+/// Highest number of a label or a subprogram.
 const LAST_LABEL: u32 = 9999;
 
-/// A text taken apart.
+/// The statements, directives and errors of a ladder text.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Parsed {
+pub(crate) struct ParsedLadder {
     pub statements: Vec<Statement>,
     pub directives: Directives,
     pub errors: Vec<CompileError>,
-    /// Rungs counted so far.
+    /// Number of rungs so far.
     pub rungs: u32,
 }
 
-pub(crate) fn parse(source: &str) -> Parsed {
-    let mut parsed = Parsed::default();
+pub(crate) fn parse(source: &str) -> ParsedLadder {
+    let mut parsed = ParsedLadder::default();
     let source = source.strip_prefix('\u{feff}').unwrap_or(source);
-    for (index, line) in lines(source).enumerate() {
+    for (index, line) in split_lines(source).enumerate() {
         let number = u32::try_from(index).map_or(u32::MAX, |index| index.saturating_add(1));
-        let code = without_comment(line).trim();
+        let code = strip_comment(line).trim();
         if code.is_empty() {
             continue;
         }
@@ -41,7 +41,7 @@ pub(crate) fn parse(source: &str) -> Parsed {
             let first_statement = parsed.statements.len();
             directive::parse(code, first_statement, &mut parsed.directives)
         } else {
-            statement(code, number, &mut parsed)
+            parse_statement(code, number, &mut parsed)
         };
         if let Err((code, message)) = result {
             parsed.errors.push(CompileError {
@@ -55,15 +55,15 @@ pub(crate) fn parse(source: &str) -> Parsed {
     parsed
 }
 
-/// The start values and M codes that a text declares, without its steps; what is wrong is
-/// left to [`parse`].
-pub(crate) fn declared(source: &str) -> Directives {
+/// Parses only the initial values and M codes of a text and ignores errors, which [`parse`]
+/// reports.
+pub(crate) fn parse_declarations(source: &str) -> Directives {
     let mut directives = Directives::default();
-    for line in lines(source) {
-        let code = without_comment(line).trim();
+    for line in split_lines(source) {
+        let code = strip_comment(line).trim();
         let declares = [".INIT", ".MCODE"].iter().any(|name| {
             code.get(..name.len())
-                .is_some_and(|begin| begin.eq_ignore_ascii_case(name))
+                .is_some_and(|start| start.eq_ignore_ascii_case(name))
         });
         if declares {
             let _wrong = directive::parse(code, 0, &mut directives);
@@ -72,12 +72,12 @@ pub(crate) fn declared(source: &str) -> Directives {
     directives
 }
 
-/// The lines of a text; blanks at their ends count for nothing.
-fn lines(source: &str) -> impl Iterator<Item = &str> {
+/// Splits a text into lines, with their trailing whitespace.
+fn split_lines(source: &str) -> impl Iterator<Item = &str> {
     let mut rest = Some(source);
     core::iter::from_fn(move || {
         let text = rest?;
-        let (line, after) = match cut(text, b'\n') {
+        let (line, after) = match split_once_at(text, b'\n') {
             Some((line, after)) => (line, Some(after)),
             None => (text, None),
         };
@@ -86,8 +86,8 @@ fn lines(source: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// The line up to the first `;` that is not inside a string.
-fn without_comment(line: &str) -> &str {
+/// Returns the line up to the first `;` outside a string.
+fn strip_comment(line: &str) -> &str {
     let mut quoted = false;
     let end = line.bytes().position(|byte| {
         quoted ^= byte == b'"';
@@ -96,17 +96,17 @@ fn without_comment(line: &str) -> &str {
     end.and_then(|end| line.get(..end)).unwrap_or(line)
 }
 
-fn statement(code: &str, line: u32, parsed: &mut Parsed) -> Result<(), Finding> {
-    let (head, table) = match cut(code, b',') {
+fn parse_statement(code: &str, line: u32, parsed: &mut ParsedLadder) -> Result<(), RuleViolation> {
+    let (head, table) = match split_once_at(code, b',') {
         Some((head, table)) => (head, Some(table)),
         None => (code, None),
     };
     let mut tokens = head.split_whitespace();
     let name = tokens.next().unwrap_or_default();
-    let mnemonic = Mnemonic::of_name(name).ok_or_else(|| unknown_instruction(name))?;
+    let mnemonic = Mnemonic::from_name(name).ok_or_else(|| unknown_instruction_violation(name))?;
     parsed.rungs += u32::from(starts_rung(mnemonic, &parsed.statements));
-    // A statement with bad operands still takes its place in the rung, so
-    // that one mistake gives one message.
+    // A statement with wrong operands remains part of its rung, so that one mistake gives
+    // one message.
     parsed.statements.push(Statement {
         mnemonic,
         operands: Vec::new(),
@@ -115,8 +115,8 @@ fn statement(code: &str, line: u32, parsed: &mut Parsed) -> Result<(), Finding> 
         rung: parsed.rungs,
     });
     let tokens: Vec<&str> = tokens.collect();
-    let operands = operands(mnemonic, &tokens)?;
-    let table = table_entries(mnemonic, &operands, table)?;
+    let operands = parse_operands(mnemonic, &tokens)?;
+    let table = parse_table_entries(mnemonic, &operands, table)?;
     check_widths(mnemonic, &operands, &table)?;
     if let Some(statement) = parsed.statements.last_mut() {
         statement.operands = operands;
@@ -125,7 +125,7 @@ fn statement(code: &str, line: u32, parsed: &mut Parsed) -> Result<(), Finding> 
     Ok(())
 }
 
-fn unknown_instruction(name: &str) -> Finding {
+fn unknown_instruction_violation(name: &str) -> RuleViolation {
     let message = match name.to_ascii_uppercase().as_str() {
         "ADDB" | "SUBB" | "COMB" => say::ladder_instruction_of_others(name),
         _ => say::ladder_instruction_unknown(name),
@@ -136,46 +136,54 @@ fn unknown_instruction(name: &str) -> Finding {
 fn starts_rung(mnemonic: Mnemonic, before: &[Statement]) -> bool {
     let before = before.last().map(|statement| statement.mnemonic.row().role);
     match mnemonic.row().role {
-        Role::Structure => true,
-        Role::Start => !matches!(before, Some(Role::Start | Role::Contact)),
-        Role::Contact | Role::Output => matches!(before, None | Some(Role::Structure)),
+        InstructionRole::Structure => true,
+        InstructionRole::Start => !matches!(
+            before,
+            Some(InstructionRole::Start | InstructionRole::Contact)
+        ),
+        InstructionRole::Contact | InstructionRole::Output => {
+            matches!(before, None | Some(InstructionRole::Structure))
+        }
     }
 }
 
-fn operands(mnemonic: Mnemonic, tokens: &[&str]) -> Result<Vec<Operand>, Finding> {
+fn parse_operands(mnemonic: Mnemonic, tokens: &[&str]) -> Result<Vec<Operand>, RuleViolation> {
     let row = mnemonic.row();
     if tokens.len() != row.operands.len() {
-        let message =
-            say::ladder_operand_count(row.name, operand_count(row.operands.len()), tokens.len());
+        let message = say::ladder_operand_count(
+            row.name,
+            operand_count_message(row.operands.len()),
+            tokens.len(),
+        );
         return Err((Rule::E06, message));
     }
     row.operands
         .iter()
         .zip(tokens)
-        .map(|(kind, token)| operand(row.name, *kind, token))
+        .map(|(kind, token)| parse_operand(row.name, *kind, token))
         .collect()
 }
 
-fn operand(name: &str, kind: Kind, token: &str) -> Result<Operand, Finding> {
+fn parse_operand(name: &str, kind: OperandKind, token: &str) -> Result<Operand, RuleViolation> {
     match kind {
-        Kind::Label => numbered(token, 'L').map(Operand::Label),
-        Kind::Subprogram => numbered(token, 'P').map(Operand::Subprogram),
-        Kind::CounterFormat | Kind::RotationFormat => format_digits(name, kind, token),
-        _ => match digits(token) {
-            Some(number) => number_operand(name, kind, number),
+        OperandKind::Label => parse_numbered(token, 'L').map(Operand::Label),
+        OperandKind::Subprogram => parse_numbered(token, 'P').map(Operand::Subprogram),
+        OperandKind::CounterFormat | OperandKind::RotationFormat => parse_format(name, kind, token),
+        _ => match parse_decimal(token) {
+            Some(number) => parse_number_operand(name, kind, number),
             None if kind.areas().is_empty() => {
                 Err((Rule::E03, say::ladder_number_wanted(token, name)))
             }
-            None if kind.is_bit() => bit_operand(name, kind, token),
-            None => byte_operand(name, kind, token),
+            None if kind.is_bit() => parse_bit_operand(name, kind, token),
+            None => parse_byte_operand(name, kind, token),
         },
     }
 }
 
-fn numbered(token: &str, letter: char) -> Result<u16, Finding> {
+fn parse_numbered(token: &str, letter: char) -> Result<u16, RuleViolation> {
     let number = token
         .strip_prefix([letter, letter.to_ascii_lowercase()])
-        .and_then(digits)
+        .and_then(parse_decimal)
         .filter(|number| *number <= LAST_LABEL)
         .and_then(|number| u16::try_from(number).ok());
     number.ok_or_else(|| {
@@ -184,22 +192,26 @@ fn numbered(token: &str, letter: char) -> Result<u16, Finding> {
     })
 }
 
-fn format_digits(name: &str, kind: Kind, token: &str) -> Result<Operand, Finding> {
+fn parse_format(name: &str, kind: OperandKind, token: &str) -> Result<Operand, RuleViolation> {
     let binary = token.len() == 4 && token.bytes().all(|byte| matches!(byte, b'0' | b'1'));
     if !binary {
         let message = say::ladder_format_wrong(token, name);
         return Err((Rule::E03, message));
     }
     let value = token.bytes().fold(0, |value, byte| value << 1 | byte & 1);
-    if kind == Kind::CounterFormat && value > 0b11 {
+    if kind == OperandKind::CounterFormat && value > 0b11 {
         let message = say::ladder_format_digits(token, name);
         return Err((Rule::E03, message));
     }
     Ok(Operand::Format(value))
 }
 
-fn number_operand(name: &str, kind: Kind, number: u32) -> Result<Operand, Finding> {
-    if !kind.takes_number() {
+fn parse_number_operand(
+    name: &str,
+    kind: OperandKind,
+    number: u32,
+) -> Result<Operand, RuleViolation> {
+    if !kind.can_be_number() {
         let message = say::ladder_address_wanted(number, name);
         return Err((Rule::E03, message));
     }
@@ -207,39 +219,47 @@ fn number_operand(name: &str, kind: Kind, number: u32) -> Result<Operand, Findin
         return Err((Rule::E03, say::ladder_number_too_large(number)));
     };
     match kind {
-        Kind::Length if !matches!(value, 1 | 2 | 4) => {
+        OperandKind::Length if !matches!(value, 1 | 2 | 4) => {
             Err((Rule::E06, say::ladder_length_wrong(value, name)))
         }
-        Kind::TableSize if !(1..=8).contains(&value) => {
+        OperandKind::TableSize if !(1..=8).contains(&value) => {
             Err((Rule::E06, say::ladder_size_code_wrong(value)))
         }
-        Kind::Stations if value == 0 => Err((Rule::E03, say::ladder_position_missing(name))),
+        OperandKind::Stations if value == 0 => Err((Rule::E03, say::ladder_position_missing(name))),
         _ => Ok(Operand::Number(value)),
     }
 }
 
-fn bit_operand(name: &str, kind: Kind, token: &str) -> Result<Operand, Finding> {
-    let address: BitAddress = token.parse().map_err(|error| wrong_address(name, &error))?;
+fn parse_bit_operand(name: &str, kind: OperandKind, token: &str) -> Result<Operand, RuleViolation> {
+    let address: BitAddress = token
+        .parse()
+        .map_err(|error| address_violation(name, &error))?;
     if !kind.areas().contains(&address.area) {
         let message = say::ladder_bit_read_only(token, name, address.area);
         return Err((Rule::E03, message));
     }
     if kind.is_written() {
-        system_area(token, address.byte_address(), 1)?;
+        check_system_area(token, address.byte_address(), 1)?;
     }
-    if kind == Kind::ThreeCoils && address.bit > 5 {
+    if kind == OperandKind::ThreeCoils && address.bit > 5 {
         let message = say::ladder_three_coils(token, name);
         return Err((Rule::E03, message));
     }
     Ok(Operand::Bit(address))
 }
 
-fn byte_operand(name: &str, kind: Kind, token: &str) -> Result<Operand, Finding> {
-    let address: ByteAddress = token.parse().map_err(|error| wrong_address(name, &error))?;
+fn parse_byte_operand(
+    name: &str,
+    kind: OperandKind,
+    token: &str,
+) -> Result<Operand, RuleViolation> {
+    let address: ByteAddress = token
+        .parse()
+        .map_err(|error| address_violation(name, &error))?;
     if !kind.areas().contains(&address.area) {
         let areas: Vec<&str> = kind.areas().iter().map(|area| area.letter()).collect();
         let areas = areas.join(", ");
-        let message = if kind.takes_number() {
+        let message = if kind.can_be_number() {
             say::ladder_area_or_number_wrong(token, name, areas)
         } else {
             say::ladder_area_wrong(token, name, areas)
@@ -249,15 +269,15 @@ fn byte_operand(name: &str, kind: Kind, token: &str) -> Result<Operand, Finding>
     Ok(Operand::Byte(address))
 }
 
-fn wrong_address(name: &str, error: &AddressError) -> Finding {
+fn address_violation(name: &str, error: &AddressError) -> RuleViolation {
     (
         Rule::E03,
         say::ladder_instruction_reason(name, error.message()),
     )
 }
 
-/// Refuses a write that reaches into the bytes reserved for the system.
-fn system_area(token: &str, address: ByteAddress, width: u16) -> Result<(), Finding> {
+/// Checks that a write does not reach the bytes that the system owns.
+fn check_system_area(token: &str, address: ByteAddress, width: u16) -> Result<(), RuleViolation> {
     let first = match address.area {
         Area::R => SYSTEM_RELAYS,
         Area::K => SYSTEM_KEEP_RELAYS,
@@ -270,26 +290,26 @@ fn system_area(token: &str, address: ByteAddress, width: u16) -> Result<(), Find
     Err((Rule::E03, message))
 }
 
-/// The entries after the comma of CODB; nothing for every other instruction.
-fn table_entries(
+/// Parses the entries after the comma of CODB. All other instructions have none.
+fn parse_table_entries(
     mnemonic: Mnemonic,
     operands: &[Operand],
     table: Option<&str>,
-) -> Result<Vec<i32>, Finding> {
+) -> Result<Vec<i32>, RuleViolation> {
     let [Operand::Number(_), Operand::Number(code), ..] = operands else {
-        return no_table(mnemonic, table);
+        return refuse_table(mnemonic, table);
     };
     if mnemonic != Mnemonic::Codb {
-        return no_table(mnemonic, table);
+        return refuse_table(mnemonic, table);
     }
     let size = 1usize << code.clamp(&1, &8);
     let entries = table.unwrap_or_default().split_whitespace();
     let entries = entries
         .map(|token| {
-            let entry = digits(token).and_then(|number| i32::try_from(number).ok());
+            let entry = parse_decimal(token).and_then(|number| i32::try_from(number).ok());
             entry.ok_or_else(|| (Rule::E03, say::ladder_table_entry_wrong(token)))
         })
-        .collect::<Result<Vec<i32>, Finding>>()?;
+        .collect::<Result<Vec<i32>, RuleViolation>>()?;
     if entries.len() != size {
         let message = say::ladder_table_size_wrong(code, size, entries.len());
         return Err((Rule::E06, message));
@@ -297,41 +317,54 @@ fn table_entries(
     Ok(entries)
 }
 
-fn no_table(mnemonic: Mnemonic, table: Option<&str>) -> Result<Vec<i32>, Finding> {
+fn refuse_table(mnemonic: Mnemonic, table: Option<&str>) -> Result<Vec<i32>, RuleViolation> {
     match table {
         None => Ok(Vec::new()),
         Some(_) => Err((Rule::E06, say::ladder_table_not_taken(mnemonic.row().name))),
     }
 }
 
-/// Checks that values of the instruction's length fit where they come from and go to.
-fn check_widths(mnemonic: Mnemonic, operands: &[Operand], table: &[i32]) -> Result<(), Finding> {
+/// Checks that values have room in their source and target for the length of the
+/// instruction.
+fn check_widths(
+    mnemonic: Mnemonic,
+    operands: &[Operand],
+    table: &[i32],
+) -> Result<(), RuleViolation> {
     let kinds = mnemonic.row().operands;
     let length = kinds
         .iter()
         .zip(operands)
         .find_map(|(kind, operand)| match operand {
-            Operand::Number(length) if *kind == Kind::Length => u16::try_from(*length).ok(),
+            Operand::Number(length) if *kind == OperandKind::Length => u16::try_from(*length).ok(),
             _ => None,
         });
     let length = length.unwrap_or(1);
     for (kind, operand) in kinds.iter().zip(operands) {
         match operand {
-            Operand::Number(number) if kind.is_wide() => fits(*number, length)?,
+            Operand::Number(number) if kind.has_instruction_length() => {
+                check_number_fits(*number, length)?;
+            }
             Operand::Byte(address) => {
-                let width = if kind.is_wide() { length } else { 1 };
-                reaches(*address, width)?;
+                let width = if kind.has_instruction_length() {
+                    length
+                } else {
+                    1
+                };
+                check_bytes_in_area(*address, width)?;
                 if kind.is_written() {
-                    system_area(&address.to_string(), *address, width)?;
+                    check_system_area(&address.to_string(), *address, width)?;
                 }
             }
             _ => {}
         }
     }
-    table.iter().try_for_each(|entry| fits(*entry, length))
+    table
+        .iter()
+        .try_for_each(|entry| check_number_fits(*entry, length))
 }
 
-fn fits(number: i32, length: u16) -> Result<(), Finding> {
+fn check_number_fits(number: i32, length: u16) -> Result<(), RuleViolation> {
     let largest = match length {
         1 => 0xFF,
         2 => 0xFFFF,
@@ -340,11 +373,11 @@ fn fits(number: i32, length: u16) -> Result<(), Finding> {
     if number <= largest {
         return Ok(());
     }
-    let message = say::ladder_number_too_wide(number, byte_count(length));
+    let message = say::ladder_number_too_wide(number, byte_count_message(length));
     Err((Rule::E03, message))
 }
 
-fn reaches(address: ByteAddress, width: u16) -> Result<(), Finding> {
+fn check_bytes_in_area(address: ByteAddress, width: u16) -> Result<(), RuleViolation> {
     if address.area.is_entry() || address.byte + width <= address.area.count() {
         return Ok(());
     }
@@ -353,7 +386,7 @@ fn reaches(address: ByteAddress, width: u16) -> Result<(), Finding> {
     Err((Rule::E03, message))
 }
 
-fn operand_count(operands: usize) -> Message {
+fn operand_count_message(operands: usize) -> Message {
     match operands {
         0 => say::ladder_no_operands(),
         1 => say::ladder_one_operand(),
@@ -361,7 +394,7 @@ fn operand_count(operands: usize) -> Message {
     }
 }
 
-fn byte_count(bytes: u16) -> Message {
+fn byte_count_message(bytes: u16) -> Message {
     match bytes {
         1 => say::ladder_one_byte(),
         _ => say::ladder_bytes(bytes),

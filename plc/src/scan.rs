@@ -1,4 +1,4 @@
-//! The scan: one 8 ms slot after another, level 1 whole and level 2 in parts.
+//! Scans the ladder in slots of 8 ms: the whole of level 1 and one part of level 2.
 
 use std::fmt;
 use std::ops::Range;
@@ -7,32 +7,32 @@ use std::sync::Arc;
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-use crate::check::CALL_DEPTH;
-use crate::code::{Bit, Code, Op};
+use crate::check::MAX_CALL_DEPTH;
+use crate::code::{Code, MemoryBit, Op};
 use crate::force::Forces;
-use crate::function::{Remembered, execute};
+use crate::function::{FunctionState, execute};
 use crate::ladder::Ladder;
-use crate::memory::{Memory, RESULT_FLAGS, SIZE};
-use crate::place::{Place, Stop};
-use crate::reach::Reach;
-use crate::settled::Settled;
+use crate::memory::{PlcMemory, RESULT_FLAGS, SIZE};
+use crate::rung_dependencies::RungDependencies;
+use crate::scan_position::{ScanPosition, ScanStop};
+use crate::skippable_rungs::SkippableRungs;
 use crate::timer::{SLOT_MS, Timers};
 
-/// Operations of one slot after which the program is taken to hang.
-const WATCHDOG: usize = 100_000;
+/// Watchdog limit of one slot, operations.
+const MAX_SLOT_OPERATIONS: usize = 100_000;
 
-/// Why the PLC stands still until the next power-on.
+/// The reason why the PLC has stopped until the next power-on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Fault {
-    /// Jumps kept one slot busy for more than 100000 instructions.
+pub enum PlcFault {
+    /// Watchdog: jumps kept one slot running for more than 100000 instructions.
     Watchdog {
-        /// Line of the ladder's text with the jump that was one too many.
+        /// Line of the jump at which the watchdog stopped the scan.
         line: u32,
     },
 }
 
-impl Fault {
-    /// What has happened.
+impl PlcFault {
+    /// Returns the message for the operator.
     #[must_use]
     pub fn message(&self) -> Message {
         match self {
@@ -41,62 +41,65 @@ impl Fault {
     }
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for PlcFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.message().fmt(f)
     }
 }
 
-impl std::error::Error for Fault {}
+impl std::error::Error for PlcFault {}
 
 /// A PLC: a ladder, its memory and the state of its scan.
 ///
-/// The CNC writes X and F, calls [`Plc::slot`] every 8 ms, and reads G and Y.
+/// The CNC writes X and F, calls [`Plc::run_slot`] every 8 ms, and reads G and Y.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plc {
     pub(crate) ladder: Arc<Ladder>,
-    pub(crate) memory: Memory,
-    pub(crate) state: State,
-    /// Rungs that need not run.
+    pub(crate) memory: PlcMemory,
+    pub(crate) state: ScanState,
+    /// Rungs that the scan may skip.
     #[serde(skip)]
-    pub(crate) settled: Settled,
+    pub(crate) skippable: SkippableRungs,
 }
 
-/// What the scan remembers beside memory.
+/// State of the scan outside PLC memory.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct State {
-    /// Part of level 2 that is next, from 0.
+pub(crate) struct ScanState {
+    /// Part of level 2 in the next slot, from 0.
     part: usize,
-    /// A jump went beyond its part: operation that level 2 goes on with.
-    resume: usize,
+    /// First operation of level 2 in the next slot after a jump beyond the end of a part.
+    #[serde(rename = "resume")]
+    resume_at: usize,
     timers: Timers,
-    /// Last ACT of each CTRC.
-    edges: Vec<bool>,
-    pub fault: Option<Fault>,
-    /// Bits held at a value by hand.
+    /// Previous input state (ACT) of each CTRC.
+    #[serde(rename = "edges")]
+    counter_inputs: Vec<bool>,
+    pub fault: Option<PlcFault>,
+    /// Bits that hold a value set by hand.
     #[serde(default)]
     pub forces: Forces,
-    /// Where a slot that is stepped through goes on.
-    #[serde(default)]
-    pub place: Option<Place>,
+    /// Position at which a slot in single-rung steps continues.
+    #[serde(default, rename = "place")]
+    pub paused_at: Option<ScanPosition>,
 }
 
-impl State {
-    fn at_power_on(code: &Code) -> State {
-        State {
-            // Taken as 1, so that a contact closed at power-on is no edge.
-            edges: vec![true; code.counters],
-            ..State::default()
+impl ScanState {
+    fn new_at_power_on(code: &Code) -> ScanState {
+        ScanState {
+            // The previous state starts as 1, so that a contact that is closed at power-on
+            // is not an edge.
+            counter_inputs: vec![true; code.counter_count],
+            ..ScanState::default()
         }
     }
 }
 
 impl Plc {
-    /// A PLC just switched on, its retained store blank but for the ladder's
-    /// start values.
+    /// Creates a PLC that has just been switched on. Its retained memory contains only the
+    /// initial values of the ladder.
     #[must_use]
     pub fn new(ladder: Arc<Ladder>) -> Plc {
-        let mut memory = Memory::new();
+        let mut memory = PlcMemory::new();
         for start in ladder.start_values() {
             if start.address.area.is_entry() {
                 memory.set_long(start.address, start.value);
@@ -104,53 +107,54 @@ impl Plc {
                 memory.set_byte(start.address, u8::try_from(start.value).unwrap_or(u8::MAX));
             }
         }
-        let state = State::at_power_on(ladder.code());
+        let state = ScanState::new_at_power_on(ladder.code());
         Plc {
             ladder,
             memory,
             state,
-            settled: Settled::default(),
+            skippable: SkippableRungs::default(),
         }
     }
 
-    /// Switches off and on: volatile memory is cleared, the scan begins anew,
-    /// a fault is gone. Retained memory stays.
+    /// Switches the PLC off and on: clears volatile memory and the fault, and restarts the
+    /// scan. Retained memory does not change.
     pub fn power_on(&mut self) {
         self.memory.clear_volatile();
-        self.state = State::at_power_on(self.ladder.code());
-        self.settled.forget();
+        self.state = ScanState::new_at_power_on(self.ladder.code());
+        self.skippable.invalidate();
     }
 
-    /// The program.
+    /// Returns the ladder program.
     #[must_use]
     pub fn ladder(&self) -> &Arc<Ladder> {
         &self.ladder
     }
 
-    /// All memory.
+    /// Returns the memory.
     #[must_use]
-    pub fn memory(&self) -> &Memory {
+    pub fn memory(&self) -> &PlcMemory {
         &self.memory
     }
 
-    /// All memory, for writing X and F, parameters' DT, and the value pages.
-    pub fn memory_mut(&mut self) -> &mut Memory {
+    /// Returns the mutable memory, for X and F, the DT presets of parameters, and the value
+    /// pages.
+    pub fn memory_mut(&mut self) -> &mut PlcMemory {
         &mut self.memory
     }
 
-    /// Why the PLC stands still, if it does.
+    /// Returns the fault that has stopped the PLC.
     #[must_use]
-    pub fn fault(&self) -> Option<Fault> {
+    pub fn fault(&self) -> Option<PlcFault> {
         self.state.fault
     }
 
-    /// Part of level 2 that the next slot runs, from 0.
+    /// Returns the part of level 2 that the next slot runs, from 0.
     #[must_use]
-    pub fn part(&self) -> usize {
+    pub fn next_part(&self) -> usize {
         self.state.part
     }
 
-    /// Number and text of every message whose request bit is 1, in address order.
+    /// Returns number and text of every message whose request bit is 1, in address order.
     pub fn active_messages(&self) -> impl Iterator<Item = (u16, &str)> {
         self.ladder
             .messages()
@@ -159,80 +163,85 @@ impl Plc {
             .map(|message| (message.number, message.text.as_str()))
     }
 
-    /// One slot of 8 ms: input latch when a level-2 cycle begins, level 1,
-    /// one part of level 2. A slot that was begun in steps is finished. After
-    /// a fault nothing happens.
-    pub fn slot(&mut self) {
-        self.advance(Stop::AtEnd);
+    /// Runs one slot of 8 ms: level 1 and one part of level 2. Inputs are latched when a
+    /// cycle of level 2 starts.
+    ///
+    /// It completes a slot that [`Plc::step_rung`] has started. After a fault it does
+    /// nothing.
+    pub fn run_slot(&mut self) {
+        self.run_until(ScanStop::SlotEnd);
     }
 
-    pub(crate) fn advance(&mut self, stop: Stop) {
+    pub(crate) fn run_until(&mut self, stop: ScanStop) {
         if self.state.fault.is_some() {
             return;
         }
-        if let Err(fault) = self.run_slot(stop) {
+        if let Err(fault) = self.run_slot_to(stop) {
             self.state.fault = Some(fault);
         }
     }
 
-    /// Before the first rung of a slot.
-    fn begin_slot(&mut self, code: &Code) -> Place {
-        // A restored state may come from elsewhere.
+    /// Prepares a slot before its first rung.
+    fn begin_slot(&mut self, code: &Code) -> ScanPosition {
+        // A deserialized state may belong to another ladder.
         self.state.part %= code.part_ends.len().max(1);
         self.advance_timers(code);
         self.state.forces.apply(self.memory.bytes_mut());
         if self.state.part == 0 {
             self.memory.latch_inputs();
-            self.state.resume = code.end1 + 1;
+            self.state.resume_at = code.end1 + 1;
         }
-        Place::first(code.end1)
+        ScanPosition::first(code.end1)
     }
 
-    /// Where level 2 begins in this slot, and where its part ends.
+    /// Returns the first operation of level 2 in this slot and the end of its part.
     pub(crate) fn part_bounds(&self, code: &Code) -> (usize, usize) {
         let first = match self.state.part.checked_sub(1) {
             None => code.end1 + 1,
             Some(before) => code.part_ends.get(before).copied().unwrap_or(0),
         };
         let end = code.part_ends.get(self.state.part).copied().unwrap_or(0);
-        (first.max(self.state.resume), end)
+        (first.max(self.state.resume_at), end)
     }
 
-    fn run_slot(&mut self, stop: Stop) -> Result<(), Fault> {
+    fn run_slot_to(&mut self, stop: ScanStop) -> Result<(), PlcFault> {
         let ladder = Arc::clone(&self.ladder);
         let code = ladder.code();
-        let mut place = match self.state.place.take() {
-            Some(place) => place,
+        let mut position = match self.state.paused_at.take() {
+            Some(position) => position,
             None => {
-                let place = self.begin_slot(code);
-                if let Some(reach) = ladder.reach() {
-                    let written = self.memory.take_written();
-                    self.settled.follow(self.memory.bytes(), written, reach);
+                let position = self.begin_slot(code);
+                if let Some(dependencies) = ladder.dependencies() {
+                    let written = self.memory.take_changed_length();
+                    self.skippable
+                        .apply_memory_changes(self.memory.bytes(), written, dependencies);
                 }
-                place
+                position
             }
         };
-        if place.level1 {
-            place.at = self.run_rungs(&ladder, code.end1, &mut place, stop)?;
-            let over = place.at >= code.end1;
-            if over {
-                place.level1 = false;
-                place.at = self.part_bounds(code).0;
+        if position.level1 {
+            position.next_op = self.run_rungs(&ladder, code.end1, &mut position, stop)?;
+            let finished = position.next_op >= code.end1;
+            if finished {
+                position.level1 = false;
+                position.next_op = self.part_bounds(code).0;
             }
-            if stop == Stop::AfterRung && (!over || place.at < self.part_bounds(code).1) {
-                self.state.place = Some(place);
+            if stop == ScanStop::RungEnd
+                && (!finished || position.next_op < self.part_bounds(code).1)
+            {
+                self.state.paused_at = Some(position);
                 return Ok(());
             }
         }
         let (first, end) = self.part_bounds(code);
-        place.at = place.at.max(first);
-        if place.at < end {
-            place.at = self.run_rungs(&ladder, end, &mut place, stop)?;
-            if stop == Stop::AfterRung && place.at < end {
-                self.state.place = Some(place);
+        position.next_op = position.next_op.max(first);
+        if position.next_op < end {
+            position.next_op = self.run_rungs(&ladder, end, &mut position, stop)?;
+            if stop == ScanStop::RungEnd && position.next_op < end {
+                self.state.paused_at = Some(position);
                 return Ok(());
             }
-            self.state.resume = place.at;
+            self.state.resume_at = position.next_op;
         }
         self.state.part = (self.state.part + 1) % code.part_ends.len().max(1);
         Ok(())
@@ -242,70 +251,73 @@ impl Plc {
         &mut self,
         ladder: &Ladder,
         end: usize,
-        place: &mut Place,
-        stop: Stop,
-    ) -> Result<usize, Fault> {
-        let (first, executed) = (place.at, &mut place.executed);
-        if stop == Stop::AfterRung || !self.state.forces.is_empty() {
-            self.settled.forget();
-            return self.run::<true>(ladder, first, end, executed, stop);
+        position: &mut ScanPosition,
+        stop: ScanStop,
+    ) -> Result<usize, PlcFault> {
+        let (first, executed) = (position.next_op, &mut position.executed);
+        if stop == ScanStop::RungEnd || !self.state.forces.is_empty() {
+            self.skippable.invalidate();
+            return self.run_operations::<true>(ladder, first, end, executed, stop);
         }
-        match ladder.reach() {
-            Some(reach) if self.settled.follows() => {
-                self.run_unsettled(ladder, reach, first, end, executed)
+        match ladder.dependencies() {
+            Some(dependencies) if self.skippable.is_tracking() => {
+                self.run_active_rungs(ladder, dependencies, first, end, executed)
             }
-            _ => self.run::<false>(ladder, first, end, executed, stop),
+            _ => self.run_operations::<false>(ladder, first, end, executed, stop),
         }
     }
 
-    /// Runs the rungs of a ladder without jumps that may change something.
-    fn run_unsettled(
+    /// Runs the rungs that may change something. The ladder has no jumps.
+    fn run_active_rungs(
         &mut self,
         ladder: &Ladder,
-        reach: &Reach,
+        dependencies: &RungDependencies,
         first: usize,
         end: usize,
         executed: &mut usize,
-    ) -> Result<usize, Fault> {
-        let rungs = reach.rung_from(first)..reach.rung_from(end);
+    ) -> Result<usize, PlcFault> {
+        let rungs = dependencies.first_rung_from(first)..dependencies.first_rung_from(end);
         let result = self.memory.bytes()[RESULT_FLAGS];
-        if self.settled.begin_pass(&rungs, self.state.timers) {
-            self.pass(ladder, reach, &rungs, executed)?;
+        if self.skippable.begin_pass(&rungs, self.state.timers) {
+            self.run_pass(ladder, dependencies, &rungs, executed)?;
             let timers = self.state.timers;
-            self.settled.end_pass(&rungs, self.memory.bytes(), timers);
+            self.skippable.end_pass(&rungs, self.memory.bytes(), timers);
         }
         let bytes = self.memory.bytes_mut();
-        self.settled.leave_result(rungs, result, bytes, reach);
+        self.skippable
+            .write_result_flags(rungs, result, bytes, dependencies);
         Ok(end)
     }
 
-    /// Runs those of some rungs that may change something, and those woken by it.
-    fn pass(
+    /// Runs the awake rungs in a range, including those that other rungs wake.
+    fn run_pass(
         &mut self,
         ladder: &Ladder,
-        reach: &Reach,
+        dependencies: &RungDependencies,
         rungs: &Range<usize>,
         executed: &mut usize,
-    ) -> Result<(), Fault> {
+    ) -> Result<(), PlcFault> {
         let mut rung = rungs.start;
-        while let Some(next) = self.settled.take_next(rung, rungs.end) {
-            let comparison = reach.comparison(next);
+        while let Some(next) = self.skippable.take_next_awake(rung, rungs.end) {
+            let comparison = dependencies.comparison_index(next);
             if comparison.is_some() {
-                Settled::before_comparison(self.memory.bytes_mut());
+                SkippableRungs::mark_result_flags(self.memory.bytes_mut());
             }
-            let (first, end) = reach.operations(next);
-            self.run::<false>(ladder, first, end, executed, Stop::AtEnd)?;
-            let edges = &self.state.edges;
-            self.settled.ran(next, self.memory.bytes(), edges, reach);
+            let (first, end) = dependencies.operation_range(next);
+            self.run_operations::<false>(ladder, first, end, executed, ScanStop::SlotEnd)?;
+            let edges = &self.state.counter_inputs;
+            self.skippable
+                .record_run(next, self.memory.bytes(), edges, dependencies);
             if let Some(number) = comparison {
-                self.settled.compared(number, self.memory.bytes());
+                self.skippable
+                    .record_comparison(number, self.memory.bytes());
             }
             rung = next + 1;
         }
         Ok(())
     }
 
-    /// The timers that ran during the last 8 ms are 8 ms older.
+    /// Adds 8 ms to the timers that ran during the last slot.
     fn advance_timers(&mut self, code: &Code) {
         let level2_begins = self.state.part == 0;
         let scope = if level2_begins {
@@ -320,40 +332,41 @@ impl Plc {
         }
     }
 
-    /// Runs operations from `first` until `end` is reached or jumped over, or
-    /// `stop` asks to stop; returns where it stopped. Only the `WATCHED` form
-    /// looks after forced bits and the end of each rung.
-    fn run<const WATCHED: bool>(
+    /// Runs operations from `first` until it reaches or jumps beyond `end`, or until
+    /// `stop`. Returns the index of the next operation.
+    ///
+    /// Only with `WATCHED` it applies forced bits and checks for the end of a rung.
+    fn run_operations<const WATCHED: bool>(
         &mut self,
         ladder: &Ladder,
         first: usize,
         end: usize,
         executed: &mut usize,
-        stop: Stop,
-    ) -> Result<usize, Fault> {
+        stop: ScanStop,
+    ) -> Result<usize, PlcFault> {
         let code = ladder.code();
         let ops = code.ops.as_slice();
         let bytes = self.memory.bytes_mut();
         let forces = &self.state.forces;
         let rung_of = |at: usize| ladder.statements().get(at).map(|statement| statement.rung);
         let rung = rung_of(first);
-        let mut remembered = Remembered {
+        let mut state = FunctionState {
             timers: &mut self.state.timers,
-            edges: &mut self.state.edges,
+            counter_inputs: &mut self.state.counter_inputs,
         };
-        let mut returns = [0usize; CALL_DEPTH];
+        let mut returns = [0usize; MAX_CALL_DEPTH];
         let mut depth = 0;
-        // Top of the accumulator stack in bit 0; what is shifted out on the
-        // left belongs to earlier rungs.
+        // Accumulator stack with its top in bit 0. Bits shifted out on the left belong to
+        // earlier rungs.
         let mut stack: u32 = 0;
         let mut limit = end;
         let mut at = first;
-        // Only jumps and calls can make a slot long, so only they are counted,
-        // with the operations that led to them.
+        // Only jumps and calls can make a slot long. The count includes the operations
+        // before them.
         let mut from = first;
         while at < limit {
-            // Straight on, until an operation leads elsewhere.
-            let mut leads_to = None;
+            // Runs operations in sequence until one jumps.
+            let mut jump_target = None;
             for op in ops.get(at..limit.min(ops.len())).unwrap_or_default() {
                 let act = stack & 1 == 1;
                 at += 1;
@@ -376,47 +389,47 @@ impl Plc {
                     Op::Rst(bit) if act => bytes[usize::from(bit.at)] &= !bit.mask,
                     Op::Function(index) => {
                         if let Some(function) = code.functions.get(usize::from(index)) {
-                            execute(function, act, bytes, &mut remembered);
+                            execute(function, act, bytes, &mut state);
                         }
                     }
-                    Op::Jump(target) if act => leads_to = Some(usize::from(target)),
+                    Op::Jump(target) if act => jump_target = Some(usize::from(target)),
                     Op::Call(target) if act => {
-                        if let Some(place) = returns.get_mut(depth) {
-                            *place = at;
+                        if let Some(position) = returns.get_mut(depth) {
+                            *position = at;
                             depth += 1;
                             limit = ops.len();
-                            leads_to = Some(usize::from(target));
+                            jump_target = Some(usize::from(target));
                         }
                     }
                     Op::Return => {
                         depth = depth.saturating_sub(1);
-                        leads_to = Some(returns[depth]);
+                        jump_target = Some(returns[depth]);
                         if depth == 0 {
                             limit = end;
                         }
                     }
-                    Op::Set(_) | Op::Rst(_) | Op::Jump(_) | Op::Call(_) | Op::Mark => {}
+                    Op::Set(_) | Op::Rst(_) | Op::Jump(_) | Op::Call(_) | Op::Nop => {}
                 }
                 if WATCHED {
                     forces.apply(bytes);
-                    let next = leads_to.unwrap_or(at);
-                    if stop == Stop::AfterRung && depth == 0 && rung_of(next) != rung {
+                    let next = jump_target.unwrap_or(at);
+                    if stop == ScanStop::RungEnd && depth == 0 && rung_of(next) != rung {
                         *executed += at - from;
                         return Ok(next);
                     }
                 }
-                if leads_to.is_some() {
+                if jump_target.is_some() {
                     break;
                 }
             }
-            let Some(next) = leads_to else { break };
+            let Some(next) = jump_target else { break };
             if next != at {
                 *executed += at - from;
                 from = next;
-                if *executed > WATCHDOG {
+                if *executed > MAX_SLOT_OPERATIONS {
                     let jump = ladder.statements().get(at.saturating_sub(1));
                     let line = jump.map_or(0, |statement| statement.line);
-                    return Err(Fault::Watchdog { line });
+                    return Err(PlcFault::Watchdog { line });
                 }
             }
             at = next;
@@ -426,6 +439,6 @@ impl Plc {
     }
 }
 
-fn is_set(bytes: &[u8; SIZE], bit: Bit) -> bool {
+fn is_set(bytes: &[u8; SIZE], bit: MemoryBit) -> bool {
     bytes[usize::from(bit.at)] & bit.mask != 0
 }

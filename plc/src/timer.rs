@@ -1,23 +1,23 @@
-//! Which timers run: they advance with the 8 ms slots, not with the scan.
+//! The running timers. They advance with the 8 ms slots, not with the scan.
 
 use serde::{Deserialize, Serialize};
 
-/// Length of a slot, ms.
+/// Duration of a slot, ms.
 pub(crate) const SLOT_MS: i32 = 8;
 
-/// The running timers, one bit a timer T0 to T99.
+/// The sets of running timers, one bit for each of T0 to T99.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(from = "[u64; 4]", into = "[u64; 4]")]
 pub(crate) struct Timers {
-    /// ACT was 1 when the timer was last executed, and its time is not over.
+    /// Timers whose ACT was 1 at their last execution and whose time has not elapsed.
     running: u128,
-    /// Running, and executed since the timer's level last began.
+    /// Running timers that were executed in the current scan of their level.
     executed: u128,
 }
 
 impl Timers {
-    /// Notes that a TMRB was executed, and whether its time goes on.
-    pub fn executed(&mut self, timer: u8, runs: bool) {
+    /// Records the execution of a TMRB. `runs` is whether its time is still running.
+    pub fn record_execution(&mut self, timer: u8, runs: bool) {
         let bit = 1u128 << (timer & 127);
         if runs {
             self.running |= bit;
@@ -28,14 +28,14 @@ impl Timers {
         }
     }
 
-    /// A new scan of the timers in `scope` begins: those that a jump skipped
-    /// in the last scan stand still and keep their value.
+    /// Starts a new scan of the timers in `scope`. Timers that a jump skipped in the last
+    /// scan stop and keep their value.
     pub(crate) fn begin_scan(&mut self, scope: u128) {
         self.running &= !scope | self.executed;
         self.executed &= !scope;
     }
 
-    /// Numbers of the running timers, upwards.
+    /// Returns the numbers of the running timers, in ascending order.
     pub fn running(&self) -> impl Iterator<Item = u16> {
         let mut rest = self.running;
         std::iter::from_fn(move || {
@@ -75,23 +75,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_skipped_timer_stands_still() {
+    fn skipped_timer_stops_running() {
         let mut timers = Timers::default();
-        timers.executed(3, true);
-        timers.executed(99, true);
+        timers.record_execution(3, true);
+        timers.record_execution(99, true);
         timers.begin_scan(u128::MAX);
         assert_eq!(timers.running().collect::<Vec<_>>(), [3, 99]);
-        timers.executed(3, true);
+        timers.record_execution(3, true);
         timers.begin_scan(u128::MAX);
         assert_eq!(timers.running().collect::<Vec<_>>(), [3]);
     }
 
     #[test]
-    fn saved_and_restored() {
+    fn timers_survive_serialization() {
         let mut timers = Timers::default();
-        timers.executed(0, true);
-        timers.executed(70, true);
-        timers.executed(71, false);
+        timers.record_execution(0, true);
+        timers.record_execution(70, true);
+        timers.record_execution(71, false);
         assert_eq!(Timers::from(<[u64; 4]>::from(timers)), timers);
     }
 }

@@ -1,11 +1,12 @@
-//! What the compiler refuses and remarks, with place and rule; and that no text stops it.
+//! Tests the errors and warnings of the compiler with their lines and rules, and that
+//! random text never makes it panic.
 
 use std::sync::Arc;
 
-use gsk_plc::{Ladder, Plc, Rule, Subject, TABLE};
+use gsk_plc::{INSTRUCTIONS, Ladder, Plc, PlcAddress, Rule};
 use proptest::prelude::*;
 
-/// Rule and line of every error, or of every warning if there is none.
+/// Returns rule and line of every error; without errors, those of every warning.
 fn findings(source: &str) -> Vec<(Rule, u32)> {
     let found = match Ladder::compile(source) {
         Ok(ladder) => ladder.warnings().to_vec(),
@@ -14,14 +15,14 @@ fn findings(source: &str) -> Vec<(Rule, u32)> {
     found.iter().map(|error| (error.code, error.line)).collect()
 }
 
-/// Line 1 is END1, the rungs begin in line 2, END2 follows them.
+/// Returns a program with the rungs in level 2. Line 1 is END1; the rungs start in line 2.
 fn level2(rungs: &str) -> String {
     format!("END1\n{rungs}\nEND2")
 }
 
 #[test]
 fn one_statement_rules() {
-    // rung lines from line 2, expected rule and line
+    // Rung lines from line 2, expected rule, expected line.
     let table: &[(&str, Rule, u32)] = &[
         ("FOO R1.0", Rule::E00, 2),
         ("ADDB 1 R1 R2 R3", Rule::E00, 2),
@@ -165,7 +166,7 @@ fn rules_of_the_whole_program() {
 }
 
 #[test]
-fn errors_say_where_and_why() {
+fn errors_give_line_rung_and_reason() {
     let errors = Ladder::compile("END1\nLD R1.0\nOUT X1.0\nEND2").unwrap_err();
     let error = &errors.errors[0];
     assert_eq!((error.line, error.rung), (3, 2));
@@ -206,7 +207,7 @@ fn directives_and_listing() {
     assert_eq!(ladder.header().author, "A;B");
     let messages: Vec<_> = ladder.messages().iter().map(|m| m.number).collect();
     assert_eq!(messages, [1000, 1009]);
-    let subject = Subject::Bit("X0.5".parse().unwrap());
+    let subject = PlcAddress::Bit("X0.5".parse().unwrap());
     assert_eq!(ladder.comment(subject).unwrap().english, "E-stop");
     assert_eq!(ladder.labels().collect::<Vec<_>>(), [(7, 5)]);
     let titles: Vec<_> = ladder.rungs().map(|rung| rung.title).collect();
@@ -233,9 +234,9 @@ fn directives_and_listing() {
     assert_eq!(active, [(1009, "b")]);
 }
 
-/// Words of the language and some that are none.
+/// Generates words of the language, and some that are invalid.
 fn word() -> impl Strategy<Value = String> {
-    let names: Vec<&'static str> = TABLE.iter().map(|row| row.name).collect();
+    let names: Vec<&'static str> = INSTRUCTIONS.iter().map(|row| row.name).collect();
     prop_oneof![
         4 => prop::sample::select(names).prop_map(str::to_owned),
         3 => "[XYFGRKADTC]{1,2}[0-9]{1,3}(\\.[0-8])?",
@@ -247,7 +248,7 @@ fn word() -> impl Strategy<Value = String> {
     ]
 }
 
-/// A rung that is legal wherever it stands in level 2.
+/// Generates a rung that is valid anywhere in level 2.
 fn legal_rung() -> impl Strategy<Value = String> {
     let any_bit = || {
         prop_oneof![
@@ -323,7 +324,7 @@ proptest! {
             let listing = ladder.to_source();
             prop_assert_eq!(Ladder::compile(&listing).unwrap().to_source(), listing);
             let mut plc = Plc::new(Arc::new(ladder));
-            plc.slot();
+            plc.run_slot();
         }
     }
 
@@ -344,7 +345,7 @@ proptest! {
         let mut plc = Plc::new(Arc::new(ladder));
         for (byte, value) in (0..).zip(inputs) {
             plc.memory_mut().set_x(byte, value);
-            plc.slot();
+            plc.run_slot();
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Each instruction at work, scanned slot by slot.
+//! Tests each instruction slot by slot.
 
 #![allow(
     clippy::unwrap_used,
@@ -7,9 +7,9 @@
 
 use std::sync::Arc;
 
-use gsk_plc::{Fault, Ladder, Memory, Plc};
+use gsk_plc::{Ladder, Plc, PlcFault, PlcMemory};
 
-/// A PLC with `rungs` in level 2 and nothing in level 1.
+/// Returns a PLC with `rungs` in level 2 and an empty level 1.
 fn plc(rungs: &str) -> Plc {
     let source = format!("END1\n{rungs}\nEND2");
     Plc::new(Arc::new(Ladder::compile(&source).unwrap()))
@@ -23,15 +23,15 @@ fn set(plc: &mut Plc, address: &str, value: bool) {
     plc.memory_mut().set_bit(address.parse().unwrap(), value);
 }
 
-/// One slot with the contact `R0.0` closed or open.
+/// Runs one slot with R0.0 set to `act`.
 fn scan(plc: &mut Plc, act: bool) {
     set(plc, "R0.0", act);
-    plc.slot();
+    plc.run_slot();
 }
 
 #[test]
 fn contacts_in_series_and_parallel() {
-    // rung, then its result for R1 = 0 to 7 (bits a = R1.0, b = R1.1, c = R1.2)
+    // Rung, and its result for R1 = 0 to 7 (a = R1.0, b = R1.1, c = R1.2).
     let table = [
         ("LD R1.0", "01010101"),
         ("LDI R1.0", "10101010"),
@@ -51,7 +51,7 @@ fn contacts_in_series_and_parallel() {
         let mut plc = plc(&format!("{rung}\nOUT R2.0\nOUT Y0.7"));
         for (value, digit) in (0..).zip(expected.chars()) {
             plc.memory_mut().set_r(1, value);
-            plc.slot();
+            plc.run_slot();
             assert_eq!(
                 bit(&plc, "R2.0"),
                 digit == '1',
@@ -65,19 +65,19 @@ fn contacts_in_series_and_parallel() {
 #[test]
 fn a_closed_contact_of_a_signal_at_0() {
     let mut plc = plc("LDI F100.3\nOUT G120.0");
-    plc.slot();
+    plc.run_slot();
     assert!(bit(&plc, "G120.0"));
 }
 
 #[test]
-fn set_and_reset_keep() {
+fn set_and_reset_latch_the_bit() {
     let mut plc = plc("LD R0.0\nSET Y1.0\nLD R0.1\nRST Y1.0");
     scan(&mut plc, true);
     assert!(bit(&plc, "Y1.0"));
     scan(&mut plc, false);
     assert!(bit(&plc, "Y1.0"));
     set(&mut plc, "R0.1", true);
-    plc.slot();
+    plc.run_slot();
     assert!(!bit(&plc, "Y1.0"));
 }
 
@@ -107,9 +107,9 @@ fn compare() {
 }
 
 #[test]
-fn compare_as_printed() {
+fn compare_matches_manual_example() {
     let mut plc = plc("LDI R9.0\nCMP 1 5 3 R0.0");
-    plc.slot();
+    plc.run_slot();
     assert_eq!(plc.memory().r(0), 0b001);
 }
 
@@ -118,21 +118,21 @@ fn timer_counts_8_ms_ticks() {
     let mut plc = plc("LD R0.0\nTMRB T0 100 R300.0");
     scan(&mut plc, true);
     for tick in 1..13 {
-        plc.slot();
+        plc.run_slot();
         assert!(!bit(&plc, "R300.0"), "tick {tick}");
         assert_eq!(plc.memory().t(0), 8 * tick);
     }
-    plc.slot();
+    plc.run_slot();
     assert!(bit(&plc, "R300.0"));
-    plc.slot();
-    assert_eq!(plc.memory().t(0), 100, "stands at its time");
+    plc.run_slot();
+    assert_eq!(plc.memory().t(0), 100, "stops at its preset");
     scan(&mut plc, false);
     assert!(!bit(&plc, "R300.0"));
     assert_eq!(plc.memory().t(0), 0);
 }
 
 #[test]
-fn timer_of_no_time_follows_its_contact() {
+fn timer_with_preset_0_follows_its_contact() {
     let mut plc = plc("LD R0.0\nTMRB T1 0 R300.0");
     scan(&mut plc, true);
     assert!(bit(&plc, "R300.0"));
@@ -145,15 +145,15 @@ fn a_changed_preset_acts_at_once() {
     let mut plc = plc("LD R0.0\nTMRB T5 DT20 R300.0");
     plc.memory_mut().set_dt(20, 1000);
     scan(&mut plc, true);
-    plc.slot();
+    plc.run_slot();
     plc.memory_mut().set_dt(20, 16);
-    plc.slot();
+    plc.run_slot();
     assert!(bit(&plc, "R300.0"));
     plc.memory_mut().set_dt(20, 32);
-    plc.slot();
+    plc.run_slot();
     assert!(!bit(&plc, "R300.0"));
     plc.memory_mut().set_dt(20, -5);
-    plc.slot();
+    plc.run_slot();
     assert!(bit(&plc, "R300.0"));
 }
 
@@ -161,17 +161,17 @@ fn a_changed_preset_acts_at_once() {
 fn a_timer_that_a_jump_skips_keeps_its_value() {
     let mut plc = plc("LD R0.1\nJMPB L1\nLD R0.0\nTMRB T2 1000 R300.0\nLBL L1");
     scan(&mut plc, true);
-    plc.slot();
+    plc.run_slot();
     set(&mut plc, "R0.1", true);
-    plc.slot();
+    plc.run_slot();
     let value = plc.memory().t(2);
     for _ in 0..20 {
-        plc.slot();
+        plc.run_slot();
     }
     assert_eq!(plc.memory().t(2), value);
     set(&mut plc, "R0.1", false);
-    plc.slot();
-    plc.slot();
+    plc.run_slot();
+    plc.run_slot();
     assert_eq!(plc.memory().t(2), value + 8);
 }
 
@@ -202,7 +202,7 @@ fn counter_down_from_its_preset() {
     let mut plc = plc("LD R0.0\nCTRC 0011 R100.0 C2 DC5 R500.0");
     plc.memory_mut().set_dc(5, 3);
     set(&mut plc, "R100.0", true);
-    plc.slot();
+    plc.run_slot();
     assert_eq!(plc.memory().c(2), 3);
     set(&mut plc, "R100.0", false);
     let mut seen = Vec::new();
@@ -216,14 +216,14 @@ fn counter_down_from_its_preset() {
 #[test]
 fn a_contact_closed_at_power_on_is_no_edge() {
     let mut plc = plc("LDI R0.0\nCTRC 0000 R100.0 C1 10 R500.0");
-    plc.slot();
+    plc.run_slot();
     plc.power_on();
-    plc.slot();
+    plc.run_slot();
     assert_eq!(plc.memory().c(1), 0);
 }
 
 #[test]
-fn a_counter_goes_on_after_power_off() {
+fn counter_continues_after_power_off() {
     let mut plc = plc("LD R0.0\nCTRC 0000 R100.0 C1 10 R500.0");
     edges(&mut plc, 4);
     plc.power_on();
@@ -252,7 +252,7 @@ fn move_copies_its_length() {
 }
 
 #[test]
-fn decode_as_printed() {
+fn decode_matches_manual_example() {
     let mut plc = plc("LD R0.0\nDECB 1 F10 8 R4");
     for (code, bits) in [(8, 1), (9, 2), (15, 128), (7, 0), (16, 0)] {
         plc.memory_mut().set_f(10, code);
@@ -265,7 +265,7 @@ fn decode_as_printed() {
 }
 
 #[test]
-fn table_as_printed() {
+fn table_matches_manual_example() {
     let rungs = "LD R0.0\nCODB 1 3 F20 R30 , 12 22 32 42 52 62 72 82";
     let mut plc = plc(rungs);
     for (index, value) in [(1, 12), (3, 32), (8, 82), (9, 82), (0, 82)] {
@@ -284,13 +284,13 @@ fn table_counted_from_0() {
     let mut plc = Plc::new(Arc::new(Ladder::compile(source).unwrap()));
     for (index, value) in [(0, 1000), (1, 2000), (2, 2000)] {
         plc.memory_mut().set_f(20, index);
-        plc.slot();
+        plc.run_slot();
         assert_eq!(plc.memory().word("D400".parse().unwrap()), value);
     }
 }
 
 #[test]
-fn rotation_as_printed() {
+fn rotation_matches_manual_example() {
     let mut plc = plc("LD R0.0\nROTB 1110 12 1 R7 F26 R27 R37.0");
     plc.memory_mut().set_r(7, 1);
     for (target, station, backwards) in [(10, 11, true), (8, 9, true), (5, 4, false), (3, 2, false)]
@@ -326,7 +326,7 @@ fn jumps_go_forward_and_back() {
         LBL L2
         LDI R9.0
         OUT R3.1");
-    plc.slot();
+    plc.run_slot();
     assert_eq!(plc.memory().r(1), 0b1111);
     assert_eq!(plc.memory().r(3), 0b10);
 }
@@ -334,12 +334,16 @@ fn jumps_go_forward_and_back() {
 #[test]
 fn an_endless_loop_trips_the_watchdog() {
     let mut plc = plc("LBL L1\nLDI R9.0\nSET R1.0\nJMPB L1");
-    plc.slot();
-    assert_eq!(plc.fault(), Some(Fault::Watchdog { line: 5 }));
+    plc.run_slot();
+    assert_eq!(plc.fault(), Some(PlcFault::Watchdog { line: 5 }));
     let stopped = plc.memory().clone();
     set(&mut plc, "R1.0", false);
-    plc.slot();
-    assert_ne!(*plc.memory(), stopped, "the PLC stands still");
+    plc.run_slot();
+    assert_ne!(
+        *plc.memory(),
+        stopped,
+        "memory writes work while the PLC is stopped"
+    );
     plc.power_on();
     assert_eq!(plc.fault(), None);
 }
@@ -379,46 +383,46 @@ fn coils_act_in_program_order() {
     let mut first = plc("LD R0.0\nANI R0.2\nOUT R0.1\nLD R0.0\nOUT R0.2");
     scan(&mut first, true);
     assert!(bit(&first, "R0.1"), "on for one scan");
-    first.slot();
+    first.run_slot();
     assert!(!bit(&first, "R0.1"));
     let mut second = plc("LD R0.0\nOUT R0.2\nLD R0.0\nANI R0.2\nOUT R0.1");
     scan(&mut second, true);
     assert!(!bit(&second, "R0.1"));
 }
 
-/// `count` rungs of two steps that change nothing.
+/// Returns `count` rungs of two steps that change nothing.
 fn filler(count: usize) -> String {
     "LD R800.0\nSET R800.1\n".repeat(count)
 }
 
 #[test]
-fn level_2_sees_inputs_frozen() {
-    // The same X in level 1 and, in the second part, in level 2.
+fn level2_reads_inputs_latched_at_cycle_start() {
+    // Level 1 and the second part of level 2 read the same X.
     let source = format!(
         "LD X2.0\nOUT R1.0\nEND1\n{}LD X2.0\nOUT R1.1\nEND2",
         filler(260)
     );
     let ladder = Ladder::compile(&source).unwrap();
-    assert_eq!(ladder.parts(), 2);
+    assert_eq!(ladder.part_count(), 2);
     let mut plc = Plc::new(Arc::new(ladder));
     set(&mut plc, "X2.0", true);
-    plc.slot();
+    plc.run_slot();
     set(&mut plc, "X2.0", false);
-    plc.slot();
+    plc.run_slot();
     assert!(!bit(&plc, "R1.0"), "level 1 reads the input itself");
     assert!(bit(&plc, "R1.1"), "level 2 reads it as the cycle began");
-    plc.slot();
-    plc.slot();
+    plc.run_slot();
+    plc.run_slot();
     assert!(!bit(&plc, "R1.1"));
 }
 
 #[test]
-fn parts_end_with_the_rung_that_fills_the_slot() {
+fn part_ends_with_rung_that_fills_the_slot() {
     let parts = |rungs, head: &str| {
         let source = format!("{head}END1\n{}END2", filler(rungs));
-        Ladder::compile(&source).unwrap().parts()
+        Ladder::compile(&source).unwrap().part_count()
     };
-    // END1 takes one step: 499 are left, so 250 rungs of two steps fill a part.
+    // END1 takes one step. The remaining 499 steps are filled by 250 rungs of two steps.
     assert_eq!(parts(250, ""), 1);
     assert_eq!(parts(251, ""), 2);
     assert_eq!(parts(500, ""), 2);
@@ -435,7 +439,7 @@ fn a_jump_may_skip_whole_parts() {
         filler(300)
     );
     let ladder = Ladder::compile(&source).unwrap();
-    assert_eq!(ladder.parts(), 3);
+    assert_eq!(ladder.part_count(), 3);
     let mut plc = Plc::new(Arc::new(ladder));
     for _ in 0..3 {
         scan(&mut plc, true);
@@ -449,9 +453,9 @@ fn a_jump_may_skip_whole_parts() {
 }
 
 #[test]
-fn unwritten_interlocks_do_not_lock() {
+fn unwritten_interlock_signals_stay_inactive() {
     let mut plc = plc("LDI R9.0\nOUT G8.4");
-    plc.slot();
+    plc.run_slot();
     assert_eq!(plc.memory().g(8), 0x31);
-    assert_eq!(Memory::new().g(114), 15);
+    assert_eq!(PlcMemory::new().g(114), 15);
 }

@@ -1,5 +1,5 @@
-//! Rungs as drawings: instruction list to rungs and back, power flow, cross
-//! reference, forced bits, one rung at a time.
+//! Tests ladder diagrams, power flow, the cross reference, forced bits and single-rung
+//! steps.
 
 #![allow(
     clippy::unwrap_used,
@@ -9,15 +9,15 @@
 use std::sync::Arc;
 
 use gsk_plc::{
-    Access, Area, BitAddress, Body, ByteAddress, Element, Kind, Ladder, Mnemonic, Operand, Plc,
-    Role, Row, Statement, Subject, TABLE,
+    Access, Area, BitAddress, ByteAddress, Element, INSTRUCTIONS, InstructionRole, InstructionRow,
+    Ladder, Mnemonic, Operand, OperandKind, Plc, PlcAddress, RungBody, Statement,
 };
 use proptest::prelude::*;
 
 const STANDARD: &str = include_str!("../../assets/ladder/standard.il");
 
-/// What an instruction says, without its place.
-fn sense(statement: &Statement) -> (Mnemonic, Vec<Operand>, Vec<i32>) {
+/// Returns an instruction without its line and rung.
+fn instruction_parts(statement: &Statement) -> (Mnemonic, Vec<Operand>, Vec<i32>) {
     let Statement {
         mnemonic,
         operands,
@@ -27,28 +27,31 @@ fn sense(statement: &Statement) -> (Mnemonic, Vec<Operand>, Vec<i32>) {
     (*mnemonic, operands.clone(), table.clone())
 }
 
-/// The list that the drawings give is the list they came from.
-fn there_and_back(ladder: &Ladder) {
-    let before: Vec<_> = ladder.statements().iter().map(sense).collect();
+/// Asserts that instruction lists convert to diagrams and back without a difference.
+fn assert_round_trip(ladder: &Ladder) {
+    let before: Vec<_> = ladder.statements().iter().map(instruction_parts).collect();
     let after: Vec<_> = ladder
         .networks()
         .flat_map(|network| network.statements())
         .collect();
-    assert_eq!(before, after.iter().map(sense).collect::<Vec<_>>());
+    assert_eq!(
+        before,
+        after.iter().map(instruction_parts).collect::<Vec<_>>()
+    );
     let text: String = after.iter().map(|line| format!("{line}\n")).collect();
     let again = Ladder::compile(&text).unwrap();
-    let again: Vec<_> = again.statements().iter().map(sense).collect();
+    let again: Vec<_> = again.statements().iter().map(instruction_parts).collect();
     assert_eq!(before, again);
 }
 
 #[test]
-fn the_standard_ladder_comes_back_from_its_rungs() {
+fn standard_ladder_round_trips_through_networks() {
     let ladder = Ladder::compile(STANDARD).unwrap();
-    there_and_back(&ladder);
+    assert_round_trip(&ladder);
     assert_eq!(ladder.networks().count(), ladder.rung_count() as usize);
     for network in ladder.networks() {
         assert_eq!(ladder.network(network.number).as_ref(), Some(&network));
-        if let Body::Rung { contacts, outputs } = &network.body {
+        if let RungBody::Rung { contacts, outputs } = &network.body {
             assert_eq!(contacts.len(), 1, "rung {}", network.number);
             assert!(!outputs.is_empty(), "rung {}", network.number);
         }
@@ -56,30 +59,30 @@ fn the_standard_ladder_comes_back_from_its_rungs() {
 }
 
 #[test]
-fn every_way_to_join_contacts() {
+fn all_contact_connections_round_trip() {
     for rung in [
         "LD R1.0",
         "LDI R1.0\nAND R1.1\nANI R1.2\nAND R1.3",
         "LD R1.0\nOR R1.1\nORI R1.2\nAND R1.3\nOR R1.4",
         "LD R1.0\nAND R1.1\nLD R1.2\nAND R1.3\nORB\nOR R1.4",
         "LD R1.0\nOR R1.1\nLD R1.2\nAND R1.3\nLD R1.4\nAND R1.5\nORB\nANB",
-        // A single contact as a block, and blocks joined last to first.
+        // A single contact as a block, and blocks connected from last to first.
         "LD R1.0\nLD R1.1\nANB\nLD R1.2\nORB",
         "LD R1.0\nLD R1.1\nLD R1.2\nANB\nANB",
         "LD R1.0\nLD R1.1\nLD R1.2\nORB\nANB\nORI R1.3",
     ] {
         let source = format!("END1\n{rung}\nOUT R2.0\nSET R2.1\nEND2");
-        there_and_back(&Ladder::compile(&source).unwrap());
+        assert_round_trip(&Ladder::compile(&source).unwrap());
     }
-    // Rungs without effect, marks, a subprogram.
-    there_and_back(&Ladder::compile("END1\nLD R1.0\nLD R1.1\nEND2\nSP P1\nSPE").unwrap());
-    there_and_back(&Ladder::compile("LD R1.0\nJMPB L1\nLBL L1\nEND1\nEND2").unwrap());
+    // Rungs without effect, structural instructions, a subprogram.
+    assert_round_trip(&Ladder::compile("END1\nLD R1.0\nLD R1.1\nEND2\nSP P1\nSPE").unwrap());
+    assert_round_trip(&Ladder::compile("LD R1.0\nJMPB L1\nLBL L1\nEND1\nEND2").unwrap());
 }
 
 #[test]
 fn the_drawing_has_contacts_where_the_list_puts_them() {
     let ladder = Ladder::compile("END1\nLD R1.0\nOR R1.1\nANI R1.2\nOUT R2.0\nEND2").unwrap();
-    let Some(Body::Rung { contacts, outputs }) = ladder.network(2).map(|network| network.body)
+    let Some(RungBody::Rung { contacts, outputs }) = ladder.network(2).map(|network| network.body)
     else {
         panic!("rung 2 is a rung");
     };
@@ -94,31 +97,35 @@ fn the_drawing_has_contacts_where_the_list_puts_them() {
     assert!(matches!(&series[1].element, Element::Contact(c) if c.normally_closed && c.at == 2));
 }
 
-/// A legal operand of every kind, chosen by a number.
-fn operand(kind: Kind, choice: u32, length: u16) -> Operand {
+/// Returns a valid operand of a kind, selected by `choice`.
+fn operand(kind: OperandKind, choice: u32, length: u16) -> Operand {
     let areas = kind.areas();
     let area = areas.get(choice as usize % areas.len().max(1)).copied();
-    let place = choice / 16;
-    // Clear of the bytes that belong to the system, and of the area's end.
-    let room = |area: Area| match area {
+    let offset = choice / 16;
+    // Excludes the bytes that the system owns and the last bytes of the area.
+    let area_size = |area: Area| match area {
         Area::K => 30 - length,
         Area::R => 900 - length,
         area if area.is_entry() => area.count(),
         area => area.count() - length,
     };
     match (kind, area) {
-        (Kind::Length, _) => Operand::Number(i32::from(length)),
-        (Kind::TableSize, _) => Operand::Number(1 + (choice % 4) as i32),
-        (Kind::Stations, _) => Operand::Number(1 + (choice % 255) as i32),
-        (Kind::CounterFormat, _) => Operand::Format((choice % 4) as u8),
-        (Kind::RotationFormat, _) => Operand::Format((choice % 16) as u8),
+        (OperandKind::Length, _) => Operand::Number(i32::from(length)),
+        (OperandKind::TableSize, _) => Operand::Number(1 + (choice % 4) as i32),
+        (OperandKind::Stations, _) => Operand::Number(1 + (choice % 255) as i32),
+        (OperandKind::CounterFormat, _) => Operand::Format((choice % 4) as u8),
+        (OperandKind::RotationFormat, _) => Operand::Format((choice % 16) as u8),
         (_, None) => Operand::Number((choice % 256) as i32),
-        (kind, _) if kind.takes_number() && choice.is_multiple_of(3) => {
+        (kind, _) if kind.can_be_number() && choice.is_multiple_of(3) => {
             Operand::Number((choice % 256) as i32)
         }
         (kind, Some(area)) => {
-            let byte = (place % u32::from(room(area))) as u16;
-            let bits = if kind == Kind::ThreeCoils { 6 } else { 8 };
+            let byte = (offset % u32::from(area_size(area))) as u16;
+            let bits = if kind == OperandKind::ThreeCoils {
+                6
+            } else {
+                8
+            };
             if kind.is_bit() {
                 Operand::Bit(BitAddress::new(area, byte, (choice / 7 % bits) as u8))
             } else {
@@ -128,10 +135,10 @@ fn operand(kind: Kind, choice: u32, length: u16) -> Operand {
     }
 }
 
-/// Contacts of one rung, as a list that leaves one result.
+/// Generates the contacts of one rung, as a list with one result.
 fn contacts() -> impl Strategy<Value = Vec<String>> {
     let contact = (any::<bool>(), any::<u32>()).prop_map(|(closed, choice)| {
-        let bit = operand(Kind::Contact, choice, 1);
+        let bit = operand(OperandKind::Contact, choice, 1);
         (if closed { "I" } else { "" }, bit.to_string())
     });
     let leaf = contact
@@ -159,16 +166,16 @@ fn contacts() -> impl Strategy<Value = Vec<String>> {
     })
 }
 
-/// An output: any instruction of the table but the jumps.
-fn output(row: &Row, choices: &[u32; 8], timer: &mut u16) -> String {
+/// Returns an output instruction with operands selected by `choices`; jumps excluded.
+fn output(row: &InstructionRow, choices: &[u32; 8], timer: &mut u16) -> String {
     let length = [1, 2, 4][choices[7] as usize % 3];
     let operands: Vec<Operand> = row
         .operands
         .iter()
         .zip(choices)
         .map(|(kind, choice)| match kind {
-            // A timer number stands once in a program.
-            Kind::Timer => {
+            // A timer number is unique in a program.
+            OperandKind::Timer => {
                 *timer += 1;
                 Operand::Byte(ByteAddress::new(Area::T, *timer - 1))
             }
@@ -191,9 +198,9 @@ fn output(row: &Row, choices: &[u32; 8], timer: &mut u16) -> String {
 }
 
 fn program() -> impl Strategy<Value = String> {
-    let outputs: Vec<&'static Row> = TABLE
+    let outputs: Vec<&'static InstructionRow> = INSTRUCTIONS
         .iter()
-        .filter(|row| row.role == Role::Output)
+        .filter(|row| row.role == InstructionRole::Output)
         .filter(|row| !matches!(row.mnemonic, Mnemonic::Jmpb | Mnemonic::Call))
         .collect();
     let output_choice = (0..outputs.len(), any::<[u32; 8]>());
@@ -207,7 +214,7 @@ fn program() -> impl Strategy<Value = String> {
             if index == level1 {
                 text.push_str("END1\n");
             }
-            // A jump over the rung and a call now and then.
+            // Some rungs are within a jump and have a call.
             let jumps = index > level1 && chosen.len() == 3;
             if jumps {
                 text.push_str(&format!("LD R1.0\nJMPB L{index}\nLD R1.1\nCALL P1\n"));
@@ -236,14 +243,14 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
     #[test]
-    fn random_programs_come_back_from_their_rungs(source in program()) {
+    fn random_programs_round_trip_through_networks(source in program()) {
         let ladder = Ladder::compile(&source)
             .map_err(|errors| TestCaseError::fail(format!("{errors}\n{source}")))?;
-        there_and_back(&ladder);
+        assert_round_trip(&ladder);
         let listed = ladder.to_source();
         let again = Ladder::compile(&listed).unwrap();
         prop_assert_eq!(again.to_source(), listed);
-        there_and_back(&again);
+        assert_round_trip(&again);
     }
 
 }
@@ -252,7 +259,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(100))]
 
     #[test]
-    fn power_flow_agrees_with_the_scan(list in contacts(), values in any::<[u8; 32]>()) {
+    fn power_flow_matches_scan_result(list in contacts(), values in any::<[u8; 32]>()) {
         let source = format!("END1\n{}\nOUT R899.7\nEND2", list.join("\n"));
         let ladder = Arc::new(Ladder::compile(&source).unwrap());
         let mut plc = Plc::new(Arc::clone(&ladder));
@@ -262,20 +269,20 @@ proptest! {
                 plc.memory_mut().set_bit(*bit, value);
             }
         }
-        plc.slot();
+        plc.run_slot();
         let coil = plc.memory().bit("R899.7".parse().unwrap());
         plc.memory_mut().set_bit("R899.7".parse().unwrap(), false);
         let network = ladder.network(2).unwrap();
-        let looks_at_itself = list.iter().any(|line| line.ends_with("R0899.7"));
-        let power = plc.power(&network);
+        let reads_own_coil = list.iter().any(|line| line.ends_with("R0899.7"));
+        let power = plc.power_flow(&network);
         prop_assert_eq!(power.len(), list.len() + 1);
-        if !looks_at_itself {
+        if !reads_own_coil {
             prop_assert_eq!(power.last().unwrap().live, coil);
         }
     }
 
     #[test]
-    fn rung_by_rung_is_the_same_as_slot_by_slot(source in program(), inputs in any::<[u8; 16]>()) {
+    fn stepping_rungs_matches_running_slots(source in program(), inputs in any::<[u8; 16]>()) {
         let ladder = Arc::new(Ladder::compile(&source).unwrap());
         let mut whole = Plc::new(Arc::clone(&ladder));
         let mut stepped = Plc::new(ladder);
@@ -284,10 +291,10 @@ proptest! {
                 plc.memory_mut().set_x(0, input);
                 plc.memory_mut().set_r(1, input);
             }
-            whole.slot();
+            whole.run_slot();
             stepped.step_rung();
             let mut steps = 1;
-            while stepped.within_slot() {
+            while stepped.is_within_slot() {
                 stepped.step_rung();
                 steps += 1;
                 prop_assert!(steps < 1000);
@@ -299,13 +306,13 @@ proptest! {
 }
 
 #[test]
-fn power_flows_as_far_as_contacts_conduct() {
+fn power_flow_stops_at_open_contacts() {
     // X0.0 and X0.1 in parallel with X0.2, then X0.3.
     let source = "LD X0.0\nAND X0.1\nOR X0.2\nANI X0.3\nOUT Y0.0\nMOVN 1 1 R5\nEND1\nEND2";
     let ladder = Arc::new(Ladder::compile(source).unwrap());
     let mut plc = Plc::new(Arc::clone(&ladder));
     let network = ladder.network(1).unwrap();
-    // X0, then per statement: closed and live, as digits
+    // X0, then for each statement `closed` and `live` as digits.
     let table = [
         (0b0000, "00 00 00 10 00 00"),
         (0b0001, "11 00 00 10 00 00"),
@@ -316,8 +323,8 @@ fn power_flows_as_far_as_contacts_conduct() {
     ];
     for (x0, expected) in table {
         plc.memory_mut().set_x(0, x0);
-        plc.slot();
-        let states = plc.power(&network);
+        plc.run_slot();
+        let states = plc.power_flow(&network);
         let seen: Vec<String> = states
             .iter()
             .map(|state| format!("{}{}", u8::from(state.closed), u8::from(state.live)))
@@ -327,7 +334,7 @@ fn power_flows_as_far_as_contacts_conduct() {
 }
 
 #[test]
-fn the_cross_reference_finds_bits_in_bytes_and_bytes_in_longer_values() {
+fn cross_reference_finds_bits_in_bytes_and_bytes_in_longer_values() {
     let source = "END1
         LD X0.1
         OUT R10.3
@@ -341,8 +348,8 @@ fn the_cross_reference_finds_bits_in_bytes_and_bytes_in_longer_values() {
     let ladder = Ladder::compile(source).unwrap();
     let found = |text: &str| -> Vec<(u32, Access)> {
         let subject = match text.parse() {
-            Ok(bit) => Subject::Bit(bit),
-            Err(_) => Subject::Byte(text.parse().unwrap()),
+            Ok(bit) => PlcAddress::Bit(bit),
+            Err(_) => PlcAddress::Byte(text.parse().unwrap()),
         };
         let references = ladder.references(subject);
         references.iter().map(|r| (r.line, r.access)).collect()
@@ -366,47 +373,47 @@ fn the_cross_reference_finds_bits_in_bytes_and_bytes_in_longer_values() {
     assert!(
         ladder
             .addresses()
-            .contains(&Subject::Byte("DC8".parse().unwrap()))
+            .contains(&PlcAddress::Byte("DC8".parse().unwrap()))
     );
 }
 
 #[test]
-fn the_standard_ladder_writes_each_output_somewhere() {
+fn standard_ladder_sets_and_resets_spindle_output() {
     let ladder = Ladder::compile(STANDARD).unwrap();
-    let m03 = ladder.references(Subject::Bit("Y1.2".parse().unwrap()));
+    let m03 = ladder.references(PlcAddress::Bit("Y1.2".parse().unwrap()));
     let written: Vec<Mnemonic> = m03
         .iter()
-        .filter(|r| r.access.writes())
+        .filter(|r| r.access.is_write())
         .map(|r| r.mnemonic)
         .collect();
     assert_eq!(written, [Mnemonic::Set, Mnemonic::Rst]);
-    assert!(m03.iter().filter(|r| r.access.reads()).count() > 3);
+    assert!(m03.iter().filter(|r| r.access.is_read()).count() > 3);
 }
 
 #[test]
-fn a_forced_bit_stands_against_the_ladder_and_the_machine() {
+fn forced_bit_overrides_ladder_and_machine() {
     let bit = |text: &str| -> BitAddress { text.parse().unwrap() };
     let source = "END1\nLD X0.0\nOUT R1.0\nLD R1.0\nOUT Y0.0\nLDI R1.0\nOUT R1.0\nEND2";
     let mut plc = Plc::new(Arc::new(Ladder::compile(source).unwrap()));
-    // The coil is held: what reads it after its OUT sees the held value.
+    // The coil is forced: instructions after its OUT read the forced value.
     plc.force(bit("R1.0"), Some(true));
-    plc.slot();
+    plc.run_slot();
     assert!(plc.memory().bit(bit("Y0.0")) && plc.memory().bit(bit("R1.0")));
     plc.force(bit("R1.0"), None);
-    plc.slot();
+    plc.run_slot();
     assert!(!plc.memory().bit(bit("Y0.0")));
-    // An input is held against what the machine says.
+    // A forced input does not follow the machine.
     plc.force(bit("X0.0"), Some(true));
     plc.memory_mut().set_x(0, 0);
-    plc.slot();
+    plc.run_slot();
     assert!(plc.memory().bit(bit("Y0.0")));
     plc.force(bit("Y0.0"), Some(false));
-    plc.slot();
+    plc.run_slot();
     assert!(!plc.memory().bit(bit("Y0.0")));
     assert_eq!(plc.forces().len(), 2);
     plc.power_on();
     assert!(plc.forces().is_empty());
-    // No such bits.
+    // Bits that do not exist.
     plc.force(bit("R1.0"), Some(true));
     plc.force(BitAddress::new(Area::D, 0, 0), Some(true));
     plc.force(BitAddress::new(Area::X, 99, 0), Some(true));
@@ -414,7 +421,7 @@ fn a_forced_bit_stands_against_the_ladder_and_the_machine() {
 }
 
 #[test]
-fn steps_go_from_rung_to_rung() {
+fn steps_follow_jumps_and_treat_calls_as_one_step() {
     let source = "LD R0.0\nOUT R1.0\nEND1
         LD R0.0\nCALL P1\nOUT R1.1
         LDI R0.0\nJMPB L1
@@ -428,7 +435,7 @@ fn steps_go_from_rung_to_rung() {
         loop {
             rungs.push(plc.next_rung().unwrap());
             plc.step_rung();
-            if !plc.within_slot() {
+            if !plc.is_within_slot() {
                 return rungs;
             }
         }
@@ -442,29 +449,30 @@ fn steps_go_from_rung_to_rung() {
     plc.memory_mut().set_r(0, 1);
     assert_eq!(visited(&mut plc), [1, 3, 4, 5, 6]);
     assert_eq!(plc.memory().r(1), 0b1100_0111, "the subprogram is one step");
-    // A slot begun in steps is finished by the next whole one.
+    // The next whole slot completes a slot started in steps.
     plc.step_rung();
-    assert!(plc.within_slot());
-    plc.slot();
+    assert!(plc.is_within_slot());
+    plc.run_slot();
     assert_eq!(plc.next_rung(), Some(1));
 }
 
 #[test]
-fn a_rung_is_replaced_in_the_text() {
+fn source_with_rung_replaces_only_its_lines() {
     let source = "; head\nEND1\nLD R0.0\nOUT R1.0 ; old\n; between\nLD R0.1\nOUT R1.1\nEND2\n";
     let ladder = Ladder::compile(source).unwrap();
     assert_eq!(
-        ladder.with_rung(2, "LDI R0.5\nSET R2.0\n"),
+        ladder.source_with_rung(2, "LDI R0.5\nSET R2.0\n"),
         "; head\nEND1\nLDI R0.5\nSET R2.0\n; between\nLD R0.1\nOUT R1.1\nEND2\n"
     );
     assert_eq!(
-        ladder.with_rung(3, ""),
+        ladder.source_with_rung(3, ""),
         "; head\nEND1\nLD R0.0\nOUT R1.0 ; old\n; between\nEND2\n"
     );
-    assert_eq!(ladder.with_rung(99, "LD R0.0"), source);
+    assert_eq!(ladder.source_with_rung(99, "LD R0.0"), source);
 }
 
-/// Rungs of an example that the standard ladder does not have, and the other way round.
+/// Returns the number of rungs that only the example has and that only the standard ladder
+/// has.
 fn differences(example: &str) -> (usize, usize) {
     let rungs = |source: &str| -> Vec<Vec<String>> {
         let ladder = Ladder::compile(source).unwrap();
@@ -482,7 +490,7 @@ fn differences(example: &str) -> (usize, usize) {
 }
 
 #[test]
-fn the_example_ladders_are_the_standard_one_but_for_their_rungs() {
+fn example_ladders_differ_from_standard_in_expected_rungs() {
     let two_hands = include_str!("../../assets/ladder/two-hand-start.il");
     let bar_feeder = include_str!("../../assets/ladder/bar-feeder.il");
     assert_eq!(differences(two_hands), (3, 1));

@@ -1,8 +1,8 @@
-//! Every instruction with a table of inputs and outputs: `tests/tables/*.txt`.
+//! Tests every instruction with the tables of inputs and outputs in `tests/tables/*.txt`.
 //!
-//! A file is one or more blocks. A block is a piece of ladder, then a line of
-//! addresses with an arrow, then rows of values: those left of the arrow are
-//! written before the slot, those right of it are read after it.
+//! A file has one or more blocks. A block is a ladder, then a line of addresses with an
+//! arrow, then rows of values. Values left of the arrow are written before the slot; values
+//! right of it are compared after the slot.
 //!
 //! ```text
 //! # Series contact.
@@ -14,10 +14,10 @@
 //! 1    1    -> 1
 //! ```
 //!
-//! `.` leaves an input alone and does not look at an output. `R10:2` and
-//! `R10:4` are values of two and four bytes. The column `slots` says how many
-//! slots run (1 without it), `power` with 1 switches off and on first. The
-//! ladder stands in level 2 unless it has END1 itself.
+//! `.` leaves an input unchanged and does not compare an output. `R10:2` and `R10:4` are
+//! values of two and four bytes. The column `slots` is the number of slots to run, 1 by
+//! default. `power` with 1 switches the PLC off and on first. The ladder is in level 2
+//! unless it contains END1.
 
 #![allow(
     clippy::unwrap_used,
@@ -28,7 +28,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use gsk_plc::{ByteAddress, Ladder, Memory, Plc, TABLE};
+use gsk_plc::{ByteAddress, INSTRUCTIONS, Ladder, Plc, PlcMemory};
 
 /// A column of a table.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +42,7 @@ enum Column {
 }
 
 impl Column {
-    fn new(text: &str) -> Column {
+    fn parse(text: &str) -> Column {
         if text == "slots" {
             return Column::Slots;
         }
@@ -64,7 +64,7 @@ impl Column {
         }
     }
 
-    fn read(self, memory: &Memory) -> i64 {
+    fn read(self, memory: &PlcMemory) -> i64 {
         match self {
             Column::Bit(bit) => memory.bit(bit).into(),
             Column::Byte(byte) => memory.byte(byte).into(),
@@ -74,7 +74,7 @@ impl Column {
         }
     }
 
-    fn write(self, memory: &mut Memory, value: i64) {
+    fn write(self, memory: &mut PlcMemory, value: i64) {
         match self {
             Column::Bit(bit) => memory.set_bit(bit, value != 0),
             Column::Byte(byte) => memory.set_byte(byte, value.try_into().unwrap()),
@@ -85,26 +85,26 @@ impl Column {
     }
 }
 
-fn number(text: &str) -> i64 {
+fn parse_number(text: &str) -> i64 {
     match text.strip_prefix("0b") {
         Some(binary) => i64::from_str_radix(binary, 2).unwrap(),
         None => text.parse().unwrap_or_else(|_| panic!("no number: {text}")),
     }
 }
 
-/// Values of a row with their columns; those left alone are not in it.
-fn values<'a>(columns: &'a [Column], text: &'a str) -> Vec<(Column, i64)> {
+/// Returns the values of a row with their columns, without those marked `.`.
+fn parse_values<'a>(columns: &'a [Column], text: &'a str) -> Vec<(Column, i64)> {
     let texts: Vec<&str> = text.split_whitespace().collect();
     assert_eq!(texts.len(), columns.len(), "values of the row {text}");
     columns
         .iter()
         .zip(texts)
         .filter(|(_, text)| *text != ".")
-        .map(|(column, text)| (*column, number(text)))
+        .map(|(column, text)| (*column, parse_number(text)))
         .collect()
 }
 
-fn compiled(lines: &[&str]) -> Plc {
+fn compile_plc(lines: &[&str]) -> Plc {
     let text = lines.join("\n");
     let whole = lines.iter().any(|line| line.trim() == "END1");
     let source = if whole {
@@ -117,8 +117,8 @@ fn compiled(lines: &[&str]) -> Plc {
     ))
 }
 
-/// Runs the rows of a file; gives their number.
-fn run(text: &str) -> usize {
+/// Runs all rows of a file and returns their number.
+fn run_table(text: &str) -> usize {
     let mut ladder: Vec<&str> = Vec::new();
     let mut table: Option<(Plc, Vec<Column>, Vec<Column>)> = None;
     let mut rows = 0;
@@ -135,11 +135,11 @@ fn run(text: &str) -> usize {
             continue;
         };
         let Some((plc, left, right)) = &mut table else {
-            let columns = |text: &str| text.split_whitespace().map(Column::new).collect();
-            table = Some((compiled(&ladder), columns(inputs), columns(outputs)));
+            let columns = |text: &str| text.split_whitespace().map(Column::parse).collect();
+            table = Some((compile_plc(&ladder), columns(inputs), columns(outputs)));
             continue;
         };
-        let inputs = values(left, inputs);
+        let inputs = parse_values(left, inputs);
         let given = |wanted: fn(&Column) -> bool| inputs.iter().find(|(c, _)| wanted(c));
         if given(|column| matches!(column, Column::Power)).is_some_and(|(_, on)| *on == 1) {
             plc.power_on();
@@ -149,9 +149,9 @@ fn run(text: &str) -> usize {
         }
         let slots = given(|column| matches!(column, Column::Slots)).map_or(1, |(_, n)| *n);
         for _ in 0..slots {
-            plc.slot();
+            plc.run_slot();
         }
-        for (column, expected) in values(right, outputs) {
+        for (column, expected) in parse_values(right, outputs) {
             let seen = column.read(plc.memory());
             assert_eq!(seen, expected, "line {number}: {column:?} after {line}");
         }
@@ -161,13 +161,13 @@ fn run(text: &str) -> usize {
 }
 
 #[test]
-fn every_instruction_does_what_its_table_says() {
+fn each_instruction_matches_its_table() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tables");
-    for row in &TABLE {
+    for row in &INSTRUCTIONS {
         let path = folder.join(format!("{}.txt", row.name.to_lowercase()));
         let text = std::fs::read_to_string(&path)
             .unwrap_or_else(|error| panic!("{} has no table: {error}", row.name));
         println!("{}", row.name);
-        assert!(run(&text) >= 2, "{} has rows", row.name);
+        assert!(run_table(&text) >= 2, "{} has rows", row.name);
     }
 }

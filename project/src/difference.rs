@@ -1,47 +1,47 @@
-//! What differs from one control to another, and taking it over.
+//! Compares two project states and applies differences.
 
 use std::collections::BTreeSet;
 
 use gsk_core::command::ProgramId;
 
-use crate::build::{Fault, build};
-use crate::key::{Key, Section};
-use crate::state::State;
-use crate::value::Value;
+use crate::builder::{InvalidValue, build_state};
+use crate::key::{ProjectKey, ProjectSection};
+use crate::project_state::ProjectState;
+use crate::value::ProjectValue;
 
-/// A value that is another.
+/// A value that differs between two states.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Difference {
-    /// Which value.
-    pub key: Key,
-    /// What it is; none where there is no such thing.
-    pub old: Option<Value>,
-    /// What it is to be.
-    pub new: Option<Value>,
+pub struct ProjectDifference {
+    /// Key of the value.
+    pub key: ProjectKey,
+    /// Value in the old state; `None` if it is missing there.
+    pub old: Option<ProjectValue>,
+    /// Value in the new state; `None` if it is missing there.
+    pub new: Option<ProjectValue>,
 }
 
-impl Difference {
-    /// Where it belongs.
-    pub const fn section(&self) -> Section {
-        Section::of(self.key)
+impl ProjectDifference {
+    /// The section that the value belongs to.
+    pub const fn section(&self) -> ProjectSection {
+        ProjectSection::from_key(self.key)
     }
 }
 
-/// What differs, in the order of the files. Machine file and jobs are compared where both
-/// have such files: a control has none. Where `new` says nothing of the panel, nothing of it
-/// differs.
-pub fn diff(old: &State, new: &State) -> Vec<Difference> {
+/// Lists the values that differ, in the order of the files. Machine file and jobs are compared
+/// only if both states have them: a control has none. Panel settings are compared only if
+/// `new` has them.
+pub fn diff(old: &ProjectState, new: &ProjectState) -> Vec<ProjectDifference> {
     let with_texts = old.texts().is_some() && new.texts().is_some();
     let with_panel = new.panel().is_some();
-    let [mut before, mut after] = [old, new].map(State::entries);
-    let keys: BTreeSet<Key> = before.keys().chain(after.keys()).copied().collect();
+    let [mut before, mut after] = [old, new].map(ProjectState::entries);
+    let keys: BTreeSet<ProjectKey> = before.keys().chain(after.keys()).copied().collect();
     keys.into_iter()
-        .filter(|key| match Section::of(*key) {
-            Section::Machine | Section::Jobs => with_texts,
-            Section::Panel => with_panel,
+        .filter(|key| match ProjectSection::from_key(*key) {
+            ProjectSection::Machine | ProjectSection::Jobs => with_texts,
+            ProjectSection::Panel => with_panel,
             _ => true,
         })
-        .map(|key| Difference {
+        .map(|key| ProjectDifference {
             key,
             old: before.remove(&key),
             new: after.remove(&key),
@@ -50,13 +50,16 @@ pub fn diff(old: &State, new: &State) -> Vec<Difference> {
         .collect()
 }
 
-/// A control with some of its values changed. Where the selected program is gone, the first
-/// one is selected, as the control does it.
+/// Returns the state with the differences applied. If the selected program no longer exists,
+/// the program that was selected before stays selected, or else the first one is.
 ///
 /// # Errors
-/// The rules that the whole would break: a disk that would lack some of its values, a memory
-/// that would be too full.
-pub fn apply(state: &State, differences: &[Difference]) -> Result<State, Vec<Fault>> {
+/// The values that would be invalid afterwards: a disk with missing values, a program that
+/// exceeds the program memory.
+pub fn apply(
+    state: &ProjectState,
+    differences: &[ProjectDifference],
+) -> Result<ProjectState, Vec<InvalidValue>> {
     let mut entries = state.entries();
     for difference in differences {
         match &difference.new {
@@ -64,22 +67,22 @@ pub fn apply(state: &State, differences: &[Difference]) -> Result<State, Vec<Fau
             None => entries.remove(&difference.key),
         };
     }
-    if let Some(Value::Selected(Some(number))) = entries.get(&Key::Selected)
-        && !entries.contains_key(&Key::Program(*number))
+    if let Some(ProjectValue::Selected(Some(number))) = entries.get(&ProjectKey::Selected)
+        && !entries.contains_key(&ProjectKey::Program(*number))
     {
         let programs = state.memory().programs.current();
         let before = programs.and_then(|id| match id {
             ProgramId::Stored(number) => Some(number),
             _ => None,
         });
-        let kept = before.filter(|number| entries.contains_key(&Key::Program(*number)));
+        let kept = before.filter(|number| entries.contains_key(&ProjectKey::Program(*number)));
         let first = entries.keys().find_map(|key| match key {
-            Key::Program(number) => Some(*number),
+            ProjectKey::Program(number) => Some(*number),
             _ => None,
         });
-        entries.insert(Key::Selected, Value::Selected(kept.or(first)));
+        entries.insert(ProjectKey::Selected, ProjectValue::Selected(kept.or(first)));
     }
-    let changed = build(&entries)?;
+    let changed = build_state(&entries)?;
     Ok(match state.texts() {
         Some(_) => changed,
         None => changed.without_texts(),

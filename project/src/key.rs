@@ -1,27 +1,27 @@
-//! What names a value of the control, and where it stands in the folder.
+//! Keys: name each value of a project and map it to a file and a line name.
 
 use gsk_core::memory::Disk;
 use gsk_core::plc::{Area, ByteAddress};
 use gsk_core::program;
 use gsk_core::units::Axis;
 
-/// Whose parameters, offsets and pitch errors.
+/// Selects a set of parameters, tool offsets and pitch errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Set {
-    /// Those in force.
+pub enum DataSet {
+    /// The set that the control uses.
     Control,
-    /// Those saved on electronic disk N1.
+    /// The set saved on electronic disk N1.
     N1,
-    /// On N2.
+    /// The set saved on electronic disk N2.
     N2,
-    /// On N3.
+    /// The set saved on electronic disk N3.
     N3,
-    /// On N4.
+    /// The set saved on electronic disk N4.
     N4,
 }
 
-impl Set {
-    /// The electronic disks that can be saved on, with their names.
+impl DataSet {
+    /// The writable electronic disks with their names.
     pub const DISKS: [(Self, Disk, &'static str); 4] = [
         (Self::N1, Disk::N1, "N1"),
         (Self::N2, Disk::N2, "N2"),
@@ -29,30 +29,30 @@ impl Set {
         (Self::N4, Disk::N4, "N4"),
     ];
 
-    /// The name of its disk.
-    pub fn disk(self) -> Option<&'static str> {
+    /// Returns the name of the electronic disk (`N1`); `None` for the set in use.
+    pub fn disk_name(self) -> Option<&'static str> {
         let row = Self::DISKS.iter().find(|(set, ..)| *set == self);
         row.map(|(_, _, name)| *name)
     }
 }
 
-/// An option of the control: a row of the setting page, or macro B.
+/// A switch of the setting page, or the option of macro B.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Switch {
-    /// The option of macro B.
+pub enum SettingSwitch {
+    /// Enables macro B.
     MacroB,
-    /// 奇偶校检.
+    /// 奇偶校检: parity check.
     Parity,
-    /// ISO 代码.
+    /// ISO 代码: program transfer in ISO code, otherwise EIA.
     Iso,
-    /// 英制编程.
+    /// 英制编程: programs in inches.
     Inch,
-    /// 自动序号.
+    /// 自动序号: automatic sequence numbers.
     Numbering,
 }
 
-impl Switch {
-    /// All of them, by their names in the file.
+impl SettingSwitch {
+    /// All switches with their names in the file.
     pub const ALL: [(Self, &'static str); 5] = [
         (Self::MacroB, "macro-b"),
         (Self::Parity, "parity"),
@@ -64,19 +64,19 @@ impl Switch {
 
 /// A column of the offset page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum OffsetWord {
-    /// X, mm, as the page counts it: a diameter, or a radius with 004.4 ORC = 1.
+pub enum OffsetColumn {
+    /// X in mm as the offset page shows it: a diameter, or a radius with 004.4 ORC = 1.
     X,
-    /// Z, mm.
+    /// Z in mm.
     Z,
-    /// Nose radius, mm.
+    /// Nose radius in mm.
     R,
     /// Position of the imaginary tool nose, 0 to 9.
     T,
 }
 
-impl OffsetWord {
-    /// All of them, by their names in the file.
+impl OffsetColumn {
+    /// All columns with their names in the file.
     pub const ALL: [(Self, &'static str); 4] = [
         (Self::X, "X"),
         (Self::Z, "Z"),
@@ -85,21 +85,21 @@ impl OffsetWord {
     ];
 }
 
-/// What is counted.
+/// A counter of the control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Count {
-    /// Parts made, 0 to 9999.
+pub enum ProjectCounter {
+    /// Machined parts, 0 to 9999.
     Parts,
-    /// Time in cutting feed, ms.
+    /// Cutting feed time, ms.
     CuttingMs,
-    /// Parts to be made, 0 to 9999; no line: 0.
+    /// Required parts, 0 to 9999. Without a line: 0.
     Required,
-    /// Time with cycle start on, ms; no line: 0.
+    /// Time with cycle start on, ms. Without a line: 0.
     StartedMs,
 }
 
-impl Count {
-    /// All of them, by their names in the file.
+impl ProjectCounter {
+    /// All counters with their names in the file.
     pub const ALL: [(Self, &'static str); 4] = [
         (Self::Parts, "parts"),
         (Self::CuttingMs, "cutting-ms"),
@@ -107,40 +107,40 @@ impl Count {
         (Self::StartedMs, "started-ms"),
     ];
 
-    /// Whether it is left out where it is 0: older folders have none of it.
-    pub const fn may_be_missing(self) -> bool {
+    /// Whether the line is omitted at 0. Folders of older versions lack these lines.
+    pub const fn is_optional(self) -> bool {
         matches!(self, Self::Required | Self::StartedMs)
     }
 }
 
-/// What the panel keeps: brightness, and the setting of the graphic in thousandths of a
-/// millimetre.
+/// A setting of the panel: LCD brightness or an item of the graphic page. Lengths of the
+/// graphic page are in µm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum PanelWord {
-    /// Brightness of the LCD.
+pub enum PanelSetting {
+    /// LCD brightness, in steps from 0.
     Brightness,
-    /// 坐标选择: on is ZX.
+    /// 坐标选择: coordinate system; `on` is ZX.
     Zx,
-    /// 缩放比例, hundredths of a dot for a millimetre.
+    /// 缩放比例: scale, in hundredths of a dot per millimetre.
     Scale,
-    /// 图形中心, X.
+    /// 图形中心: X of the graphic centre, µm.
     CenterX,
-    /// 图形中心, Z.
+    /// 图形中心: Z of the graphic centre, µm.
     CenterZ,
-    /// X最大值.
+    /// X最大值: upper X limit of the graphic, µm.
     MaxX,
-    /// Z最大值.
+    /// Z最大值: upper Z limit of the graphic, µm.
     MaxZ,
-    /// X最小值.
+    /// X最小值: lower X limit of the graphic, µm.
     MinX,
-    /// Z最小值.
+    /// Z最小值: lower Z limit of the graphic, µm.
     MinZ,
-    /// Whether motion is recorded.
+    /// Whether the graphic page records motion.
     Drawing,
 }
 
-impl PanelWord {
-    /// All of them, by their names in the file.
+impl PanelSetting {
+    /// All settings with their names in the file.
     pub const ALL: [(Self, &'static str); 10] = [
         (Self::Brightness, "brightness"),
         (Self::Zx, "zx"),
@@ -155,90 +155,89 @@ impl PanelWord {
     ];
 }
 
-/// What names a value. They are in the order of the lines in the files.
+/// Names one value of a project. The order is the order of the lines in the files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Key {
-    /// Which form of the folder it is.
+pub enum ProjectKey {
+    /// Version of the folder format.
     Format,
     /// The control model.
     Model,
-    /// An option.
-    Switch(Switch),
+    /// A switch of the setting page, or the option of macro B.
+    Setting(SettingSwitch),
     /// The selected program.
     Selected,
-    /// A parameter that only this model has.
+    /// A parameter that only this model has, by its number.
     ModelParameter(u16),
-    /// A data parameter, or a bit of a state parameter.
-    Parameter(Set, u16, Option<u8>),
-    /// A value of a tool offset.
-    Offset(Set, u8, OffsetWord),
-    /// A pitch error, µm.
-    Pitch(Set, u8, Axis),
-    /// A macro variable that lasts.
+    /// A data parameter, or a bit (0 to 7) of a state parameter: set, number, bit.
+    Parameter(DataSet, u16, Option<u8>),
+    /// A value of a tool offset: set, offset number, column.
+    Offset(DataSet, u8, OffsetColumn),
+    /// A pitch error in µm: set, point, axis.
+    Pitch(DataSet, u8, Axis),
+    /// A retained macro variable, by its number.
     Variable(u16),
     /// A counter.
-    Count(Count),
-    /// A value that the panel keeps.
-    Panel(PanelWord),
-    /// A value that the PLC keeps: K, D300 to D999, T80 to T99, C, DC, DT.
+    Counter(ProjectCounter),
+    /// A setting of the panel.
+    Panel(PanelSetting),
+    /// A retained PLC address: K, D300 to D999, T80 to T99, C, DC, DT.
     Data(ByteAddress),
     /// The text of the ladder.
     Ladder,
-    /// The text of a program.
+    /// The text of a program, by its number.
     Program(u16),
-    /// The text of the job of a program.
+    /// The text of the job of a program, by the program number.
     Job(u16),
     /// The text of the machine file.
     Machine,
 }
 
-/// A file with a value a line.
+/// A project file with one value per line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Table {
-    /// Format, model, options, selected program.
+pub enum ProjectTable {
+    /// `project.gpr`: format, model, settings, selected program.
     Head,
-    /// Parameters that only the model has.
+    /// `model-parameters.txt`: parameters that only this model has.
     ModelParameters,
-    /// Parameters.
-    Parameters(Set),
-    /// Tool offsets.
-    Offsets(Set),
-    /// Pitch errors.
-    Pitch(Set),
-    /// Macro variables.
+    /// `parameters.txt`: parameters of a set.
+    Parameters(DataSet),
+    /// `offsets.txt`: tool offsets of a set.
+    Offsets(DataSet),
+    /// `pitch.txt`: pitch errors of a set.
+    Pitch(DataSet),
+    /// `variables.txt`: macro variables.
     Variables,
-    /// Counters.
+    /// `counters.txt`: counters.
     Counters,
-    /// What the panel keeps.
+    /// `panel.txt`: settings of the panel.
     Panel,
-    /// What the PLC keeps.
+    /// `ladder/data.txt`: retained PLC data.
     Data,
 }
 
-/// The file that makes a folder a project.
-pub(crate) const HEAD: &str = "project.gpr";
-/// The ladder, as instruction list.
-pub(crate) const LADDER: &str = "ladder/main.il";
-/// The machine file.
-pub(crate) const MACHINE: &str = "machine.ron";
-const PARAMETERS: &str = "parameters.txt";
-const OFFSETS: &str = "offsets.txt";
-const PITCH: &str = "pitch.txt";
-const PROGRAMS: &str = "programs/";
+/// A folder with this file is a project.
+pub(crate) const HEAD_FILE: &str = "project.gpr";
+/// The ladder as instruction list.
+pub(crate) const LADDER_FILE: &str = "ladder/main.il";
+pub(crate) const MACHINE_FILE: &str = "machine.ron";
+const PARAMETERS_FILE: &str = "parameters.txt";
+const OFFSETS_FILE: &str = "offsets.txt";
+const PITCH_FILE: &str = "pitch.txt";
+const PROGRAMS_FOLDER: &str = "programs/";
 
-impl Table {
-    /// Its file in the folder.
+impl ProjectTable {
+    /// Returns the path of the file in the folder.
     pub fn path(self) -> String {
-        let own = |set: Set, name: &str| match set.disk() {
+        let in_set_folder = |set: DataSet, name: &str| match set.disk_name() {
             Some(disk) => format!("disks/{disk}/{name}"),
             None => name.to_owned(),
         };
         match self {
-            Self::Head => HEAD.to_owned(),
+            Self::Head => HEAD_FILE.to_owned(),
             Self::ModelParameters => "model-parameters.txt".to_owned(),
-            Self::Parameters(set) => own(set, PARAMETERS),
-            Self::Offsets(set) => own(set, OFFSETS),
-            Self::Pitch(set) => own(set, PITCH),
+            Self::Parameters(set) => in_set_folder(set, PARAMETERS_FILE),
+            Self::Offsets(set) => in_set_folder(set, OFFSETS_FILE),
+            Self::Pitch(set) => in_set_folder(set, PITCH_FILE),
             Self::Variables => "variables.txt".to_owned(),
             Self::Counters => "counters.txt".to_owned(),
             Self::Panel => "panel.txt".to_owned(),
@@ -246,7 +245,7 @@ impl Table {
         }
     }
 
-    /// All of them.
+    /// Lists all tables, those of the electronic disks included.
     pub fn all() -> Vec<Self> {
         let mut all = vec![
             Self::Head,
@@ -256,63 +255,73 @@ impl Table {
             Self::Panel,
             Self::Data,
         ];
-        let disks = Set::DISKS.iter().map(|(set, ..)| *set);
-        for set in [Set::Control].into_iter().chain(disks) {
+        let disks = DataSet::DISKS.iter().map(|(set, ..)| *set);
+        for set in [DataSet::Control].into_iter().chain(disks) {
             all.extend([Self::Parameters(set), Self::Offsets(set), Self::Pitch(set)]);
         }
         all
     }
 
-    /// The table of a file.
-    pub(crate) fn of(path: &str) -> Option<Self> {
+    /// Finds the table of a path.
+    pub(crate) fn from_path(path: &str) -> Option<Self> {
         Self::all().into_iter().find(|table| table.path() == path)
     }
 
-    /// What is named so in this file, whether the control has it or not.
-    pub(crate) fn key(self, name: &str) -> Option<Key> {
+    /// Parses the name of a line in this file. The key need not exist in the control.
+    pub(crate) fn parse_key(self, name: &str) -> Option<ProjectKey> {
         match self {
             Self::Head => match name {
-                "format" => Some(Key::Format),
-                "model" => Some(Key::Model),
-                "selected" => Some(Key::Selected),
-                _ => word(&Switch::ALL, name).map(Key::Switch),
+                "format" => Some(ProjectKey::Format),
+                "model" => Some(ProjectKey::Model),
+                "selected" => Some(ProjectKey::Selected),
+                _ => find_by_name(&SettingSwitch::ALL, name).map(ProjectKey::Setting),
             },
-            Self::ModelParameters => number(name).map(Key::ModelParameter),
+            Self::ModelParameters => parse_number(name).map(ProjectKey::ModelParameter),
             Self::Parameters(set) => match name.split_once('.') {
-                None => Some(Key::Parameter(set, number(name)?, None)),
-                Some((of, bit)) => {
-                    let bit = number(bit).filter(|bit| *bit < 8)?;
-                    Some(Key::Parameter(set, number(of)?, Some(bit as u8)))
+                None => Some(ProjectKey::Parameter(set, parse_number(name)?, None)),
+                Some((parameter, bit)) => {
+                    let bit = parse_number(bit).filter(|bit| *bit < 8)?;
+                    Some(ProjectKey::Parameter(
+                        set,
+                        parse_number(parameter)?,
+                        Some(bit as u8),
+                    ))
                 }
             },
             Self::Offsets(set) => {
                 let (row, column) = name.split_once('.')?;
-                let row = u8::try_from(number(row)?).ok()?;
-                Some(Key::Offset(set, row, word(&OffsetWord::ALL, column)?))
+                let row = u8::try_from(parse_number(row)?).ok()?;
+                Some(ProjectKey::Offset(
+                    set,
+                    row,
+                    find_by_name(&OffsetColumn::ALL, column)?,
+                ))
             }
             Self::Pitch(set) => {
                 let (point, axis) = name.split_once('.')?;
-                let point = u8::try_from(number(point)?).ok()?;
-                let axis = word(&[(Axis::X, "X"), (Axis::Z, "Z")], axis)?;
-                Some(Key::Pitch(set, point, axis))
+                let point = u8::try_from(parse_number(point)?).ok()?;
+                let axis = find_by_name(&[(Axis::X, "X"), (Axis::Z, "Z")], axis)?;
+                Some(ProjectKey::Pitch(set, point, axis))
             }
-            Self::Variables => number(name.strip_prefix('#')?).map(Key::Variable),
-            Self::Counters => word(&Count::ALL, name).map(Key::Count),
-            Self::Panel => word(&PanelWord::ALL, name).map(Key::Panel),
+            Self::Variables => parse_number(name.strip_prefix('#')?).map(ProjectKey::Variable),
+            Self::Counters => find_by_name(&ProjectCounter::ALL, name).map(ProjectKey::Counter),
+            Self::Panel => find_by_name(&PanelSetting::ALL, name).map(ProjectKey::Panel),
             Self::Data => {
                 let at = name.find(|letter: char| letter.is_ascii_digit())?;
                 let (letters, digits) = name.split_at(at);
-                let areas = KEPT.iter().map(|(area, _)| *area);
+                let areas = RETAINED_AREAS.iter().map(|(area, _)| *area);
                 let area = areas.into_iter().find(|area| area.letter() == letters)?;
-                Some(Key::Data(ByteAddress::new(area, number(digits)?)))
+                Some(ProjectKey::Data(ByteAddress::new(
+                    area,
+                    parse_number(digits)?,
+                )))
             }
         }
     }
 }
 
-/// The areas of the PLC that the battery keeps, each from this byte or entry on
-/// (manual PLC-I 3).
-pub(crate) const KEPT: [(Area, u16); 6] = [
+/// The PLC areas that the battery retains, each from this byte or entry on (manual PLC-I 3).
+pub(crate) const RETAINED_AREAS: [(Area, u16); 6] = [
     (Area::K, 0),
     (Area::D, 300),
     (Area::T, 80),
@@ -321,118 +330,121 @@ pub(crate) const KEPT: [(Area, u16); 6] = [
     (Area::Dt, 0),
 ];
 
-fn word<T: Copy>(words: &[(T, &str)], name: &str) -> Option<T> {
+fn find_by_name<T: Copy>(words: &[(T, &str)], name: &str) -> Option<T> {
     let found = words.iter().find(|(_, word)| *word == name);
-    found.map(|(what, _)| *what)
+    found.map(|(item, _)| *item)
 }
 
-pub(crate) fn name_of<T: Copy + PartialEq>(words: &[(T, &'static str)], what: T) -> &'static str {
-    let found = words.iter().find(|(own, _)| *own == what);
+pub(crate) fn find_name<T: Copy + PartialEq>(words: &[(T, &'static str)], item: T) -> &'static str {
+    let found = words.iter().find(|(known, _)| *known == item);
     found.map_or("", |(_, word)| word)
 }
 
-/// Digits alone: no sign, no blank.
-fn number(digits: &str) -> Option<u16> {
+/// Parses a number without sign and blanks.
+fn parse_number(digits: &str) -> Option<u16> {
     let plain = digits.bytes().all(|byte| byte.is_ascii_digit());
     plain.then(|| digits.parse().ok())?
 }
 
-/// The program number in a name like `O0001`.
-fn program_number(name: &str) -> Option<u16> {
+/// Parses a program name like `O0001`.
+fn parse_program_number(name: &str) -> Option<u16> {
     let digits = name.strip_prefix('O').filter(|digits| digits.len() == 4)?;
-    number(digits).filter(|number| program::RANGE.contains(number))
+    parse_number(digits).filter(|number| program::RANGE.contains(number))
 }
 
-impl Key {
-    /// The file that it has for itself: programs and other texts.
-    pub fn file(self) -> Option<String> {
+impl ProjectKey {
+    /// Returns the path of the file that holds only this value (program, job, ladder, machine
+    /// file); `None` for a line of a table.
+    pub fn own_file(self) -> Option<String> {
         match self {
-            Self::Ladder => Some(LADDER.to_owned()),
-            Self::Machine => Some(MACHINE.to_owned()),
-            Self::Program(number) => Some(format!("{PROGRAMS}O{number:04}.CNC")),
-            Self::Job(number) => Some(format!("{PROGRAMS}O{number:04}.job.ron")),
+            Self::Ladder => Some(LADDER_FILE.to_owned()),
+            Self::Machine => Some(MACHINE_FILE.to_owned()),
+            Self::Program(number) => Some(format!("{PROGRAMS_FOLDER}O{number:04}.CNC")),
+            Self::Job(number) => Some(format!("{PROGRAMS_FOLDER}O{number:04}.job.ron")),
             _ => None,
         }
     }
 
-    /// What has a file for itself.
-    pub(crate) fn of_file(path: &str) -> Option<Self> {
+    /// Finds the key of a file that holds only one value.
+    pub(crate) fn from_path(path: &str) -> Option<Self> {
         match path {
-            LADDER => return Some(Self::Ladder),
-            MACHINE => return Some(Self::Machine),
+            LADDER_FILE => return Some(Self::Ladder),
+            MACHINE_FILE => return Some(Self::Machine),
             _ => {}
         }
-        let name = path.strip_prefix(PROGRAMS)?;
+        let name = path.strip_prefix(PROGRAMS_FOLDER)?;
         match name.split_once('.')? {
-            (name, "CNC") => program_number(name).map(Self::Program),
-            (name, "job.ron") => program_number(name).map(Self::Job),
+            (name, "CNC") => parse_program_number(name).map(Self::Program),
+            (name, "job.ron") => parse_program_number(name).map(Self::Job),
             _ => None,
         }
     }
 
-    /// The file in which it has a line; none of what has a file for itself.
-    pub fn table(self) -> Option<Table> {
+    /// Returns the table that has a line for the key; `None` for a value with a file of its own.
+    pub fn table(self) -> Option<ProjectTable> {
         match self {
-            Self::Format | Self::Model | Self::Switch(_) | Self::Selected => Some(Table::Head),
-            Self::ModelParameter(_) => Some(Table::ModelParameters),
-            Self::Parameter(set, ..) => Some(Table::Parameters(set)),
-            Self::Offset(set, ..) => Some(Table::Offsets(set)),
-            Self::Pitch(set, ..) => Some(Table::Pitch(set)),
-            Self::Variable(_) => Some(Table::Variables),
-            Self::Count(_) => Some(Table::Counters),
-            Self::Panel(_) => Some(Table::Panel),
-            Self::Data(_) => Some(Table::Data),
+            Self::Format | Self::Model | Self::Setting(_) | Self::Selected => {
+                Some(ProjectTable::Head)
+            }
+            Self::ModelParameter(_) => Some(ProjectTable::ModelParameters),
+            Self::Parameter(set, ..) => Some(ProjectTable::Parameters(set)),
+            Self::Offset(set, ..) => Some(ProjectTable::Offsets(set)),
+            Self::Pitch(set, ..) => Some(ProjectTable::Pitch(set)),
+            Self::Variable(_) => Some(ProjectTable::Variables),
+            Self::Counter(_) => Some(ProjectTable::Counters),
+            Self::Panel(_) => Some(ProjectTable::Panel),
+            Self::Data(_) => Some(ProjectTable::Data),
             Self::Ladder | Self::Program(_) | Self::Job(_) | Self::Machine => None,
         }
     }
 
-    /// The file it stands in.
+    /// Returns the path of the file that holds the value.
     pub fn path(self) -> String {
         match self.table() {
             Some(table) => table.path(),
-            None => self.file().unwrap_or_default(),
+            None => self.own_file().unwrap_or_default(),
         }
     }
 
-    /// Its name in that file; of what has a file for itself the name of that.
+    /// Returns the name of the line in the file; for a value with a file of its own its path.
     pub fn name(self) -> String {
         match self {
             Self::Format => "format".to_owned(),
             Self::Model => "model".to_owned(),
-            Self::Switch(switch) => name_of(&Switch::ALL, switch).to_owned(),
+            Self::Setting(switch) => find_name(&SettingSwitch::ALL, switch).to_owned(),
             Self::Selected => "selected".to_owned(),
             Self::ModelParameter(number) | Self::Parameter(_, number, None) => {
                 format!("{number:03}")
             }
             Self::Parameter(_, number, Some(bit)) => format!("{number:03}.{bit}"),
             Self::Offset(_, row, word) => {
-                format!("{row:03}.{}", name_of(&OffsetWord::ALL, word))
+                format!("{row:03}.{}", find_name(&OffsetColumn::ALL, word))
             }
             Self::Pitch(_, point, Axis::X) => format!("{point:03}.X"),
             Self::Pitch(_, point, Axis::Z) => format!("{point:03}.Z"),
             Self::Variable(number) => format!("#{number}"),
-            Self::Count(count) => name_of(&Count::ALL, count).to_owned(),
-            Self::Panel(word) => name_of(&PanelWord::ALL, word).to_owned(),
+            Self::Counter(count) => find_name(&ProjectCounter::ALL, count).to_owned(),
+            Self::Panel(word) => find_name(&PanelSetting::ALL, word).to_owned(),
             Self::Data(address) => address.to_string(),
             Self::Ladder | Self::Program(_) | Self::Job(_) | Self::Machine => {
-                self.file().unwrap_or_default()
+                self.own_file().unwrap_or_default()
             }
         }
     }
 }
 
-/// A part of the control that can be taken over alone.
+/// A group of values that can be imported separately.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Section {
+pub enum ProjectSection {
     /// The control model and the parameters that only it has.
     Model,
-    /// The options.
+    /// The switches of the setting page and the option of macro B.
     Settings,
-    /// Parameters.
+    /// Parameters in use.
     Parameters,
-    /// Tool offsets.
+    /// Tool offsets in use.
     Offsets,
-    /// Pitch errors.
+    /// Pitch errors in use.
     Pitch,
     /// Macro variables.
     Variables,
@@ -440,13 +452,13 @@ pub enum Section {
     Counters,
     /// The electronic disks.
     Disks,
-    /// What the panel keeps.
+    /// Settings of the panel.
     Panel,
-    /// Programs, and which of them is selected.
+    /// Programs and the selection of one.
     Programs,
     /// The ladder with its messages, comments and start values.
     Ladder,
-    /// What the PLC keeps.
+    /// Retained PLC data.
     Data,
     /// The machine file.
     Machine,
@@ -454,8 +466,8 @@ pub enum Section {
     Jobs,
 }
 
-impl Section {
-    /// All of them, by their words.
+impl ProjectSection {
+    /// All sections with their words on the command line.
     pub const ALL: [(Self, &'static str); 14] = [
         (Self::Model, "model"),
         (Self::Settings, "settings"),
@@ -473,38 +485,40 @@ impl Section {
         (Self::Jobs, "jobs"),
     ];
 
-    /// Whether a control holds it; what it does not hold stands in the folder alone.
+    /// Whether a control stores this section. The others exist only in the folder.
     pub const fn is_in_control(self) -> bool {
         !matches!(self, Self::Machine | Self::Jobs)
     }
 
-    /// Its word.
+    /// Returns the word of the section on the command line.
     pub fn word(self) -> &'static str {
-        name_of(&Self::ALL, self)
+        find_name(&Self::ALL, self)
     }
 
-    /// The section of a word.
-    pub fn of_word(name: &str) -> Option<Self> {
-        word(&Self::ALL, name)
+    /// Finds the section of a command line word.
+    pub fn from_word(name: &str) -> Option<Self> {
+        find_by_name(&Self::ALL, name)
     }
 
-    /// Where a key belongs.
-    pub const fn of(key: Key) -> Self {
+    /// Returns the section that a key belongs to.
+    pub const fn from_key(key: ProjectKey) -> Self {
         match key {
-            Key::Format | Key::Model | Key::ModelParameter(_) => Self::Model,
-            Key::Switch(_) => Self::Settings,
-            Key::Selected | Key::Program(_) => Self::Programs,
-            Key::Parameter(Set::Control, ..) => Self::Parameters,
-            Key::Offset(Set::Control, ..) => Self::Offsets,
-            Key::Pitch(Set::Control, ..) => Self::Pitch,
-            Key::Parameter(..) | Key::Offset(..) | Key::Pitch(..) => Self::Disks,
-            Key::Variable(_) => Self::Variables,
-            Key::Count(_) => Self::Counters,
-            Key::Panel(_) => Self::Panel,
-            Key::Data(_) => Self::Data,
-            Key::Ladder => Self::Ladder,
-            Key::Job(_) => Self::Jobs,
-            Key::Machine => Self::Machine,
+            ProjectKey::Format | ProjectKey::Model | ProjectKey::ModelParameter(_) => Self::Model,
+            ProjectKey::Setting(_) => Self::Settings,
+            ProjectKey::Selected | ProjectKey::Program(_) => Self::Programs,
+            ProjectKey::Parameter(DataSet::Control, ..) => Self::Parameters,
+            ProjectKey::Offset(DataSet::Control, ..) => Self::Offsets,
+            ProjectKey::Pitch(DataSet::Control, ..) => Self::Pitch,
+            ProjectKey::Parameter(..) | ProjectKey::Offset(..) | ProjectKey::Pitch(..) => {
+                Self::Disks
+            }
+            ProjectKey::Variable(_) => Self::Variables,
+            ProjectKey::Counter(_) => Self::Counters,
+            ProjectKey::Panel(_) => Self::Panel,
+            ProjectKey::Data(_) => Self::Data,
+            ProjectKey::Ladder => Self::Ladder,
+            ProjectKey::Job(_) => Self::Jobs,
+            ProjectKey::Machine => Self::Machine,
         }
     }
 }

@@ -1,16 +1,16 @@
-//! The project: all that a control holds, as one folder of readable text.
+//! Exports, imports and compares the retained data of a control as one folder of text files.
 //!
-//! A [`State`] is what the battery keeps, with the ladder. Each value of it has a [`Key`]
-//! (parameter 022, bit 4 of parameter 001, X of offset 01, …), and everything here goes by
-//! these: [`export`] writes a line for each, [`import`] reads the lines, [`diff`] lists the
-//! keys whose values differ, [`apply`] changes some of them.
+//! A [`ProjectState`] stores what the battery retains, and the ladder. Each of its values has a
+//! [`ProjectKey`] (parameter 022, bit 4 of parameter 001, X of offset 01). [`export`] writes a
+//! line for each key and [`import`] parses the lines. [`diff`] lists the keys whose values
+//! differ, and [`apply`] changes them.
 //!
 //! ```
 //! use gsk_core::setup::Setup;
 //! use gsk_messages::Language;
-//! use gsk_project::{State, apply, diff, export, import};
+//! use gsk_project::{ProjectState, apply, diff, export, import};
 //!
-//! let before = State::of(&Setup::delivered());
+//! let before = ProjectState::from_setup(&Setup::delivered());
 //! let mut files = export(&before, Language::En);
 //! let text = &files["parameters.txt"];
 //! let changed = text.replace("022 = 3800", "022 = 7600");
@@ -21,28 +21,30 @@
 //! assert_eq!(apply(&before, &differences).unwrap(), after);
 //! ```
 //!
-//! The format is described in `docs/project.md`. Nothing here touches a disk: files are
-//! their names and texts.
+//! `docs/project.md` describes the format. This crate does no I/O: a file is a path and a text.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
-mod build;
-mod details;
+mod builder;
+mod denied_changes;
 mod difference;
+mod difference_text;
+mod files;
 mod key;
 mod label;
-mod ladder;
-mod rights;
-mod state;
-mod text;
+mod ladder_diff;
+mod project_state;
 mod value;
 
-pub use build::{Fault, build};
-pub use details::{details, sentence, whole_disk};
-pub use difference::{Difference, apply, diff};
-pub use key::{Count, Key, OffsetWord, PanelWord, Section, Set, Switch, Table};
-pub use label::{label, refused, unit};
-pub use rights::{Denied, denied};
-pub use state::{State, lasts};
-pub use text::{Files, MOST_PROBLEMS, Problem, export, import, is_own};
-pub use value::Value;
+pub use builder::{InvalidValue, build_state};
+pub use denied_changes::{DeniedChange, find_denied_changes};
+pub use difference::{ProjectDifference, apply, diff};
+pub use difference_text::{describe_difference, describe_text_changes, find_whole_disk};
+pub use files::{MAX_PROBLEMS, ProjectFiles, ProjectProblem, export, import, is_project_file};
+pub use key::{
+    DataSet, OffsetColumn, PanelSetting, ProjectCounter, ProjectKey, ProjectSection, ProjectTable,
+    SettingSwitch,
+};
+pub use label::{label, refusal_message, unit};
+pub use project_state::{ProjectState, is_retained_variable};
+pub use value::ProjectValue;

@@ -1,31 +1,32 @@
-//! A value, and how it is written.
+//! Parses and formats a single value of a project.
 
 use std::sync::Arc;
 
 use gsk_core::model::ModelId;
+use gsk_core::units::parse_finite;
 use gsk_messages::{Message, say};
 
-use crate::key::{Key, PanelWord};
+use crate::key::{PanelSetting, ProjectKey};
 
-/// A value of the control.
+/// A value of the control, as a project stores it.
 #[derive(Clone, Debug)]
-pub enum Value {
-    /// A whole number.
+pub enum ProjectValue {
+    /// An integer: parameter, pitch error, counter, PLC data.
     Whole(i64),
-    /// A number with a fraction.
+    /// A real number: tool offset (mm), macro variable.
     Real(f64),
-    /// On or off.
+    /// A switch, `on` or `off`.
     Switch(bool),
     /// A control model.
     Model(ModelId),
-    /// A program, or none.
+    /// The number of the selected program; `None` for no selection.
     Selected(Option<u16>),
-    /// What a file holds.
+    /// The content of a file: program, ladder, job or machine file.
     Text(Arc<str>),
 }
 
-/// Numbers are the same when all their bits are.
-impl PartialEq for Value {
+/// Real numbers are equal if all their bits are equal.
+impl PartialEq for ProjectValue {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Whole(one), Self::Whole(other)) => one == other,
@@ -39,12 +40,12 @@ impl PartialEq for Value {
     }
 }
 
-/// As it stands in a file; a text is too long to be shown, and is empty here.
-impl core::fmt::Display for Value {
+/// Formats the value as in its file. A text has a file of its own and is empty here.
+impl core::fmt::Display for ProjectValue {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Whole(value) => write!(f, "{value}"),
-            Self::Real(value) => f.write_str(&shortest(*value)),
+            Self::Real(value) => f.write_str(&format_shortest(*value)),
             Self::Switch(on) => f.write_str(if *on { "on" } else { "off" }),
             Self::Model(model) => f.write_str(model.word()),
             Self::Selected(Some(number)) => write!(f, "O{number:04}"),
@@ -54,18 +55,17 @@ impl core::fmt::Display for Value {
     }
 }
 
-/// The shortest decimal that is read as the same bits; with an exponent where it would be
-/// long without.
-fn shortest(value: f64) -> String {
+/// Formats the shortest decimal that parses to the same bits; with an exponent below 1e-6 and
+/// from 1e15.
+fn format_shortest(value: f64) -> String {
     match value.abs() {
         0.0 | 1e-6..1e15 => format!("{value}"),
         _ => format!("{value:e}"),
     }
 }
 
-/// What a value of a key looks like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum ValueType {
     Whole,
     Real,
     Switch,
@@ -73,39 +73,50 @@ enum Kind {
     Selected,
 }
 
-const fn kind(key: Key) -> Kind {
+const fn value_type(key: ProjectKey) -> ValueType {
     match key {
-        Key::Model => Kind::Model,
-        Key::Selected => Kind::Selected,
-        Key::Switch(_) | Key::Panel(PanelWord::Zx | PanelWord::Drawing) => Kind::Switch,
-        Key::Offset(_, _, crate::OffsetWord::T) => Kind::Whole,
-        Key::Offset(..) | Key::Variable(_) => Kind::Real,
-        _ => Kind::Whole,
+        ProjectKey::Model => ValueType::Model,
+        ProjectKey::Selected => ValueType::Selected,
+        ProjectKey::Setting(_) | ProjectKey::Panel(PanelSetting::Zx | PanelSetting::Drawing) => {
+            ValueType::Switch
+        }
+        ProjectKey::Offset(_, _, crate::OffsetColumn::T) => ValueType::Whole,
+        ProjectKey::Offset(..) | ProjectKey::Variable(_) => ValueType::Real,
+        _ => ValueType::Whole,
     }
 }
 
-/// Reads the value of a key.
+/// Parses the value of a key.
 ///
 /// # Errors
-/// What should stand there.
-pub(crate) fn read(key: Key, text: &str) -> Result<Value, Message> {
-    let (value, wanted) = match kind(key) {
-        Kind::Whole => (text.parse().ok().map(Value::Whole), say::project_whole()),
-        Kind::Real => (text.parse().ok().map(Value::Real), say::project_real()),
-        Kind::Switch => (switch(text).map(Value::Switch), say::project_switch()),
-        Kind::Model => {
+/// A message with the text and the expected form.
+pub(crate) fn parse_value(key: ProjectKey, text: &str) -> Result<ProjectValue, Message> {
+    let (value, expected) = match value_type(key) {
+        ValueType::Whole => (
+            text.parse().ok().map(ProjectValue::Whole),
+            say::project_whole(),
+        ),
+        ValueType::Real => (
+            parse_finite(text).map(ProjectValue::Real),
+            say::project_real(),
+        ),
+        ValueType::Switch => (
+            parse_switch(text).map(ProjectValue::Switch),
+            say::project_switch(),
+        ),
+        ValueType::Model => {
             let words = ModelId::ALL.map(ModelId::word).join(", ");
             (
-                ModelId::from_word(text).map(Value::Model),
+                ModelId::from_word(text).map(ProjectValue::Model),
                 say::project_one_of(words),
             )
         }
-        Kind::Selected => (selected(text), say::project_program_name()),
+        ValueType::Selected => (parse_selected(text), say::project_program_name()),
     };
-    value.ok_or_else(|| say::project_not_a_value(text, wanted))
+    value.ok_or_else(|| say::project_not_a_value(text, expected))
 }
 
-fn switch(text: &str) -> Option<bool> {
+fn parse_switch(text: &str) -> Option<bool> {
     match text {
         "on" => Some(true),
         "off" => Some(false),
@@ -113,12 +124,26 @@ fn switch(text: &str) -> Option<bool> {
     }
 }
 
-fn selected(text: &str) -> Option<Value> {
+fn parse_selected(text: &str) -> Option<ProjectValue> {
     if text == "none" {
-        return Some(Value::Selected(None));
+        return Some(ProjectValue::Selected(None));
     }
-    match Key::of_file(&format!("programs/{text}.CNC")) {
-        Some(Key::Program(number)) => Some(Value::Selected(Some(number))),
+    match ProjectKey::from_path(&format!("programs/{text}.CNC")) {
+        Some(ProjectKey::Program(number)) => Some(ProjectValue::Selected(Some(number))),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_is_finite() {
+        let key = ProjectKey::Variable(500);
+        assert_eq!(parse_value(key, "-2.5e3"), Ok(ProjectValue::Real(-2500.0)));
+        for text in ["nan", "NaN", "inf", "-inf", "infinity", "1e999", "1,5", ""] {
+            assert!(parse_value(key, text).is_err(), "{text}");
+        }
     }
 }

@@ -1,45 +1,48 @@
-//! The port of the control: frames, and programs as plain text beside them.
+//! Serial port of the control: frames, and programs as plain text beside them.
 
 use std::collections::VecDeque;
 
-use crate::control_side::{ControlEvent, ControlSide, Status, Store};
-use crate::fault::Fault;
-use crate::file::NewFile;
-use crate::frame::Place;
-use crate::name::{FileName, Partition};
-use crate::text::{self, LineEnd, TextEvent, TextReader, TextWriter};
-use crate::{HostTime, SLOWEST_FRAMES};
+use crate::control_side::{ControlEvent, ControlSide, FileStore, PortStatus};
+use crate::file_name::{FileName, Partition};
+use crate::frame::RemotePath;
+use crate::program_text::{
+    TextEvent, TextLineEnd, TextReader, TextWriter, parse_program_number, split_programs,
+};
+use crate::transfer_fault::TransferFault;
+use crate::transfer_file::TransferFile;
+use crate::{HostTime, MIN_FRAME_BAUD};
 
-/// How the control speaks.
+/// Protocol that the control sends with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Framing {
-    /// In frames; a text that begins with `%` is taken as well.
+    /// Frames. A received plain text that begins with `%` is accepted as well.
     #[default]
     Frames,
-    /// In text only.
+    /// Plain text only.
     Text,
 }
 
-/// The port of the control.
+/// Serial port of the control.
 #[derive(Clone, Debug)]
 pub struct ControlPort {
     framing: Framing,
-    line_end: LineEnd,
+    line_end: TextLineEnd,
     baud: u32,
     frames: ControlSide,
     reader: TextReader,
-    /// DC1 and DC3 of the reader.
-    replies: Vec<u8>,
+    /// XON and XOFF of the text reader.
+    flow_control: Vec<u8>,
     writer: Option<(FileName, TextWriter)>,
-    /// Programs that go out as text.
-    to_write: VecDeque<NewFile>,
+    /// Programs that wait to be sent as text.
+    text_queue: VecDeque<TransferFile>,
     events: VecDeque<ControlEvent>,
 }
 
 impl ControlPort {
-    /// At a line of so many bits a second; a slow one carries text only.
-    pub fn new(baud: u32, framing: Framing, line_end: LineEnd) -> Self {
-        let framing = match baud < SLOWEST_FRAMES {
+    /// Creates the port for a line of `baud` bits per second. Below [`MIN_FRAME_BAUD`] it uses
+    /// plain text only.
+    pub fn new(baud: u32, framing: Framing, line_end: TextLineEnd) -> Self {
+        let framing = match baud < MIN_FRAME_BAUD {
             true => Framing::Text,
             false => framing,
         };
@@ -49,132 +52,134 @@ impl ControlPort {
             baud,
             frames: ControlSide::new(baud),
             reader: TextReader::new(baud),
-            replies: Vec::new(),
+            flow_control: Vec::new(),
             writer: None,
-            to_write: VecDeque::new(),
+            text_queue: VecDeque::new(),
             events: VecDeque::new(),
         }
     }
 
-    /// How it speaks.
+    /// Returns the protocol that the control sends with.
     pub const fn framing(&self) -> Framing {
         self.framing
     }
 
-    /// All that was to be said has been said and answered, and nothing comes in.
-    pub fn is_quiet(&self) -> bool {
-        self.frames.is_quiet()
-            && self.replies.is_empty()
+    /// Whether everything is sent and acknowledged and nothing is being received.
+    pub fn is_drained(&self) -> bool {
+        self.frames.is_drained()
+            && self.flow_control.is_empty()
             && self.writer.is_none()
-            && self.to_write.is_empty()
-            && !self.reader.is_within()
+            && self.text_queue.is_empty()
+            && !self.reader.is_in_text()
     }
 
-    /// Sends files by itself.
-    pub fn send(&mut self, files: Vec<NewFile>) {
+    /// Queues files for sending.
+    pub fn send(&mut self, files: Vec<TransferFile>) {
         match self.framing {
             Framing::Frames => self.frames.send(files),
-            Framing::Text => self.to_write.extend(files),
+            Framing::Text => self.text_queue.extend(files),
         }
     }
 
-    /// 复位: what is under way is dropped.
-    pub fn break_off(&mut self) {
-        self.frames.break_off();
+    /// Aborts all transfers on 复位 (reset).
+    pub fn abort(&mut self) {
+        self.frames.abort();
         self.reader.reset();
         self.writer = None;
-        self.to_write.clear();
+        self.text_queue.clear();
     }
 
-    /// Bytes have come.
-    pub fn hear(&mut self, bytes: &[u8], now: HostTime) {
+    /// Takes received bytes.
+    pub fn receive(&mut self, bytes: &[u8], now: HostTime) {
         if let Some((_, writer)) = &mut self.writer {
-            writer.hear(bytes);
+            writer.receive(bytes);
         } else if self.framing == Framing::Text || self.reader.is_busy() {
-            self.reader.hear(bytes, now);
-        } else if self.frames.is_connected() || self.frames.is_within() {
-            self.frames.hear(bytes, now);
+            self.reader.receive(bytes, now);
+        } else if self.frames.is_connected() || self.frames.is_in_frame() {
+            self.frames.receive(bytes, now);
         } else {
-            self.hear_first(bytes, now);
+            self.receive_first(bytes, now);
         }
     }
 
-    /// The first bytes from whoever it is: a leader says nothing, `%` begins a text.
-    fn hear_first(&mut self, bytes: &[u8], now: HostTime) {
-        let leader = |byte: &&u8| matches!(**byte & 0x7F, 0 | 0x7F | 0x11..=0x14 | b'\r' | b'\n');
-        let skipped = bytes.iter().take_while(leader).count();
+    /// Selects the protocol by the first bytes of a new peer: after leader bytes, `%` begins a
+    /// text.
+    fn receive_first(&mut self, bytes: &[u8], now: HostTime) {
+        let is_leader =
+            |byte: &&u8| matches!(**byte & 0x7F, 0 | 0x7F | 0x11..=0x14 | b'\r' | b'\n');
+        let skipped = bytes.iter().take_while(is_leader).count();
         let rest = &bytes[skipped..];
         match rest.first() {
             None => {}
-            Some(byte) if byte & 0x7F == b'%' => self.reader.hear(rest, now),
-            Some(_) => self.frames.hear(rest, now),
+            Some(byte) if byte & 0x7F == b'%' => self.reader.receive(rest, now),
+            Some(_) => self.frames.receive(rest, now),
         }
     }
 
-    /// Hands bytes to the port, which says how many it takes.
+    /// Passes waiting bytes to `port`, which returns how many it has taken.
     pub fn write(&mut self, now: HostTime, mut port: impl FnMut(&[u8]) -> usize) {
-        self.replies.extend(self.reader.take_replies());
-        if !self.replies.is_empty() {
-            let taken = port(&self.replies);
-            self.replies.drain(..taken.min(self.replies.len()));
+        self.flow_control.extend(self.reader.take_flow_control());
+        if !self.flow_control.is_empty() {
+            let taken = port(&self.flow_control);
+            self.flow_control
+                .drain(..taken.min(self.flow_control.len()));
         } else if let Some((_, writer)) = &mut self.writer {
-            let due = writer.due(now);
+            let due = writer.pending_bytes(now);
             if !due.is_empty() {
                 let taken = port(due);
-                writer.sent(taken, now);
+                writer.mark_sent(taken, now);
             }
         } else {
-            let due = self.frames.due(now);
+            let due = self.frames.pending_bytes(now);
             if !due.is_empty() {
                 let taken = port(due);
-                self.frames.sent(taken);
+                self.frames.mark_sent(taken);
             }
         }
     }
 
-    /// What has come of something.
+    /// Returns the oldest event.
     pub fn next_event(&mut self) -> Option<ControlEvent> {
         self.events.pop_front().or_else(|| self.frames.next_event())
     }
 
-    /// What the LCD says.
-    pub fn status(&self, now: HostTime) -> Status {
-        if self.writer.is_some() || !self.to_write.is_empty() {
-            Status::Sending
-        } else if self.reader.is_within() {
-            Status::Receiving
+    /// Returns the transfer status for the LCD.
+    pub fn status(&self, now: HostTime) -> PortStatus {
+        if self.writer.is_some() || !self.text_queue.is_empty() {
+            PortStatus::Sending
+        } else if self.reader.is_in_text() {
+            PortStatus::Receiving
         } else {
             self.frames.status(now)
         }
     }
 
-    /// Does what is to be done by now.
-    pub fn advance(&mut self, now: HostTime, store: &mut dyn Store) {
+    /// Processes received bytes, timeouts and waiting files up to `now`.
+    pub fn advance(&mut self, now: HostTime, store: &mut dyn FileStore) {
         self.frames.advance(now, store);
         while let Some(event) = self.reader.advance(now) {
             match event {
-                TextEvent::Begun => {}
+                TextEvent::Started => {}
                 TextEvent::Noise => self.events.push_back(ControlEvent::NotConnected),
-                TextEvent::Broken => self.events.push_back(ControlEvent::Broken),
-                TextEvent::Whole(text) => self.take(&text, store),
+                TextEvent::Interrupted => self.events.push_back(ControlEvent::Interrupted),
+                TextEvent::Complete(text) => self.store_programs(&text, store),
             }
         }
-        self.go_on(now);
+        self.advance_writer(now);
     }
 
-    /// The programs of a text come into the memory; one that is refused keeps out those
-    /// after it.
-    fn take(&mut self, text: &str, store: &mut dyn Store) {
-        for program in text::programs(text) {
-            let Some(number) = text::program_number(program) else {
-                let name = FileName::of_program(0);
+    /// Stores the programs of a received text, up to the first that is refused.
+    fn store_programs(&mut self, text: &str, store: &mut dyn FileStore) {
+        for program in split_programs(text) {
+            let Some(number) = parse_program_number(program) else {
+                let name = FileName::from_program(0);
                 self.events
-                    .push_back(ControlEvent::Refused(name, Fault::BadName));
+                    .push_back(ControlEvent::Refused(name, TransferFault::BadName));
                 return;
             };
-            let name = FileName::of_program(number);
-            let file = NewFile {
-                place: Place {
+            let name = FileName::from_program(number);
+            let file = TransferFile {
+                remote_path: RemotePath {
                     partition: Partition::User,
                     name: name.clone(),
                 },
@@ -190,32 +195,38 @@ impl ControlPort {
         }
     }
 
-    /// Ends a text that is over and begins the next one.
-    fn go_on(&mut self, now: HostTime) {
+    /// Completes a sent text and starts the next one.
+    fn advance_writer(&mut self, now: HostTime) {
         if let Some((name, writer)) = &self.writer {
-            if !writer.is_over(now) {
+            if !writer.is_finished(now) {
                 return;
             }
             self.events.push_back(ControlEvent::Sent(name.clone()));
             self.writer = None;
         }
-        if self.reader.is_within() {
+        if self.reader.is_in_text() {
             return;
         }
-        let Some(NewFile { place, bytes, .. }) = self.to_write.pop_front() else {
+        let Some(TransferFile {
+            remote_path: path,
+            bytes,
+            ..
+        }) = self.text_queue.pop_front()
+        else {
             return;
         };
-        let name = place.name;
-        if name.program().is_none() {
-            self.to_write.clear();
+        let name = path.name;
+        if name.program_number().is_none() {
+            self.text_queue.clear();
             return self.events.push_back(ControlEvent::OnlyPrograms(name));
         }
         let text = String::from_utf8_lossy(&bytes);
         match TextWriter::new(&text, self.line_end, self.baud) {
             Ok(writer) => self.writer = Some((name, writer)),
             Err(why) => {
-                self.to_write.clear();
-                self.events.push_back(ControlEvent::NotText(name, why));
+                self.text_queue.clear();
+                self.events
+                    .push_back(ControlEvent::InvalidCharacter(name, why));
             }
         }
     }

@@ -1,325 +1,335 @@
-//! The control's side: it answers what the other side asks for, and sends what 输出 was
-//! pressed for.
+//! Frame protocol at the control: serves requests of the peer and sends the files of 输出 (output
+//! key).
 
 use std::collections::VecDeque;
 
 use crate::HostTime;
-use crate::fault::Fault;
-use crate::file::{Entry, Incoming, LARGEST, NewFile, Outgoing};
-use crate::frame::{Body, Place, Put, VERSION};
-use crate::name::{FileName, Partition};
-use crate::station::{Event, Station};
-use crate::text::NotText;
+use crate::file_name::{FileName, Partition};
+use crate::frame::{PutRequest, RemotePath, TransferRequest, VERSION};
+use crate::program_text::InvalidCharacter;
+use crate::station::{Station, StationEvent};
+use crate::transfer_fault::TransferFault;
+use crate::transfer_file::{
+    DirectoryEntry, IncomingFile, MAX_FILE_BYTES, OutgoingFile, TransferFile,
+};
 
-/// So long 输入 stands after a command, so that somebody sees it.
-const SHOWN: HostTime = HostTime::from_millis(300);
-/// Bytes without a frame after which nobody at the other end speaks this language.
-const GARBAGE: u64 = 24;
+/// Shortest display time of 输入 after a request.
+const STATUS_HOLD_TIME: HostTime = HostTime::from_millis(300);
+/// Bytes without a frame after which the peer uses another rate or protocol.
+const MIN_NOISE_BYTES: u64 = 24;
 
-/// The memory of the control, as the other side of the line sees it.
-pub trait Store {
-    /// The files of a partition.
+/// The files of the control that the peer can access.
+pub trait FileStore {
+    /// Lists the files of a partition.
     ///
     /// # Errors
-    /// Why there is no list.
-    fn directory(&mut self, partition: Partition) -> Result<Vec<Entry>, Fault>;
+    /// The reason why the partition cannot be listed.
+    fn directory(&mut self, partition: Partition) -> Result<Vec<DirectoryEntry>, TransferFault>;
 
-    /// Whether a file may come.
+    /// Checks whether the peer may send a file.
     ///
     /// # Errors
-    /// Why not.
-    fn may_put(&mut self, put: &Put) -> Result<(), Fault>;
+    /// The reason for the refusal.
+    fn check_put(&mut self, put: &PutRequest) -> Result<(), TransferFault>;
 
-    /// A whole file has come; it is taken as a whole, or nothing of it.
+    /// Stores a complete file; on an error nothing of it is stored.
     ///
     /// # Errors
-    /// Why it is not taken.
-    fn put(&mut self, file: &NewFile) -> Result<(), Fault>;
+    /// The reason for the refusal.
+    fn put(&mut self, file: &TransferFile) -> Result<(), TransferFault>;
 
-    /// What a file holds.
+    /// Reads a file.
     ///
     /// # Errors
-    /// Why it is not handed out.
-    fn get(&mut self, place: &Place) -> Result<Vec<u8>, Fault>;
+    /// The reason why the file cannot be read.
+    fn get(&mut self, path: &RemotePath) -> Result<Vec<u8>, TransferFault>;
 
     /// Deletes a file.
     ///
     /// # Errors
-    /// Why not.
-    fn delete(&mut self, place: &Place) -> Result<(), Fault>;
+    /// The reason for the refusal.
+    fn delete(&mut self, path: &RemotePath) -> Result<(), TransferFault>;
 
-    /// Gives a file another name.
+    /// Renames a file.
     ///
     /// # Errors
-    /// Why not.
-    fn rename(&mut self, from: &Place, to: &FileName) -> Result<(), Fault>;
+    /// The reason for the refusal.
+    fn rename(&mut self, from: &RemotePath, to: &FileName) -> Result<(), TransferFault>;
 }
 
-/// What the LCD says of the port (manual III-9.8.3).
+/// Transfer status on the LCD (manual III-9.8.3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Status {
-    /// Nothing.
+pub enum PortStatus {
+    /// No transfer.
     #[default]
     Idle,
-    /// 输入: a file or a command comes in.
+    /// 输入: the control receives a file or a request.
     Receiving,
-    /// 输出: the control sends by itself.
+    /// 输出: the control sends its own files.
     Sending,
 }
 
-/// What has come of something.
+/// Result of a transfer at the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ControlEvent {
-    /// A file stands in the memory now.
+    /// A received file is stored.
     Received(FileName),
-    /// A file that was sent has arrived.
+    /// A sent file has arrived.
     Sent(FileName),
-    /// The other side does not take a file, and nothing after it is sent.
-    NotTaken(FileName, Fault),
-    /// A file has come that the control does not take.
-    Refused(FileName, Fault),
-    /// A program has a character that goes over no line of text.
-    NotText(FileName, NotText),
-    /// As text only programs go over the line.
+    /// The peer refuses a file; the remaining files are not sent.
+    RejectedByPeer(FileName, TransferFault),
+    /// The control refuses a received file.
+    Refused(FileName, TransferFault),
+    /// A program has a character that plain text cannot carry.
+    InvalidCharacter(FileName, InvalidCharacter),
+    /// Plain text carries only programs, and this file is none.
     OnlyPrograms(FileName),
-    /// 串口未连接: nobody answers, or in no language that is known.
+    /// 串口未连接: the peer does not reply, or sends no valid frame.
     NotConnected,
-    /// 通信出错: it ended in the middle.
-    Broken,
+    /// 通信出错: the transfer was interrupted.
+    Interrupted,
 }
 
-/// The control's side.
+/// Frame protocol at the control.
 #[derive(Clone, Debug)]
 pub struct ControlSide {
     station: Station,
-    incoming: Option<Incoming>,
-    outgoing: Option<Outgoing>,
-    /// The file that goes out was asked for by the other side.
-    asked_for: bool,
-    /// Files that 输出 sends.
-    to_send: VecDeque<NewFile>,
-    /// The connection was made anew for the file that goes out.
-    anew: bool,
-    /// Entries of a list are going out.
-    listing: bool,
-    shown_until: HostTime,
-    /// Bytes of noise when the last frame came.
+    incoming: Option<IncomingFile>,
+    outgoing: Option<OutgoingFile>,
+    /// The peer has requested the outgoing file.
+    is_outgoing_requested: bool,
+    /// Files of 输出 that wait.
+    to_send: VecDeque<TransferFile>,
+    /// The control has already reconnected for the outgoing file.
+    has_reconnected: bool,
+    is_listing: bool,
+    receiving_until: HostTime,
+    /// Noise count at the last frame.
     noise: u64,
     events: VecDeque<ControlEvent>,
 }
 
 impl ControlSide {
-    /// At a line of so many bits a second.
+    /// Creates the control's side for a line of `baud` bits per second.
     pub fn new(baud: u32) -> Self {
         Self {
             station: Station::new(baud),
             incoming: None,
             outgoing: None,
-            asked_for: false,
+            is_outgoing_requested: false,
             to_send: VecDeque::new(),
-            anew: false,
-            listing: false,
-            shown_until: HostTime::ZERO,
+            has_reconnected: false,
+            is_listing: false,
+            receiving_until: HostTime::ZERO,
             noise: 0,
             events: VecDeque::new(),
         }
     }
 
-    /// Somebody has connected.
+    /// Whether the peer has connected.
     pub const fn is_connected(&self) -> bool {
         self.station.is_connected()
     }
 
-    /// A frame has begun and not ended.
-    pub(crate) const fn is_within(&self) -> bool {
-        self.station.is_within()
+    /// Whether a frame is partly received.
+    pub(crate) const fn is_in_frame(&self) -> bool {
+        self.station.is_in_frame()
     }
 
-    /// Nothing waits to be said, and nothing comes in.
-    pub(crate) fn is_quiet(&self) -> bool {
-        self.station.is_quiet() && self.incoming.is_none() && self.to_send.is_empty()
+    /// Whether nothing waits to be sent and no file is incoming.
+    pub(crate) fn is_drained(&self) -> bool {
+        self.station.is_drained() && self.incoming.is_none() && self.to_send.is_empty()
     }
 
-    /// Sends files by itself, one after the other.
-    pub fn send(&mut self, files: Vec<NewFile>) {
+    /// Queues the control's own files for sending, one after another.
+    pub fn send(&mut self, files: Vec<TransferFile>) {
         self.to_send.extend(files);
         if !self.station.is_connected() {
             self.station.connect();
         }
     }
 
-    /// 复位: what is under way is dropped at both ends.
-    pub fn break_off(&mut self) {
+    /// Aborts all transfers on 复位 (reset). The peer drops its part, too.
+    pub fn abort(&mut self) {
         self.incoming = None;
         self.outgoing = None;
         self.to_send.clear();
-        self.listing = false;
-        self.station.break_off();
+        self.is_listing = false;
+        self.station.abort();
     }
 
-    /// Bytes have come.
-    pub fn hear(&mut self, bytes: &[u8], now: HostTime) {
-        self.station.hear(bytes, now);
+    /// Takes received bytes.
+    pub fn receive(&mut self, bytes: &[u8], now: HostTime) {
+        self.station.receive(bytes, now);
     }
 
-    /// Bytes for the port; [`Self::sent`] says how many it has taken.
-    pub fn due(&self, now: HostTime) -> &[u8] {
-        self.station.due(now)
+    /// Returns the bytes to send now; [`Self::mark_sent`] confirms how many the port has taken.
+    pub fn pending_bytes(&self, now: HostTime) -> &[u8] {
+        self.station.pending_bytes(now)
     }
 
-    /// The port has taken so many.
-    pub fn sent(&mut self, count: usize) {
-        self.station.sent(count);
+    /// Removes bytes that the port has taken.
+    pub fn mark_sent(&mut self, count: usize) {
+        self.station.mark_sent(count);
     }
 
-    /// What has come of something.
+    /// Returns the oldest event.
     pub fn next_event(&mut self) -> Option<ControlEvent> {
         self.events.pop_front()
     }
 
-    /// What the LCD says.
-    pub fn status(&self, now: HostTime) -> Status {
-        if !self.to_send.is_empty() || (self.outgoing.is_some() && !self.asked_for) {
-            Status::Sending
-        } else if self.incoming.is_some() || self.outgoing.is_some() || now < self.shown_until {
-            Status::Receiving
+    /// Returns the transfer status for the LCD.
+    pub fn status(&self, now: HostTime) -> PortStatus {
+        if !self.to_send.is_empty() || (self.outgoing.is_some() && !self.is_outgoing_requested) {
+            PortStatus::Sending
+        } else if self.incoming.is_some() || self.outgoing.is_some() || now < self.receiving_until {
+            PortStatus::Receiving
         } else {
-            Status::Idle
+            PortStatus::Idle
         }
     }
 
-    /// Does what is to be done by now.
-    pub fn advance(&mut self, now: HostTime, store: &mut dyn Store) {
+    /// Processes received frames, timeouts and waiting files up to `now`.
+    pub fn advance(&mut self, now: HostTime, store: &mut dyn FileStore) {
         while let Some(event) = self.station.next_event(now) {
             self.noise = self.station.noise();
             match event {
-                Event::Asked(body) => {
-                    self.shown_until = now + SHOWN;
-                    let ends = body == Body::Bye;
-                    let result = self.asked(body, store);
-                    self.station.answer(result, now);
-                    if ends {
-                        self.left();
+                StationEvent::Request(request) => {
+                    self.receiving_until = now + STATUS_HOLD_TIME;
+                    let is_bye = request == TransferRequest::Bye;
+                    let result = self.handle_request(request, store);
+                    self.station.reply(result, now);
+                    if is_bye {
+                        self.handle_disconnect();
                     }
                 }
-                Event::Answered(body, result) => self.answered(&body, result),
-                Event::Lost => self.lost(),
-                Event::Strange => {}
+                StationEvent::Reply(request, result) => self.handle_reply(&request, result),
+                StationEvent::Lost => self.handle_lost(),
+                StationEvent::UnknownRequest => {}
             }
         }
         self.send_next();
         if let Some(outgoing) = &mut self.outgoing {
-            outgoing.go_on(&mut self.station);
+            outgoing.continue_sending(&mut self.station);
         }
-        self.station.begin(now);
-        if self.incoming.is_some() && self.station.silent_for(now) > self.station.given_up_after() {
+        self.station.send_waiting(now);
+        if self.incoming.is_some()
+            && self.station.time_since_frame(now) > self.station.abandon_after()
+        {
             self.incoming = None;
-            self.events.push_back(ControlEvent::Broken);
+            self.events.push_back(ControlEvent::Interrupted);
         }
-        self.look_for_garbage();
+        self.check_noise();
     }
 
-    /// The next file that 输出 was pressed for.
     fn send_next(&mut self) {
         if self.outgoing.is_none()
             && self.station.is_connected()
             && let Some(file) = self.to_send.pop_front()
         {
-            self.asked_for = false;
-            self.outgoing = Some(Outgoing::begin(file, &mut self.station));
+            self.is_outgoing_requested = false;
+            self.outgoing = Some(OutgoingFile::announce(file, &mut self.station));
         }
     }
 
-    /// Whether the other side may have this, and what is to be done for it.
-    fn asked(&mut self, body: Body, store: &mut dyn Store) -> Result<(), Fault> {
-        let busy = self.outgoing.is_some() || self.listing;
-        match body {
-            Body::Connect { version } => self.connected(version),
-            Body::Bye => {
+    /// Executes a request of the peer.
+    fn handle_request(
+        &mut self,
+        request: TransferRequest,
+        store: &mut dyn FileStore,
+    ) -> Result<(), TransferFault> {
+        let busy = self.outgoing.is_some() || self.is_listing;
+        match request {
+            TransferRequest::Connect { version } => self.handle_connect(version),
+            TransferRequest::Bye => {
                 self.incoming = None;
                 Ok(())
             }
-            Body::Directory(_) | Body::Get(_) | Body::Put(_) if busy => Err(Fault::Busy),
-            Body::Directory(partition) => {
+            TransferRequest::Directory(_) | TransferRequest::Get(_) | TransferRequest::Put(_)
+                if busy =>
+            {
+                Err(TransferFault::Busy)
+            }
+            TransferRequest::Directory(partition) => {
                 let entries = store.directory(partition)?;
-                for Entry { name, size } in entries {
-                    self.station.send(Body::Entry { name, size });
+                for DirectoryEntry { name, size } in entries {
+                    self.station.send(TransferRequest::Entry { name, size });
                 }
-                self.station.send(Body::End);
-                self.listing = true;
+                self.station.send(TransferRequest::End);
+                self.is_listing = true;
                 Ok(())
             }
-            Body::Get(place) => {
-                let bytes = store.get(&place)?;
-                let file = NewFile {
-                    place,
+            TransferRequest::Get(path) => {
+                let bytes = store.get(&path)?;
+                let file = TransferFile {
+                    remote_path: path,
                     bytes,
                     overwrite: true,
                 };
-                self.asked_for = true;
-                self.outgoing = Some(Outgoing::begin(file, &mut self.station));
+                self.is_outgoing_requested = true;
+                self.outgoing = Some(OutgoingFile::announce(file, &mut self.station));
                 Ok(())
             }
-            Body::Put(put) => {
+            TransferRequest::Put(put) => {
                 self.incoming = None;
-                let may = match put.size {
-                    ..=LARGEST => store.may_put(&put),
-                    _ => Err(Fault::Full),
+                let check = match put.size {
+                    ..=MAX_FILE_BYTES => store.check_put(&put),
+                    _ => Err(TransferFault::Full),
                 };
-                if let Err(fault) = may {
-                    let name = put.place.name.clone();
+                if let Err(fault) = check {
+                    let name = put.remote_path.name.clone();
                     self.events.push_back(ControlEvent::Refused(name, fault));
                 }
-                may?;
-                self.incoming = Some(Incoming::new(put));
+                check?;
+                self.incoming = Some(IncomingFile::new(put));
                 Ok(())
             }
-            Body::Data(bytes) => {
-                let incoming = self.incoming.as_mut().ok_or(Fault::Sequence)?;
-                let taken = incoming.take(&bytes);
+            TransferRequest::Data(bytes) => {
+                let incoming = self.incoming.as_mut().ok_or(TransferFault::Sequence)?;
+                let taken = incoming.append(&bytes);
                 if taken.is_err() {
                     self.incoming = None;
-                    self.events.push_back(ControlEvent::Broken);
+                    self.events.push_back(ControlEvent::Interrupted);
                 }
                 taken
             }
-            Body::Eof => {
-                let incoming = self.incoming.take().ok_or(Fault::Sequence)?;
-                let name = incoming.put.place.name.clone();
-                let stored = incoming.whole().and_then(|file| store.put(&file));
+            TransferRequest::Eof => {
+                let incoming = self.incoming.take().ok_or(TransferFault::Sequence)?;
+                let name = incoming.put.remote_path.name.clone();
+                let stored = incoming.finish().and_then(|file| store.put(&file));
                 self.events.push_back(match stored {
                     Ok(()) => ControlEvent::Received(name),
                     Err(fault) => ControlEvent::Refused(name, fault),
                 });
                 stored
             }
-            Body::Delete(place) => store.delete(&place),
-            Body::Rename { from, to } => store.rename(&from, &to),
-            Body::Entry { .. } | Body::End => Err(Fault::Sequence),
+            TransferRequest::Delete(path) => store.delete(&path),
+            TransferRequest::Rename { from, to } => store.rename(&from, &to),
+            TransferRequest::Entry { .. } | TransferRequest::End => Err(TransferFault::Sequence),
         }
     }
 
-    /// The other side begins: a file that was on its way begins anew.
-    fn connected(&mut self, version: u8) -> Result<(), Fault> {
+    /// The peer connects: an outgoing file starts again from its beginning.
+    fn handle_connect(&mut self, version: u8) -> Result<(), TransferFault> {
         if version != VERSION {
-            return Err(Fault::Content);
+            return Err(TransferFault::Content);
         }
         self.incoming = None;
-        self.listing = false;
+        self.is_listing = false;
         if let Some(outgoing) = self.outgoing.take()
-            && !self.asked_for
+            && !self.is_outgoing_requested
         {
             self.to_send.push_front(outgoing.into_file());
         }
         Ok(())
     }
 
-    /// The other side has gone; what 输出 was pressed for goes to whoever comes next.
-    fn left(&mut self) {
-        self.listing = false;
+    /// The peer disconnects: files of 输出 wait for the next peer.
+    fn handle_disconnect(&mut self) {
+        self.is_listing = false;
         self.station.disconnect();
         if let Some(outgoing) = self.outgoing.take()
-            && !self.asked_for
+            && !self.is_outgoing_requested
         {
             self.to_send.push_front(outgoing.into_file());
         }
@@ -328,26 +338,28 @@ impl ControlSide {
         }
     }
 
-    fn answered(&mut self, body: &Body, result: Result<(), Fault>) {
-        match body {
-            Body::Connect { .. } if result.is_err() => {
-                self.break_off();
+    fn handle_reply(&mut self, request: &TransferRequest, result: Result<(), TransferFault>) {
+        match request {
+            TransferRequest::Connect { .. } if result.is_err() => {
+                self.abort();
                 self.events.push_back(ControlEvent::NotConnected);
             }
-            Body::End => self.listing = false,
-            Body::Entry { .. } if result.is_err() => {
-                self.listing = false;
-                self.station.break_off();
+            TransferRequest::End => self.is_listing = false,
+            TransferRequest::Entry { .. } if result.is_err() => {
+                self.is_listing = false;
+                self.station.abort();
             }
-            Body::Put(_) | Body::Data(_) | Body::Eof => self.file_answered(body, result),
+            TransferRequest::Put(_) | TransferRequest::Data(_) | TransferRequest::Eof => {
+                self.handle_file_reply(request, result);
+            }
             _ => {}
         }
     }
 
-    fn file_answered(&mut self, body: &Body, result: Result<(), Fault>) {
+    fn handle_file_reply(&mut self, request: &TransferRequest, result: Result<(), TransferFault>) {
         let ended = match &mut self.outgoing {
-            Some(outgoing) => outgoing.answered(body, result),
-            // It has been broken off; what was under way still gets its answers.
+            Some(outgoing) => outgoing.handle_reply(request, result),
+            // After an abort, replies to pending frames still arrive.
             None => return,
         };
         let Some(ended) = ended else {
@@ -356,46 +368,49 @@ impl ControlSide {
         let Some(outgoing) = self.outgoing.take() else {
             return;
         };
-        let name = outgoing.file().place.name.clone();
-        self.station.break_off();
+        let name = outgoing.file().remote_path.name.clone();
+        self.station.abort();
         match ended {
-            _ if self.asked_for => {}
+            _ if self.is_outgoing_requested => {}
             Ok(()) => {
-                self.anew = false;
+                self.has_reconnected = false;
                 self.events.push_back(ControlEvent::Sent(name));
             }
-            // It knows of no connection any more: from the beginning, once.
-            Err(Fault::Sequence) if !outgoing.has_begun() && !self.anew => {
-                self.anew = true;
+            // The peer has lost the connection: reconnect once and start again.
+            Err(TransferFault::Sequence) if !outgoing.is_accepted() && !self.has_reconnected => {
+                self.has_reconnected = true;
                 self.to_send.push_front(outgoing.into_file());
                 self.station.connect();
             }
             Err(fault) => {
-                self.anew = false;
+                self.has_reconnected = false;
                 self.to_send.clear();
-                self.events.push_back(ControlEvent::NotTaken(name, fault));
+                self.events
+                    .push_back(ControlEvent::RejectedByPeer(name, fault));
             }
         }
     }
 
-    /// Nobody answers any more.
-    fn lost(&mut self) {
-        let begun = self.outgoing.as_ref().is_some_and(Outgoing::has_begun)
+    fn handle_lost(&mut self) {
+        let has_started = self
+            .outgoing
+            .as_ref()
+            .is_some_and(OutgoingFile::is_accepted)
             || self.incoming.is_some()
-            || self.listing;
-        self.break_off();
-        self.events.push_back(match begun {
-            true => ControlEvent::Broken,
+            || self.is_listing;
+        self.abort();
+        self.events.push_back(match has_started {
+            true => ControlEvent::Interrupted,
             false => ControlEvent::NotConnected,
         });
     }
 
-    /// Bytes that are no frames, while nobody is connected.
-    fn look_for_garbage(&mut self) {
+    /// Reports bytes that are no frames while no peer is connected.
+    fn check_noise(&mut self) {
         let noise = self.station.noise();
         if self.station.is_connected() {
             self.noise = noise;
-        } else if noise - self.noise >= GARBAGE {
+        } else if noise - self.noise >= MIN_NOISE_BYTES {
             self.noise = noise;
             self.events.push_back(ControlEvent::NotConnected);
         }

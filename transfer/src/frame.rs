@@ -1,4 +1,4 @@
-//! The frames: `01 type seq length(2) payload crc(2)`, and what they say.
+//! Frames on the wire: `01 type seq length(2) payload crc(2)`.
 //!
 //! | Type | Meaning | Payload |
 //! |---|---|---|
@@ -7,32 +7,31 @@
 //! | 30, 31, 32 | put, data, end of file | partition, name, size, overwrite; bytes; – |
 //! | 40 | get | partition, name |
 //! | 50, 51 | delete, rename | partition, name; partition, old, new |
-//! | 7E, 7F | taken, refused | sequence number; the same and a code of [`Fault`] |
+//! | 7E, 7F | acknowledge, refuse | sequence number; the same and a code of [`TransferFault`] |
 //!
-//! Types are hexadecimal. A name is its length and its characters, a size four bytes;
-//! numbers have their low byte first. The checksum is CRC-16-CCITT (polynomial 1021,
-//! from FFFF) over type to payload.
+//! Types are hexadecimal. A name is its length and its characters. A size has four bytes.
+//! Numbers are little-endian. The checksum is CRC-16-CCITT (polynomial 1021, initial value
+//! FFFF) over type to payload.
 
-mod reader;
+mod frame_reader;
 
-use crate::fault::Fault;
-use crate::name::{FileName, Partition};
+use crate::file_name::{FileName, Partition};
+use crate::transfer_fault::TransferFault;
 
-pub(crate) use reader::{Piece, Reader};
+pub(crate) use frame_reader::{FrameReader, ReaderOutput};
 
-/// Bytes of a file in one frame (manual V-3.2).
-pub const BLOCK: usize = 512;
-/// The version of this protocol.
+/// File bytes in one frame (manual V-3.2).
+pub const BLOCK_BYTES: usize = 512;
+/// Version of the protocol.
 pub(crate) const VERSION: u8 = 1;
 
-/// How a frame begins.
+/// First byte of a frame.
 const START: u8 = 0x01;
-/// Start, type, sequence number, length.
-const HEAD: usize = 5;
-/// The checksum.
-const TAIL: usize = 2;
-/// The longest frame.
-pub(crate) const LONGEST: usize = HEAD + BLOCK + TAIL;
+/// Start byte, type, sequence number, length.
+const HEADER_BYTES: usize = 5;
+const CRC_BYTES: usize = 2;
+/// Largest frame in bytes.
+pub(crate) const MAX_FRAME_BYTES: usize = HEADER_BYTES + BLOCK_BYTES + CRC_BYTES;
 
 const CONNECT: u8 = 0x10;
 const BYE: u8 = 0x11;
@@ -48,87 +47,87 @@ const RENAME: u8 = 0x51;
 const ACK: u8 = 0x7E;
 const NAK: u8 = 0x7F;
 
-/// Where a file stands at the control.
+/// Path of a file at the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
-    /// Its partition.
+pub struct RemotePath {
+    /// Partition of the file.
     pub partition: Partition,
-    /// Its name.
+    /// Name of the file.
     pub name: FileName,
 }
 
-/// A file that is about to come.
+/// Announcement of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Put {
-    /// Where it is to stand.
-    pub place: Place,
-    /// Its length, bytes.
+pub struct PutRequest {
+    /// Path at the control.
+    pub remote_path: RemotePath,
+    /// Size in bytes.
     pub size: u32,
-    /// It takes the place of one of its name.
+    /// Whether to replace an existing file of the same name.
     pub overwrite: bool,
 }
 
-/// What a frame says that wants an answer.
+/// A request that the peer must reply to.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Body {
-    /// A side begins.
+pub enum TransferRequest {
+    /// Starts a connection.
     Connect {
-        /// Of the protocol.
+        /// Version of the protocol.
         version: u8,
     },
-    /// It ends.
+    /// Ends the connection.
     Bye,
-    /// What files are there?
+    /// Requests the files of a partition.
     Directory(Partition),
-    /// One of them.
+    /// One entry of the directory.
     Entry {
-        /// Its name.
+        /// Name of the file.
         name: FileName,
-        /// Its length, bytes.
+        /// Size in bytes.
         size: u32,
     },
-    /// There are no more.
+    /// End of the directory.
     End,
-    /// A file comes.
-    Put(Put),
-    /// Its next bytes.
+    /// Announces a file.
+    Put(PutRequest),
+    /// The next block of the file.
     Data(Vec<u8>),
-    /// That was all of it.
+    /// End of the file.
     Eof,
-    /// A file is to be sent.
-    Get(Place),
-    /// A file is to be deleted.
-    Delete(Place),
-    /// A file is to have another name.
+    /// Requests a file.
+    Get(RemotePath),
+    /// Deletes a file.
+    Delete(RemotePath),
+    /// Renames a file.
     Rename {
-        /// Where it stands.
-        from: Place,
-        /// The new name.
+        /// Path of the file.
+        from: RemotePath,
+        /// New name.
         to: FileName,
     },
 }
 
-/// A frame.
+/// A frame on the wire.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Frame {
-    /// It wants an answer.
-    Body {
-        /// Its sequence number.
+pub(crate) enum TransferFrame {
+    /// A request.
+    Request {
+        /// Sequence number of the frame.
         seq: u8,
-        /// What it says, or why nobody understands it.
-        body: Result<Body, Fault>,
+        /// The request, or why it cannot be decoded.
+        request: Result<TransferRequest, TransferFault>,
     },
-    /// The answer to the frame of this number.
-    Answer {
-        /// The number.
+    /// The reply to a request.
+    Reply {
+        /// Sequence number of the request.
         seq: u8,
-        /// Taken, or refused.
-        result: Result<(), Fault>,
+        /// Acknowledged or refused.
+        result: Result<(), TransferFault>,
     },
 }
 
 /// CRC-16-CCITT.
-fn crc(bytes: &[u8]) -> u16 {
+fn compute_crc(bytes: &[u8]) -> u16 {
     bytes.iter().fold(0xFFFF, |crc, &byte| {
         (0..8).fold(crc ^ (u16::from(byte) << 8), |crc, _| match crc & 0x8000 {
             0 => crc << 1,
@@ -137,33 +136,33 @@ fn crc(bytes: &[u8]) -> u16 {
     })
 }
 
-fn put_name(payload: &mut Vec<u8>, name: &FileName) {
+fn encode_name(payload: &mut Vec<u8>, name: &FileName) {
     let name = name.as_str().as_bytes();
-    // At most twelve characters.
+    // At most 12 characters.
     payload.push(name.len() as u8);
     payload.extend_from_slice(name);
 }
 
-fn put_place(payload: &mut Vec<u8>, place: &Place) {
-    payload.push(place.partition.code());
-    put_name(payload, &place.name);
+fn encode_path(payload: &mut Vec<u8>, path: &RemotePath) {
+    payload.push(path.partition.code());
+    encode_name(payload, &path.name);
 }
 
-fn encoded(kind: u8, seq: u8, payload: &[u8]) -> Vec<u8> {
-    let mut frame = Vec::with_capacity(HEAD + payload.len() + TAIL);
-    frame.extend([START, kind, seq]);
+fn encode_frame(type_code: u8, seq: u8, payload: &[u8]) -> Vec<u8> {
+    let mut frame = Vec::with_capacity(HEADER_BYTES + payload.len() + CRC_BYTES);
+    frame.extend([START, type_code, seq]);
     frame.extend((payload.len() as u16).to_le_bytes());
     frame.extend_from_slice(payload);
-    let crc = crc(&frame[1..]);
+    let crc = compute_crc(&frame[1..]);
     frame.extend(crc.to_le_bytes());
     frame
 }
 
-impl Body {
-    /// As it goes over the wire.
+impl TransferRequest {
+    /// Encodes the request as a frame.
     pub(crate) fn encode(&self, seq: u8) -> Vec<u8> {
         let mut payload = Vec::new();
-        let kind = match self {
+        let type_code = match self {
             Self::Connect { version } => {
                 payload.push(*version);
                 CONNECT
@@ -174,133 +173,136 @@ impl Body {
                 DIRECTORY
             }
             Self::Entry { name, size } => {
-                put_name(&mut payload, name);
+                encode_name(&mut payload, name);
                 payload.extend(size.to_le_bytes());
                 ENTRY
             }
             Self::End => END,
             Self::Put(put) => {
-                put_place(&mut payload, &put.place);
+                encode_path(&mut payload, &put.remote_path);
                 payload.extend(put.size.to_le_bytes());
                 payload.push(u8::from(put.overwrite));
                 PUT
             }
             Self::Data(bytes) => {
-                payload.extend_from_slice(&bytes[..bytes.len().min(BLOCK)]);
+                payload.extend_from_slice(&bytes[..bytes.len().min(BLOCK_BYTES)]);
                 DATA
             }
             Self::Eof => EOF,
-            Self::Get(place) => {
-                put_place(&mut payload, place);
+            Self::Get(path) => {
+                encode_path(&mut payload, path);
                 GET
             }
-            Self::Delete(place) => {
-                put_place(&mut payload, place);
+            Self::Delete(path) => {
+                encode_path(&mut payload, path);
                 DELETE
             }
             Self::Rename { from, to } => {
-                put_place(&mut payload, from);
-                put_name(&mut payload, to);
+                encode_path(&mut payload, from);
+                encode_name(&mut payload, to);
                 RENAME
             }
         };
-        encoded(kind, seq, &payload)
+        encode_frame(type_code, seq, &payload)
     }
 
-    fn decode(kind: u8, payload: &[u8]) -> Result<Self, Fault> {
+    fn decode(type_code: u8, payload: &[u8]) -> Result<Self, TransferFault> {
         let mut rest = Fields(payload);
-        let body = match kind {
+        let request = match type_code {
             CONNECT => Self::Connect {
-                version: rest.byte()?,
+                version: rest.take_byte()?,
             },
             BYE => Self::Bye,
-            DIRECTORY => Self::Directory(rest.partition()?),
+            DIRECTORY => Self::Directory(rest.take_partition()?),
             ENTRY => Self::Entry {
-                name: rest.name()?,
-                size: rest.size()?,
+                name: rest.take_name()?,
+                size: rest.take_size()?,
             },
             END => Self::End,
-            PUT => Self::Put(Put {
-                place: rest.place()?,
-                size: rest.size()?,
-                overwrite: rest.byte()? != 0,
+            PUT => Self::Put(PutRequest {
+                remote_path: rest.take_path()?,
+                size: rest.take_size()?,
+                overwrite: rest.take_byte()? != 0,
             }),
             DATA => Self::Data(core::mem::take(&mut rest.0).to_vec()),
             EOF => Self::Eof,
-            GET => Self::Get(rest.place()?),
-            DELETE => Self::Delete(rest.place()?),
+            GET => Self::Get(rest.take_path()?),
+            DELETE => Self::Delete(rest.take_path()?),
             RENAME => Self::Rename {
-                from: rest.place()?,
-                to: rest.name()?,
+                from: rest.take_path()?,
+                to: rest.take_name()?,
             },
-            _ => return Err(Fault::Content),
+            _ => return Err(TransferFault::Content),
         };
         match rest.0 {
-            [] => Ok(body),
-            _ => Err(Fault::Content),
+            [] => Ok(request),
+            _ => Err(TransferFault::Content),
         }
     }
 }
 
-/// An answer as it goes over the wire.
-pub(crate) fn encode_answer(seq: u8, result: Result<(), Fault>) -> Vec<u8> {
+/// Encodes a reply as a frame.
+pub(crate) fn encode_reply(seq: u8, result: Result<(), TransferFault>) -> Vec<u8> {
     match result {
-        Ok(()) => encoded(ACK, seq, &[seq]),
-        Err(fault) => encoded(NAK, seq, &[seq, fault.code()]),
+        Ok(()) => encode_frame(ACK, seq, &[seq]),
+        Err(fault) => encode_frame(NAK, seq, &[seq, fault.code()]),
     }
 }
 
-impl Frame {
-    fn decode(kind: u8, seq: u8, payload: &[u8]) -> Self {
-        match (kind, payload) {
-            (ACK, &[seq]) => Self::Answer {
+impl TransferFrame {
+    fn decode(type_code: u8, seq: u8, payload: &[u8]) -> Self {
+        match (type_code, payload) {
+            (ACK, &[seq]) => Self::Reply {
                 seq,
                 result: Ok(()),
             },
-            (NAK, &[seq, code]) => Self::Answer {
+            (NAK, &[seq, code]) => Self::Reply {
                 seq,
-                // A code that nobody knows is a refusal all the same.
-                result: Err(Fault::of(code).unwrap_or(Fault::Content)),
+                // An unknown code is a refusal as well.
+                result: Err(TransferFault::from_code(code).unwrap_or(TransferFault::Content)),
             },
-            _ => Self::Body {
+            _ => Self::Request {
                 seq,
-                body: Body::decode(kind, payload),
+                request: TransferRequest::decode(type_code, payload),
             },
         }
     }
 }
 
-/// What is left of a payload.
+/// The rest of a payload.
 struct Fields<'a>(&'a [u8]);
 
 impl Fields<'_> {
-    fn byte(&mut self) -> Result<u8, Fault> {
-        let (&byte, rest) = self.0.split_first().ok_or(Fault::Content)?;
+    fn take_byte(&mut self) -> Result<u8, TransferFault> {
+        let (&byte, rest) = self.0.split_first().ok_or(TransferFault::Content)?;
         self.0 = rest;
         Ok(byte)
     }
 
-    fn partition(&mut self) -> Result<Partition, Fault> {
-        Partition::of(self.byte()?).ok_or(Fault::BadName)
+    fn take_partition(&mut self) -> Result<Partition, TransferFault> {
+        Partition::from_code(self.take_byte()?).ok_or(TransferFault::BadName)
     }
 
-    fn name(&mut self) -> Result<FileName, Fault> {
-        let length = usize::from(self.byte()?);
-        let (name, rest) = self.0.split_at_checked(length).ok_or(Fault::Content)?;
+    fn take_name(&mut self) -> Result<FileName, TransferFault> {
+        let length = usize::from(self.take_byte()?);
+        let (name, rest) = self
+            .0
+            .split_at_checked(length)
+            .ok_or(TransferFault::Content)?;
         self.0 = rest;
-        let name = core::str::from_utf8(name).map_err(|_| Fault::BadName)?;
-        FileName::new(name).map_err(|_| Fault::BadName)
+        let name = core::str::from_utf8(name).map_err(|_| TransferFault::BadName)?;
+        FileName::new(name).map_err(|_| TransferFault::BadName)
     }
 
-    fn place(&mut self) -> Result<Place, Fault> {
-        Ok(Place {
-            partition: self.partition()?,
-            name: self.name()?,
+    fn take_path(&mut self) -> Result<RemotePath, TransferFault> {
+        Ok(RemotePath {
+            partition: self.take_partition()?,
+            name: self.take_name()?,
         })
     }
 
-    fn size(&mut self) -> Result<u32, Fault> {
-        let (size, rest) = self.0.split_first_chunk().ok_or(Fault::Content)?;
+    fn take_size(&mut self) -> Result<u32, TransferFault> {
+        let (size, rest) = self.0.split_first_chunk().ok_or(TransferFault::Content)?;
         self.0 = rest;
         Ok(u32::from_le_bytes(*size))
     }

@@ -1,24 +1,24 @@
-//! Files through the serial port (manual III-9 and part V): the control's side and the
-//! PC's side of the transfer in frames, and programs as plain text.
+//! File transfer through the serial port (manual III-9 and part V): the protocol of frames at the
+//! control and at the PC, and programs as plain text.
 //!
 //! ```text
-//!   PcSide ──┐                                ┌── ControlSide ── Store (the memory)
+//!   PcSide ──┐                                ┌── ControlSide ── FileStore (the memory)
 //!            Station ══ frames on the wire ══ Station
 //!   a DNC program ═════ % text % ════════════ TextReader, TextWriter
 //! ```
 //!
-//! Nothing here opens a port or reads a clock: bytes and the host's time are handed in,
-//! bytes and outcomes come out. A file counts when all of it has arrived, or not at all.
+//! This crate opens no port and reads no clock. The caller passes received bytes and the host
+//! time, and takes bytes to send and events. A file is stored completely or not at all.
 
 mod control_port;
 mod control_side;
-mod fault;
-mod file;
+mod file_name;
 mod frame;
-mod name;
 mod pc_side;
+mod program_text;
 mod station;
-mod text;
+mod transfer_fault;
+mod transfer_file;
 mod wire_time;
 
 #[cfg(test)]
@@ -27,17 +27,21 @@ mod line_tests;
 use core::time::Duration;
 
 pub use control_port::{ControlPort, Framing};
-pub use control_side::{ControlEvent, ControlSide, Status, Store};
-pub use fault::Fault;
-pub use file::{Entry, NewFile, Progress};
-pub use frame::{BLOCK, Body, Place, Put};
-pub use name::{FileName, NameError, Partition};
-pub use pc_side::{Loss, Order, Outcome, PcSide};
-pub use text::{LineEnd, NotText, TextEvent, TextReader, TextWriter, program_number, programs};
+pub use control_side::{ControlEvent, ControlSide, FileStore, PortStatus};
+pub use file_name::{FileName, FileNameError, Partition, is_device_name};
+pub use frame::{BLOCK_BYTES, PutRequest, RemotePath, TransferRequest};
+pub use pc_side::{ConnectionLoss, PcCommand, PcSide, TransferOutcome};
+pub use program_text::{
+    InvalidCharacter, TextEvent, TextLineEnd, TextReader, TextWriter, parse_program_number,
+    split_programs,
+};
+pub use transfer_fault::TransferFault;
+pub use transfer_file::{DirectoryEntry, TransferFile, TransferProgress};
 pub use wire_time::WireTime;
 
 /// Monotonic time of the host.
 pub type HostTime = Duration;
 
-/// Below this rate, bits a second, a PC and the control exchange text only (manual III-9.3).
-pub const SLOWEST_FRAMES: u32 = 4800;
+/// Lowest rate for frames, bits per second. Below it the control exchanges plain text only (manual
+/// III-9.3).
+pub const MIN_FRAME_BAUD: u32 = 4800;

@@ -1,111 +1,113 @@
-//! The PC's side: one order after the other, each with its outcome.
+//! Frame protocol at the PC: runs one command after another and reports each result.
 
 use std::collections::VecDeque;
 
 use gsk_messages::{Message, say};
 
 use crate::HostTime;
-use crate::fault::Fault;
-use crate::file::{Entry, Incoming, LARGEST, NewFile, Outgoing, Progress};
-use crate::frame::{Body, Place, VERSION};
-use crate::name::{FileName, Partition};
-use crate::station::{Event, Station};
+use crate::file_name::{FileName, Partition};
+use crate::frame::{RemotePath, TransferRequest, VERSION};
+use crate::station::{Station, StationEvent};
+use crate::transfer_fault::TransferFault;
+use crate::transfer_file::{
+    DirectoryEntry, IncomingFile, MAX_FILE_BYTES, OutgoingFile, TransferFile, TransferProgress,
+};
 
-/// Bytes without a frame that make a wrong rate likely.
-const GARBAGE: u64 = 4;
+/// Bytes without a frame that indicate a wrong rate.
+const MIN_NOISE_BYTES: u64 = 4;
 
-/// What the control is asked for.
+/// Command from the PC to the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Order {
-    /// To answer at all.
+pub enum PcCommand {
+    /// Connects to the control.
     Connect,
-    /// The files of a partition.
+    /// Lists the files of a partition.
     Directory(Partition),
-    /// To take a file.
-    Put(NewFile),
-    /// To send a file.
-    Get(Place),
-    /// To delete a file.
-    Delete(Place),
-    /// To give a file another name.
+    /// Sends a file to the control.
+    Put(TransferFile),
+    /// Receives a file from the control.
+    Get(RemotePath),
+    /// Deletes a file.
+    Delete(RemotePath),
+    /// Renames a file.
     Rename {
-        /// Where it stands.
-        from: Place,
-        /// The new name.
+        /// Path of the file.
+        from: RemotePath,
+        /// New name.
         to: FileName,
     },
-    /// To forget this PC.
+    /// Disconnects from the control.
     Bye,
 }
 
-/// What has come of it.
+/// Result of a command, or a file that the control sends on its own.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Outcome {
-    /// It is done.
+pub enum TransferOutcome {
+    /// The command is done.
     Done,
     /// The files of the partition.
-    Listed(Vec<Entry>),
-    /// The file.
-    Got(NewFile),
-    /// The control refuses it.
-    Refused(Fault),
-    /// The control has sent a file by itself.
-    Pushed(NewFile),
-    /// There is no connection, or none any more; nothing is under way.
-    Lost(Loss),
+    Listed(Vec<DirectoryEntry>),
+    /// The received file.
+    Got(TransferFile),
+    /// The control refuses the command.
+    Refused(TransferFault),
+    /// The control has sent a file without a command.
+    Pushed(TransferFile),
+    /// The connection is lost or was never made. No command is running.
+    Lost(ConnectionLoss),
 }
 
-/// Why there is no connection.
+/// Reason for a lost connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
-pub enum Loss {
-    /// Nothing answers at all.
+pub enum ConnectionLoss {
+    /// No byte is received.
     Silent,
-    /// Something comes, but no answer.
+    /// Bytes are received, but no valid frame.
     Noise,
-    /// It answered once, and does not any more.
-    Broken,
-    /// The control has begun anew meanwhile.
-    Forgotten,
+    /// The control has replied before and does not any more.
+    Interrupted,
+    /// The control has restarted and does not know the connection.
+    PeerRestarted,
 }
 
-impl Loss {
-    /// What is said of it.
+impl ConnectionLoss {
+    /// Returns the reason as a message.
     pub fn message(self) -> Message {
         match self {
             Self::Silent => say::transfer_loss_silent(),
             Self::Noise => say::transfer_loss_noise(),
-            Self::Broken => say::transfer_loss_broken(),
-            Self::Forgotten => say::transfer_loss_forgotten(),
+            Self::Interrupted => say::transfer_loss_broken(),
+            Self::PeerRestarted => say::transfer_loss_forgotten(),
         }
     }
 }
 
-/// What is under way.
+/// Current activity.
 #[derive(Clone, Debug)]
 enum Activity {
-    /// Nothing: the control may send by itself.
+    /// No command; the control may send files.
     Idle,
-    /// One answer ends it.
-    Asking,
-    /// Entries come, once the question is answered.
-    Listing(Vec<Entry>),
-    Sending(Outgoing),
-    /// A file was asked for.
-    Getting(Place),
+    /// One reply ends the command.
+    AwaitingReply,
+    /// Entries follow the reply.
+    Listing(Vec<DirectoryEntry>),
+    Sending(OutgoingFile),
+    /// A file is requested.
+    Getting(RemotePath),
 }
 
-/// The PC's side.
+/// Frame protocol at the PC.
 #[derive(Clone, Debug)]
 pub struct PcSide {
     station: Station,
     activity: Activity,
-    incoming: Option<Incoming>,
-    outcomes: VecDeque<Outcome>,
+    incoming: Option<IncomingFile>,
+    outcomes: VecDeque<TransferOutcome>,
 }
 
 impl PcSide {
-    /// At a line of so many bits a second.
+    /// Creates the PC's side for a line of `baud` bits per second.
     pub fn new(baud: u32) -> Self {
         Self {
             station: Station::new(baud),
@@ -115,66 +117,66 @@ impl PcSide {
         }
     }
 
-    /// Gives an order; the one before it has had its outcome.
-    pub fn order(&mut self, order: Order) {
-        let ask = |station: &mut Station, body| {
-            station.send(body);
-            Activity::Asking
+    /// Starts a command. The result of the previous one must have been taken.
+    pub fn start(&mut self, command: PcCommand) {
+        let send = |station: &mut Station, request| {
+            station.send(request);
+            Activity::AwaitingReply
         };
         let station = &mut self.station;
-        self.activity = match order {
-            Order::Connect => {
+        self.activity = match command {
+            PcCommand::Connect => {
                 self.incoming = None;
                 station.connect();
-                Activity::Asking
+                Activity::AwaitingReply
             }
-            Order::Directory(partition) => {
-                station.send(Body::Directory(partition));
+            PcCommand::Directory(partition) => {
+                station.send(TransferRequest::Directory(partition));
                 Activity::Listing(Vec::new())
             }
-            Order::Put(file) => Activity::Sending(Outgoing::begin(file, station)),
-            Order::Get(place) => {
-                station.send(Body::Get(place.clone()));
-                Activity::Getting(place)
+            PcCommand::Put(file) => Activity::Sending(OutgoingFile::announce(file, station)),
+            PcCommand::Get(path) => {
+                station.send(TransferRequest::Get(path.clone()));
+                Activity::Getting(path)
             }
-            Order::Delete(place) => ask(station, Body::Delete(place)),
-            Order::Rename { from, to } => ask(station, Body::Rename { from, to }),
-            Order::Bye => ask(station, Body::Bye),
+            PcCommand::Delete(path) => send(station, TransferRequest::Delete(path)),
+            PcCommand::Rename { from, to } => send(station, TransferRequest::Rename { from, to }),
+            PcCommand::Bye => send(station, TransferRequest::Bye),
         };
     }
 
-    /// Whether no order is under way.
+    /// Whether no command is running.
     pub const fn is_idle(&self) -> bool {
         matches!(self.activity, Activity::Idle)
     }
 
-    /// Bytes have come.
-    pub fn hear(&mut self, bytes: &[u8], now: HostTime) {
-        self.station.hear(bytes, now);
+    /// Takes received bytes.
+    pub fn receive(&mut self, bytes: &[u8], now: HostTime) {
+        self.station.receive(bytes, now);
     }
 
-    /// Bytes for the port; [`Self::sent`] says how many it has taken.
-    pub fn due(&self, now: HostTime) -> &[u8] {
-        self.station.due(now)
+    /// Returns the bytes to send now; [`Self::mark_sent`] confirms how many the port has taken.
+    pub fn pending_bytes(&self, now: HostTime) -> &[u8] {
+        self.station.pending_bytes(now)
     }
 
-    /// The port has taken so many.
-    pub fn sent(&mut self, count: usize) {
-        self.station.sent(count);
+    /// Removes bytes that the port has taken.
+    pub fn mark_sent(&mut self, count: usize) {
+        self.station.mark_sent(count);
     }
 
-    /// All that was to be said has been said and answered.
-    pub fn is_quiet(&self) -> bool {
-        self.station.is_quiet()
+    /// Whether everything is sent and acknowledged.
+    pub fn is_drained(&self) -> bool {
+        self.station.is_drained()
     }
 
-    /// Frames that went out again, so far (重试次数).
-    pub const fn retries(&self) -> u64 {
-        self.station.retries()
+    /// Returns the number of retransmitted frames (重试次数).
+    pub const fn retransmissions(&self) -> u64 {
+        self.station.retransmissions()
     }
 
-    /// How far the file under way has come; none while there is none.
-    pub fn progress(&self) -> Option<Progress> {
+    /// Returns the progress of the current file; `None` without one.
+    pub fn progress(&self) -> Option<TransferProgress> {
         match (&self.activity, &self.incoming) {
             (Activity::Sending(outgoing), _) => Some(outgoing.progress()),
             (_, Some(incoming)) => Some(incoming.progress()),
@@ -182,172 +184,179 @@ impl PcSide {
         }
     }
 
-    /// Does what is to be done by now; the outcome of an order, or a file that the control
-    /// has sent by itself.
-    pub fn advance(&mut self, now: HostTime) -> Option<Outcome> {
+    /// Processes received frames and timeouts up to `now`. Returns the result of the command, or a
+    /// file that the control has sent.
+    pub fn advance(&mut self, now: HostTime) -> Option<TransferOutcome> {
         while let Some(event) = self.station.next_event(now) {
             match event {
-                Event::Asked(body) => {
-                    let result = self.asked(body);
-                    self.station.answer(result, now);
+                StationEvent::Request(request) => {
+                    let result = self.handle_request(request);
+                    self.station.reply(result, now);
                 }
-                Event::Answered(body, result) => self.answered(&body, result),
-                Event::Lost => self.lost(now),
-                Event::Strange => {}
+                StationEvent::Reply(request, result) => self.handle_reply(&request, result),
+                StationEvent::Lost => self.handle_lost(now),
+                StationEvent::UnknownRequest => {}
             }
         }
         if let Activity::Sending(outgoing) = &mut self.activity {
-            outgoing.go_on(&mut self.station);
+            outgoing.continue_sending(&mut self.station);
         }
-        self.station.begin(now);
-        self.watch(now);
+        self.station.send_waiting(now);
+        self.check_timeout(now);
         self.outcomes.pop_front()
     }
 
-    /// Gives up what the control was to send, when it says nothing any more.
-    fn watch(&mut self, now: HostTime) {
-        let comes = self.incoming.is_some()
+    /// Gives up waiting for frames of a control that is silent.
+    fn check_timeout(&mut self, now: HostTime) {
+        let expects_frames = self.incoming.is_some()
             || matches!(self.activity, Activity::Listing(_) | Activity::Getting(_));
-        if comes
-            && self.station.is_quiet()
-            && self.station.silent_for(now) > self.station.given_up_after()
+        if expects_frames
+            && self.station.is_drained()
+            && self.station.time_since_frame(now) > self.station.abandon_after()
         {
             self.incoming = None;
             self.station.disconnect();
             if self.is_idle() {
-                // The control began it, and has said that it is broken.
+                // The control began this transfer and reports the error itself.
                 return;
             }
-            self.end(Outcome::Lost(Loss::Broken));
+            self.finish(TransferOutcome::Lost(ConnectionLoss::Interrupted));
         }
     }
 
-    fn end(&mut self, outcome: Outcome) {
+    fn finish(&mut self, outcome: TransferOutcome) {
         self.activity = Activity::Idle;
         self.outcomes.push_back(outcome);
     }
 
-    fn lost(&mut self, now: HostTime) {
+    fn handle_lost(&mut self, now: HostTime) {
         self.incoming = None;
-        let connecting = matches!(self.activity, Activity::Asking) && self.station.framed_never();
-        let loss = match connecting {
-            // Half an answer, and nothing to the repetitions: the cable is out.
-            true if self.station.noise() >= GARBAGE
-                && self.station.quiet_for(now) < self.station.answer_within() * 2 =>
+        let is_connecting = matches!(self.activity, Activity::AwaitingReply)
+            && self.station.has_received_no_frame();
+        let loss = match is_connecting {
+            // Part of a reply, and nothing after retransmissions: the cable is disconnected.
+            true if self.station.noise() >= MIN_NOISE_BYTES
+                && self.station.time_since_byte(now) < self.station.reply_timeout() * 2 =>
             {
-                Loss::Noise
+                ConnectionLoss::Noise
             }
-            true => Loss::Silent,
-            false => Loss::Broken,
+            true => ConnectionLoss::Silent,
+            false => ConnectionLoss::Interrupted,
         };
-        self.end(Outcome::Lost(loss));
+        self.finish(TransferOutcome::Lost(loss));
     }
 
-    /// What the control asks for.
-    fn asked(&mut self, body: Body) -> Result<(), Fault> {
-        match body {
-            // Another control, or this one anew, is about to send.
-            Body::Connect { version } => {
+    /// Executes a request of the control.
+    fn handle_request(&mut self, request: TransferRequest) -> Result<(), TransferFault> {
+        match request {
+            // A control that has restarted, or another one, is about to send.
+            TransferRequest::Connect { version } => {
                 self.incoming = None;
                 match version {
                     VERSION => Ok(()),
-                    _ => Err(Fault::Content),
+                    _ => Err(TransferFault::Content),
                 }
             }
-            Body::Bye => {
+            TransferRequest::Bye => {
                 self.incoming = None;
                 Ok(())
             }
-            Body::Entry { name, size } => match &mut self.activity {
+            TransferRequest::Entry { name, size } => match &mut self.activity {
                 Activity::Listing(entries) => {
-                    entries.push(Entry { name, size });
+                    entries.push(DirectoryEntry { name, size });
                     Ok(())
                 }
-                _ => Err(Fault::Sequence),
+                _ => Err(TransferFault::Sequence),
             },
-            Body::End => match core::mem::replace(&mut self.activity, Activity::Idle) {
+            TransferRequest::End => match core::mem::replace(&mut self.activity, Activity::Idle) {
                 Activity::Listing(entries) => {
-                    self.end(Outcome::Listed(entries));
+                    self.finish(TransferOutcome::Listed(entries));
                     Ok(())
                 }
                 other => {
                     self.activity = other;
-                    Err(Fault::Sequence)
+                    Err(TransferFault::Sequence)
                 }
             },
-            Body::Put(put) => {
-                let wanted = match &self.activity {
+            TransferRequest::Put(put) => {
+                let is_expected = match &self.activity {
                     Activity::Idle => true,
-                    Activity::Getting(place) => *place == put.place,
+                    Activity::Getting(path) => *path == put.remote_path,
                     _ => false,
                 };
-                if !wanted {
-                    return Err(Fault::Busy);
+                if !is_expected {
+                    return Err(TransferFault::Busy);
                 }
-                if put.size > LARGEST {
-                    return self.given_up_if(Err(Fault::Full));
+                if put.size > MAX_FILE_BYTES {
+                    return self.drop_incoming_on_error(Err(TransferFault::Full));
                 }
-                self.incoming = Some(Incoming::new(put));
+                self.incoming = Some(IncomingFile::new(put));
                 Ok(())
             }
-            Body::Data(bytes) => {
-                let incoming = self.incoming.as_mut().ok_or(Fault::Sequence)?;
-                let taken = incoming.take(&bytes);
-                self.given_up_if(taken)
+            TransferRequest::Data(bytes) => {
+                let incoming = self.incoming.as_mut().ok_or(TransferFault::Sequence)?;
+                let taken = incoming.append(&bytes);
+                self.drop_incoming_on_error(taken)
             }
-            Body::Eof => {
-                let incoming = self.incoming.take().ok_or(Fault::Sequence)?;
-                match incoming.whole() {
-                    Ok(file) if self.is_idle() => self.outcomes.push_back(Outcome::Pushed(file)),
-                    Ok(file) => self.end(Outcome::Got(file)),
-                    Err(fault) => return self.given_up_if(Err(fault)),
+            TransferRequest::Eof => {
+                let incoming = self.incoming.take().ok_or(TransferFault::Sequence)?;
+                match incoming.finish() {
+                    Ok(file) if self.is_idle() => {
+                        self.outcomes.push_back(TransferOutcome::Pushed(file));
+                    }
+                    Ok(file) => self.finish(TransferOutcome::Got(file)),
+                    Err(fault) => return self.drop_incoming_on_error(Err(fault)),
                 }
                 Ok(())
             }
-            Body::Directory(_) | Body::Get(_) | Body::Delete(_) | Body::Rename { .. } => {
-                Err(Fault::NoRight)
-            }
+            TransferRequest::Directory(_)
+            | TransferRequest::Get(_)
+            | TransferRequest::Delete(_)
+            | TransferRequest::Rename { .. } => Err(TransferFault::NoRight),
         }
     }
 
-    /// A file that comes otherwise than it was announced.
-    fn given_up_if(&mut self, result: Result<(), Fault>) -> Result<(), Fault> {
+    /// Drops an incoming file that contradicts its announcement.
+    fn drop_incoming_on_error(
+        &mut self,
+        result: Result<(), TransferFault>,
+    ) -> Result<(), TransferFault> {
         if let Err(fault) = result {
             self.incoming = None;
             if !self.is_idle() {
-                self.end(Outcome::Refused(fault));
+                self.finish(TransferOutcome::Refused(fault));
             }
         }
         result
     }
 
-    fn answered(&mut self, body: &Body, result: Result<(), Fault>) {
-        // Farewells need no good answer.
-        let result = match body {
-            Body::Bye => {
+    fn handle_reply(&mut self, request: &TransferRequest, result: Result<(), TransferFault>) {
+        // Any reply to a goodbye will do.
+        let result = match request {
+            TransferRequest::Bye => {
                 self.station.disconnect();
                 Ok(())
             }
             _ => result,
         };
-        if result == Err(Fault::Sequence) && !matches!(self.activity, Activity::Idle) {
+        if result == Err(TransferFault::Sequence) && !matches!(self.activity, Activity::Idle) {
             self.station.disconnect();
-            return self.end(Outcome::Lost(Loss::Forgotten));
+            return self.finish(TransferOutcome::Lost(ConnectionLoss::PeerRestarted));
         }
         match (&mut self.activity, result) {
             (Activity::Idle, _) | (Activity::Listing(_) | Activity::Getting(_), Ok(())) => {}
-            (Activity::Asking, Ok(())) => self.end(Outcome::Done),
-            (Activity::Sending(outgoing), result) => match outgoing.answered(body, result) {
+            (Activity::AwaitingReply, Ok(())) => self.finish(TransferOutcome::Done),
+            (Activity::Sending(outgoing), result) => match outgoing.handle_reply(request, result) {
                 None => {}
                 Some(ended) => {
-                    self.station.break_off();
-                    self.end(match ended {
-                        Ok(()) => Outcome::Done,
-                        Err(fault) => Outcome::Refused(fault),
+                    self.station.abort();
+                    self.finish(match ended {
+                        Ok(()) => TransferOutcome::Done,
+                        Err(fault) => TransferOutcome::Refused(fault),
                     });
                 }
             },
-            (_, Err(fault)) => self.end(Outcome::Refused(fault)),
+            (_, Err(fault)) => self.finish(TransferOutcome::Refused(fault)),
         }
     }
 }

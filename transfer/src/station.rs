@@ -1,410 +1,430 @@
-//! One end of the line: frames arrive in their order, each once, or it is told that the
-//! other end is lost.
+//! One end of a line with frames: delivers frames in order, each once, or reports that the
+//! peer is lost.
 //!
-//! A frame is answered within a second of its last bit, or goes out again, five times.
-//! Two blocks of a file may be under way, so that the wire does not rest while an answer
-//! comes back; everything else waits for the answer before it. The receiver takes frames
-//! in the order of their numbers only: one that comes twice gets the answer it got, one
-//! that comes too early makes it ask for the one that is missing.
+//! A frame without a reply within a second of its last bit is retransmitted, up to five times.
+//! Two blocks of a file may be pending, so that the line is not idle during a reply. Every other
+//! frame waits for the reply before it. The receiver accepts frames in the order of their
+//! sequence numbers. A repeated frame gets its earlier reply. A gap makes the receiver request
+//! the missing frame.
 
 use std::collections::VecDeque;
 
 use crate::HostTime;
-use crate::fault::Fault;
-use crate::frame::{Body, Frame, LONGEST, Piece, Reader, VERSION, encode_answer};
-use crate::wire_time::{LEAD, WireTime};
+use crate::frame::{
+    FrameReader, MAX_FRAME_BYTES, ReaderOutput, TransferFrame, TransferRequest, VERSION,
+    encode_reply,
+};
+use crate::transfer_fault::TransferFault;
+use crate::wire_time::{PORT_LOOKAHEAD, WireTime};
 
-/// How long an answer may take.
-const ANSWER_WITHIN: HostTime = HostTime::from_secs(1);
-/// So often a frame goes out again.
-const RETRIES: u8 = 5;
-/// Blocks of a file, or entries of a list, under way.
+/// Longest time for a reply.
+const REPLY_TIMEOUT: HostTime = HostTime::from_secs(1);
+const MAX_RETRANSMISSIONS: u8 = 5;
+/// Pending blocks of a file or entries of a list.
 const WINDOW: usize = 2;
-/// A frame whose bytes stop for so long will not end.
-const STALE: HostTime = HostTime::from_millis(200);
-/// Between two complaints.
-const COMPLAINTS: HostTime = HostTime::from_millis(50);
-/// Answers that may be asked for again.
-const REMEMBERED: usize = 4;
-/// The number of the frame that connects, and of the first one after it.
+/// A pause within a frame after which it is incomplete.
+const FRAME_GAP_TIMEOUT: HostTime = HostTime::from_millis(200);
+/// Shortest time between two requests for a missing frame.
+const NAK_INTERVAL: HostTime = HostTime::from_millis(50);
+/// Replies that are kept for repeated frames.
+const KEPT_REPLIES: usize = 4;
+/// Sequence numbers of the connect frame and of the first frame after it.
 const CONNECT_SEQ: u8 = 0;
 const FIRST_SEQ: u8 = 1;
 
-/// What has happened on the line.
+/// Event on the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Event {
-    /// The other side asks; [`Station::answer`] is to be called before anything else.
-    Asked(Body),
-    /// It asks for what nobody understands; it has been answered.
-    Strange,
-    /// It has answered.
-    Answered(Body, Result<(), Fault>),
-    /// It does not answer any more; all that was to be said to it is dropped.
+pub(crate) enum StationEvent {
+    /// The peer sends a request; the caller must call [`Station::reply`] next.
+    Request(TransferRequest),
+    /// The peer sends an unknown request; the station has already refused it.
+    UnknownRequest,
+    /// The peer replies to a request.
+    Reply(TransferRequest, Result<(), TransferFault>),
+    /// The peer does not reply any more; all waiting frames are dropped.
     Lost,
 }
 
-/// A frame that has not been answered.
+/// A frame that waits for its reply.
 #[derive(Clone, Debug)]
-struct UnderWay {
+struct PendingFrame {
     seq: u8,
-    body: Body,
-    tries: u8,
-    /// When its last bit leaves.
-    leaves: HostTime,
-    /// When it is to be answered.
-    due: HostTime,
-    /// Nobody waits for its answer any more.
-    dropped: bool,
+    request: TransferRequest,
+    retransmission_count: u8,
+    /// Time at which the last bit leaves.
+    transmitted_at: HostTime,
+    /// Time at which the reply is due.
+    reply_due_at: HostTime,
+    /// The reply is of no interest any more.
+    is_abandoned: bool,
 }
 
 /// One end of the line.
 #[derive(Clone, Debug)]
 pub(crate) struct Station {
     wire: WireTime,
-    reader: Reader,
+    reader: FrameReader,
     /// Bytes for the port.
-    out: Vec<u8>,
-    next: u8,
-    waiting: VecDeque<Body>,
-    under_way: VecDeque<UnderWay>,
-    /// The number that comes next; none without a connection.
-    expected: Option<u8>,
-    /// The frame that waits for its answer.
-    asked: Option<u8>,
-    answers: VecDeque<(u8, Result<(), Fault>)>,
-    events: VecDeque<Event>,
-    /// When the last byte came, and the last frame.
-    heard_at: HostTime,
-    framed_at: HostTime,
-    complained: Option<HostTime>,
-    retries: u64,
+    output: Vec<u8>,
+    next_seq: u8,
+    waiting: VecDeque<TransferRequest>,
+    pending: VecDeque<PendingFrame>,
+    /// Sequence number of the next frame of the peer; `None` without a connection.
+    expected_seq: Option<u8>,
+    /// Sequence number of the request that waits for [`Station::reply`].
+    unanswered_seq: Option<u8>,
+    recent_replies: VecDeque<(u8, Result<(), TransferFault>)>,
+    events: VecDeque<StationEvent>,
+    /// Times of the last received byte and the last received frame.
+    last_byte_at: HostTime,
+    last_frame_at: HostTime,
+    last_nak_at: Option<HostTime>,
+    retransmissions: u64,
 }
 
 impl Station {
-    /// At a line of so many bits a second.
+    /// Creates the station for a line of `baud` bits per second.
     pub(crate) fn new(baud: u32) -> Self {
         Self {
             wire: WireTime::new(baud),
-            reader: Reader::default(),
-            out: Vec::new(),
-            next: CONNECT_SEQ,
+            reader: FrameReader::default(),
+            output: Vec::new(),
+            next_seq: CONNECT_SEQ,
             waiting: VecDeque::new(),
-            under_way: VecDeque::new(),
-            expected: None,
-            asked: None,
-            answers: VecDeque::new(),
+            pending: VecDeque::new(),
+            expected_seq: None,
+            unanswered_seq: None,
+            recent_replies: VecDeque::new(),
             events: VecDeque::new(),
-            heard_at: HostTime::ZERO,
-            framed_at: HostTime::ZERO,
-            complained: None,
-            retries: 0,
+            last_byte_at: HostTime::ZERO,
+            last_frame_at: HostTime::ZERO,
+            last_nak_at: None,
+            retransmissions: 0,
         }
     }
 
-    /// Something is to be said.
-    pub(crate) fn send(&mut self, body: Body) {
-        self.waiting.push_back(body);
+    /// Queues a request to the peer.
+    pub(crate) fn send(&mut self, request: TransferRequest) {
+        self.waiting.push_back(request);
     }
 
-    /// The other side is to be spoken to from the beginning.
+    /// Drops all frames and starts a new connection.
     pub(crate) fn connect(&mut self) {
-        self.forget();
-        self.expected = None;
-        self.next = CONNECT_SEQ;
-        self.send(Body::Connect { version: VERSION });
+        self.clear_queues();
+        self.expected_seq = None;
+        self.next_seq = CONNECT_SEQ;
+        self.send(TransferRequest::Connect { version: VERSION });
     }
 
-    /// The other side has said goodbye.
+    /// Drops all frames and ends the connection.
     pub(crate) fn disconnect(&mut self) {
-        self.forget();
-        self.expected = None;
+        self.clear_queues();
+        self.expected_seq = None;
     }
 
     pub(crate) const fn is_connected(&self) -> bool {
-        self.expected.is_some()
+        self.expected_seq.is_some()
     }
 
-    /// A frame has begun to come and not ended.
-    pub(crate) const fn is_within(&self) -> bool {
-        self.reader.is_within()
+    /// Whether a frame is partly received.
+    pub(crate) const fn is_in_frame(&self) -> bool {
+        self.reader.is_in_frame()
     }
 
-    /// What has not begun to be said is not said; what is under way arrives, and its
-    /// answer is nobody's.
-    pub(crate) fn break_off(&mut self) {
+    /// Drops waiting frames. Pending frames still arrive; their replies are ignored.
+    pub(crate) fn abort(&mut self) {
         self.waiting.clear();
-        for frame in &mut self.under_way {
-            frame.dropped = true;
+        for frame in &mut self.pending {
+            frame.is_abandoned = true;
         }
     }
 
-    /// How much waits to be said.
+    /// Returns the number of waiting frames.
     pub(crate) fn waiting(&self) -> usize {
         self.waiting.len()
     }
 
-    /// Nothing waits, and everything has been answered.
-    pub(crate) fn is_quiet(&self) -> bool {
-        self.waiting.is_empty() && self.under_way.is_empty() && self.out.is_empty()
+    /// Whether everything is sent and acknowledged.
+    pub(crate) fn is_drained(&self) -> bool {
+        self.waiting.is_empty() && self.pending.is_empty() && self.output.is_empty()
     }
 
-    /// Frames that went out again, so far.
-    pub(crate) const fn retries(&self) -> u64 {
-        self.retries
+    /// Returns the number of retransmitted frames.
+    pub(crate) const fn retransmissions(&self) -> u64 {
+        self.retransmissions
     }
 
-    /// Bytes that were part of no frame, so far.
+    /// Returns the number of bytes that were part of no frame.
     pub(crate) const fn noise(&self) -> u64 {
         self.reader.noise()
     }
 
-    /// How long an answer may take at this rate: it may stand after a frame of its side,
-    /// and a frame before it on ours.
-    pub(crate) fn answer_within(&self) -> HostTime {
-        ANSWER_WITHIN + self.wire.bytes(2 * LONGEST)
+    /// Returns the longest time for a reply at this rate. The reply may wait for a frame of the
+    /// peer and for a frame of this side.
+    pub(crate) fn reply_timeout(&self) -> HostTime {
+        REPLY_TIMEOUT + self.wire.transmission_time(2 * MAX_FRAME_BYTES)
     }
 
-    /// Longer than the other side waits before it gives up.
-    pub(crate) fn given_up_after(&self) -> HostTime {
-        self.answer_within() * (u32::from(RETRIES) + 2)
+    /// Returns a time longer than the peer waits before it gives up.
+    pub(crate) fn abandon_after(&self) -> HostTime {
+        self.reply_timeout() * (u32::from(MAX_RETRANSMISSIONS) + 2)
     }
 
-    /// No frame has ever come.
-    pub(crate) const fn framed_never(&self) -> bool {
-        self.framed_at.is_zero()
+    /// Whether no frame has ever been received.
+    pub(crate) const fn has_received_no_frame(&self) -> bool {
+        self.last_frame_at.is_zero()
     }
 
-    /// Since when no frame has come.
-    pub(crate) fn silent_for(&self, now: HostTime) -> HostTime {
-        now.saturating_sub(self.framed_at)
+    /// Returns the time since the last frame.
+    pub(crate) fn time_since_frame(&self, now: HostTime) -> HostTime {
+        now.saturating_sub(self.last_frame_at)
     }
 
-    /// Since when nothing at all has come.
-    pub(crate) fn quiet_for(&self, now: HostTime) -> HostTime {
-        now.saturating_sub(self.heard_at)
+    /// Returns the time since the last byte.
+    pub(crate) fn time_since_byte(&self, now: HostTime) -> HostTime {
+        now.saturating_sub(self.last_byte_at)
     }
 
-    /// The bytes that may go to the port now.
-    pub(crate) fn due(&self, now: HostTime) -> &[u8] {
-        &self.out[..self.wire.due(self.out.len(), now)]
+    /// Returns the bytes that the port may take now.
+    pub(crate) fn pending_bytes(&self, now: HostTime) -> &[u8] {
+        &self.output[..self.wire.sendable(self.output.len(), now)]
     }
 
-    /// So many of them have gone.
-    pub(crate) fn sent(&mut self, count: usize) {
-        self.out.drain(..count.min(self.out.len()));
+    /// Removes bytes that the port has taken.
+    pub(crate) fn mark_sent(&mut self, count: usize) {
+        self.output.drain(..count.min(self.output.len()));
     }
 
-    /// Bytes have come.
-    pub(crate) fn hear(&mut self, bytes: &[u8], now: HostTime) {
+    /// Takes received bytes.
+    pub(crate) fn receive(&mut self, bytes: &[u8], now: HostTime) {
         if !bytes.is_empty() {
-            self.heard_at = now;
-            self.reader.give(bytes);
+            self.last_byte_at = now;
+            self.reader.push_bytes(bytes);
         }
     }
 
-    /// What has happened next. Whoever is asked answers before anything else is heard.
-    pub(crate) fn next_event(&mut self, now: HostTime) -> Option<Event> {
-        self.repeat(now);
+    /// Returns the next event. A request must be replied to before the next event is read.
+    pub(crate) fn next_event(&mut self, now: HostTime) -> Option<StationEvent> {
+        self.retransmit_overdue(now);
         loop {
             if let Some(event) = self.events.pop_front() {
                 return Some(event);
             }
-            if self.asked.is_some() {
+            if self.unanswered_seq.is_some() {
                 break;
             }
-            if self.reader.is_within() && now.saturating_sub(self.heard_at) > STALE {
-                self.reader.give_up();
+            if self.reader.is_in_frame()
+                && now.saturating_sub(self.last_byte_at) > FRAME_GAP_TIMEOUT
+            {
+                self.reader.skip_byte();
             }
             match self.reader.next() {
-                Some(Piece::Frame(frame)) => {
-                    self.framed_at = now;
+                Some(ReaderOutput::Frame(frame)) => {
+                    self.last_frame_at = now;
                     match frame {
-                        Frame::Answer { seq, result } => self.answered(seq, result, now),
-                        Frame::Body { seq, body } => self.asked(seq, body, now),
+                        TransferFrame::Reply { seq, result } => self.handle_reply(seq, result, now),
+                        TransferFrame::Request { seq, request } => {
+                            self.handle_request(seq, request, now);
+                        }
                     }
                 }
-                Some(Piece::Damaged) => self.complain(now),
+                Some(ReaderOutput::Damaged) => self.request_missing_frame(now),
                 None => break,
             }
         }
-        self.begin(now);
+        self.send_waiting(now);
         None
     }
 
-    /// Answers what was asked.
-    pub(crate) fn answer(&mut self, result: Result<(), Fault>, now: HostTime) {
-        let Some(seq) = self.asked.take() else {
+    /// Replies to the last request.
+    pub(crate) fn reply(&mut self, result: Result<(), TransferFault>, now: HostTime) {
+        let Some(seq) = self.unanswered_seq.take() else {
             return;
         };
-        self.expected = Some(seq.wrapping_add(1));
-        if self.answers.len() == REMEMBERED {
-            self.answers.pop_front();
+        self.expected_seq = Some(seq.wrapping_add(1));
+        if self.recent_replies.len() == KEPT_REPLIES {
+            self.recent_replies.pop_front();
         }
-        self.answers.push_back((seq, result));
-        self.put(&encode_answer(seq, result), now);
+        self.recent_replies.push_back((seq, result));
+        self.queue_bytes(&encode_reply(seq, result), now);
     }
 
-    /// Everything that was to be said is dropped, said or not.
-    fn forget(&mut self) {
+    fn clear_queues(&mut self) {
         self.waiting.clear();
-        self.under_way.clear();
-        self.answers.clear();
-        self.asked = None;
+        self.pending.clear();
+        self.recent_replies.clear();
+        self.unanswered_seq = None;
     }
 
-    fn put(&mut self, bytes: &[u8], now: HostTime) -> HostTime {
-        self.out.extend_from_slice(bytes);
-        self.wire.give(bytes.len(), now)
+    fn queue_bytes(&mut self, bytes: &[u8], now: HostTime) -> HostTime {
+        self.output.extend_from_slice(bytes);
+        self.wire.queue(bytes.len(), now)
     }
 
-    /// Says what may be said now.
-    pub(crate) fn begin(&mut self, now: HostTime) {
-        while let Some(body) = self.waiting.front() {
-            let is_block = |body: &Body| matches!(body, Body::Data(_) | Body::Entry { .. });
-            let beside = self.under_way.len() < WINDOW
-                && is_block(body)
-                && self.under_way.iter().all(|frame| is_block(&frame.body));
-            if !self.under_way.is_empty() && !beside {
+    /// Sends waiting frames as far as the window allows.
+    pub(crate) fn send_waiting(&mut self, now: HostTime) {
+        while let Some(request) = self.waiting.front() {
+            let is_block = |request: &TransferRequest| {
+                matches!(
+                    request,
+                    TransferRequest::Data(_) | TransferRequest::Entry { .. }
+                )
+            };
+            let fits_window = self.pending.len() < WINDOW
+                && is_block(request)
+                && self.pending.iter().all(|frame| is_block(&frame.request));
+            if !self.pending.is_empty() && !fits_window {
                 return;
             }
-            let Some(body) = self.waiting.pop_front() else {
+            let Some(request) = self.waiting.pop_front() else {
                 return;
             };
-            let seq = match body {
-                Body::Connect { .. } => CONNECT_SEQ,
-                _ => self.next,
+            let seq = match request {
+                TransferRequest::Connect { .. } => CONNECT_SEQ,
+                _ => self.next_seq,
             };
-            self.next = seq.wrapping_add(1);
-            let leaves = self.put(&body.encode(seq), now);
-            self.under_way.push_back(UnderWay {
+            self.next_seq = seq.wrapping_add(1);
+            let transmitted_at = self.queue_bytes(&request.encode(seq), now);
+            self.pending.push_back(PendingFrame {
                 seq,
-                body,
-                tries: 0,
-                leaves,
-                due: leaves + self.answer_within(),
-                dropped: false,
+                request,
+                retransmission_count: 0,
+                transmitted_at,
+                reply_due_at: transmitted_at + self.reply_timeout(),
+                is_abandoned: false,
             });
         }
     }
 
-    /// Says again what was not answered in time.
-    fn repeat(&mut self, now: HostTime) {
-        if self.under_way.front().is_some_and(|frame| frame.due <= now) {
-            self.say_again(0, now);
+    /// Retransmits the first pending frame and those after it if its reply is overdue.
+    fn retransmit_overdue(&mut self, now: HostTime) {
+        if self
+            .pending
+            .front()
+            .is_some_and(|frame| frame.reply_due_at <= now)
+        {
+            self.retransmit(0, now);
         }
     }
 
-    /// Says the frames under way again from one on.
-    fn say_again(&mut self, from: usize, now: HostTime) {
-        if self.under_way[from].tries >= RETRIES {
-            self.forget();
-            self.expected = None;
-            self.out.clear();
-            self.events.push_back(Event::Lost);
+    /// Retransmits the pending frames from one on.
+    fn retransmit(&mut self, from: usize, now: HostTime) {
+        if self.pending[from].retransmission_count >= MAX_RETRANSMISSIONS {
+            self.clear_queues();
+            self.expected_seq = None;
+            self.output.clear();
+            self.events.push_back(StationEvent::Lost);
             return;
         }
-        // A port that takes nothing is not given more.
-        let blocked = self.wire.free_at() < now && !self.out.is_empty();
-        let within = self.answer_within();
-        for at in from..self.under_way.len() {
+        // If the port takes no bytes, do not queue more.
+        let blocked = self.wire.idle_at() < now && !self.output.is_empty();
+        let timeout = self.reply_timeout();
+        for at in from..self.pending.len() {
             let bytes = match blocked {
                 true => Vec::new(),
-                false => self.under_way[at].body.encode(self.under_way[at].seq),
+                false => self.pending[at].request.encode(self.pending[at].seq),
             };
-            let leaves = self.put(&bytes, now);
-            let frame = &mut self.under_way[at];
-            frame.tries += 1;
-            frame.leaves = leaves;
-            frame.due = leaves + within;
-            self.retries += 1;
+            let transmitted_at = self.queue_bytes(&bytes, now);
+            let frame = &mut self.pending[at];
+            frame.retransmission_count += 1;
+            frame.transmitted_at = transmitted_at;
+            frame.reply_due_at = transmitted_at + timeout;
+            self.retransmissions += 1;
         }
     }
 
-    fn answered(&mut self, seq: u8, result: Result<(), Fault>, now: HostTime) {
-        let Some(at) = self.under_way.iter().position(|frame| frame.seq == seq) else {
+    fn handle_reply(&mut self, seq: u8, result: Result<(), TransferFault>, now: HostTime) {
+        let Some(at) = self.pending.iter().position(|frame| frame.seq == seq) else {
             return;
         };
         match result {
-            Err(Fault::Damaged) => {
-                // Of a copy that has not arrived yet it cannot speak.
-                if self.under_way[at].leaves <= now + LEAD {
-                    self.say_again(at, now);
+            Err(TransferFault::Damaged) => {
+                // The peer cannot know a copy that has not arrived yet.
+                if self.pending[at].transmitted_at <= now + PORT_LOOKAHEAD {
+                    self.retransmit(at, now);
                 }
             }
-            // The answer to the one before it is lost, and may be another refusal: that one
-            // is said again in time.
+            // The reply to the frame before is lost and may be a refusal. That frame is
+            // retransmitted in time.
             Err(_) if at > 0 => {}
-            Err(_) => self.conclude(result),
-            // Frames are taken in their order: those before it were.
-            Ok(()) => (0..=at).for_each(|_| self.conclude(Ok(()))),
+            Err(_) => self.complete_first(result),
+            // Frames are accepted in order: those before it are accepted, too.
+            Ok(()) => (0..=at).for_each(|_| self.complete_first(Ok(()))),
         }
     }
 
-    fn conclude(&mut self, result: Result<(), Fault>) {
-        let Some(frame) = self.under_way.pop_front() else {
+    fn complete_first(&mut self, result: Result<(), TransferFault>) {
+        let Some(frame) = self.pending.pop_front() else {
             return;
         };
-        if matches!(frame.body, Body::Connect { .. }) && result.is_ok() {
-            // Unless it has connected meanwhile by itself.
-            self.expected.get_or_insert(FIRST_SEQ);
+        if matches!(frame.request, TransferRequest::Connect { .. }) && result.is_ok() {
+            // The peer may have connected in the meantime.
+            self.expected_seq.get_or_insert(FIRST_SEQ);
         }
-        if !frame.dropped {
-            self.events.push_back(Event::Answered(frame.body, result));
+        if !frame.is_abandoned {
+            self.events
+                .push_back(StationEvent::Reply(frame.request, result));
         }
     }
 
-    fn asked(&mut self, seq: u8, body: Result<Body, Fault>, now: HostTime) {
-        if matches!(body, Ok(Body::Connect { .. })) {
-            self.begin_anew();
+    fn handle_request(
+        &mut self,
+        seq: u8,
+        request: Result<TransferRequest, TransferFault>,
+        now: HostTime,
+    ) {
+        if matches!(request, Ok(TransferRequest::Connect { .. })) {
+            self.restart_session();
         } else {
-            let Some(expected) = self.expected else {
-                // What was said before our own connection stood is void.
-                if self.under_way.is_empty() {
-                    self.put(&encode_answer(seq, Err(Fault::Sequence)), now);
+            let Some(expected) = self.expected_seq else {
+                // Frames from before this connection are void.
+                if self.pending.is_empty() {
+                    self.queue_bytes(&encode_reply(seq, Err(TransferFault::Sequence)), now);
                 }
                 return;
             };
             match seq.wrapping_sub(expected) {
                 0 => {}
-                128.. => return self.answer_again(seq, now),
-                _ => return self.complain(now),
+                128.. => return self.repeat_reply(seq, now),
+                _ => return self.request_missing_frame(now),
             }
         }
-        self.asked = Some(seq);
-        match body {
-            Ok(body) => self.events.push_back(Event::Asked(body)),
+        self.unanswered_seq = Some(seq);
+        match request {
+            Ok(request) => self.events.push_back(StationEvent::Request(request)),
             Err(fault) => {
-                self.answer(Err(fault), now);
-                self.events.push_back(Event::Strange);
+                self.reply(Err(fault), now);
+                self.events.push_back(StationEvent::UnknownRequest);
             }
         }
     }
 
-    /// The other side begins: numbers count anew on both ways.
-    fn begin_anew(&mut self) {
-        let connecting = |frame: &UnderWay| matches!(frame.body, Body::Connect { .. });
-        self.under_way.retain(connecting);
+    /// The peer connects: sequence numbers start again in both directions.
+    fn restart_session(&mut self) {
+        let is_connect =
+            |frame: &PendingFrame| matches!(frame.request, TransferRequest::Connect { .. });
+        self.pending.retain(is_connect);
         self.waiting
-            .retain(|body| matches!(body, Body::Connect { .. }));
-        self.answers.clear();
-        self.next = FIRST_SEQ;
+            .retain(|request| matches!(request, TransferRequest::Connect { .. }));
+        self.recent_replies.clear();
+        self.next_seq = FIRST_SEQ;
     }
 
-    fn answer_again(&mut self, seq: u8, now: HostTime) {
-        let known = self.answers.iter().find(|(known, _)| *known == seq);
+    fn repeat_reply(&mut self, seq: u8, now: HostTime) {
+        let known = self.recent_replies.iter().find(|(known, _)| *known == seq);
         let result = known.map_or(Ok(()), |(_, result)| *result);
-        self.put(&encode_answer(seq, result), now);
+        self.queue_bytes(&encode_reply(seq, result), now);
     }
 
-    /// Asks for the frame that has not arrived whole.
-    fn complain(&mut self, now: HostTime) {
-        let Some(expected) = self.expected else {
+    /// Requests the frame that is missing or damaged.
+    fn request_missing_frame(&mut self, now: HostTime) {
+        let Some(expected) = self.expected_seq else {
             return;
         };
-        let lately = self.complained.is_some_and(|at| now < at + COMPLAINTS);
-        if !lately {
-            self.complained = Some(now);
-            self.put(&encode_answer(expected, Err(Fault::Damaged)), now);
+        let is_recent = self.last_nak_at.is_some_and(|at| now < at + NAK_INTERVAL);
+        if !is_recent {
+            self.last_nak_at = Some(now);
+            self.queue_bytes(&encode_reply(expected, Err(TransferFault::Damaged)), now);
         }
     }
 }

@@ -1,62 +1,62 @@
-//! How long bytes take on the line.
+//! Transmission times of bytes on a serial line.
 
 use crate::HostTime;
 
-/// Bits of a byte on the wire: start, eight, stop.
-const BITS: u64 = 10;
-/// How far ahead of the wire bytes are handed to the port: the gaps between two looks of
-/// whoever carries them leave no gap on the wire.
-pub(crate) const LEAD: HostTime = HostTime::from_millis(20);
+/// Bits per byte: start bit, 8 data bits, stop bit.
+const BITS_PER_BYTE: u64 = 10;
+/// Bytes are passed to the port this long before the line needs them. The line stays busy while
+/// the caller is between two calls.
+pub(crate) const PORT_LOOKAHEAD: HostTime = HostTime::from_millis(20);
 
-/// One direction of a line that is as fast as its rate.
+/// Timing of one direction of a serial line.
 #[derive(Clone, Copy, Debug)]
 pub struct WireTime {
-    byte: HostTime,
-    /// When the last byte that was given will have left.
-    free_at: HostTime,
+    byte_time: HostTime,
+    /// Time at which the last queued byte has left.
+    idle_at: HostTime,
 }
 
 impl WireTime {
-    /// A line of so many bits a second.
+    /// Creates the timing for a line of `baud` bits per second.
     pub fn new(baud: u32) -> Self {
-        let nanos = BITS * 1_000_000_000 / u64::from(baud.max(1));
+        let nanos = BITS_PER_BYTE * 1_000_000_000 / u64::from(baud.max(1));
         Self {
-            byte: HostTime::from_nanos(nanos),
-            free_at: HostTime::ZERO,
+            byte_time: HostTime::from_nanos(nanos),
+            idle_at: HostTime::ZERO,
         }
     }
 
-    /// How long so many bytes take.
-    pub(crate) fn bytes(&self, count: usize) -> HostTime {
-        self.byte * u32::try_from(count).unwrap_or(u32::MAX)
+    /// Returns the transmission time of `count` bytes.
+    pub(crate) fn transmission_time(&self, count: usize) -> HostTime {
+        self.byte_time * u32::try_from(count).unwrap_or(u32::MAX)
     }
 
-    /// Gives so many bytes; when the last one will have left.
-    pub(crate) fn give(&mut self, count: usize, now: HostTime) -> HostTime {
-        self.free_at = self.free_at.max(now) + self.bytes(count);
-        self.free_at
+    /// Queues bytes and returns the time at which the last one has left.
+    pub(crate) fn queue(&mut self, count: usize, now: HostTime) -> HostTime {
+        self.idle_at = self.idle_at.max(now) + self.transmission_time(count);
+        self.idle_at
     }
 
-    /// How many of so many bytes that wait may go to the port now.
-    pub(crate) fn due(&self, waiting: usize, now: HostTime) -> usize {
-        let ahead = self.free_at.saturating_sub(now + LEAD).as_nanos();
-        let kept = ahead.div_ceil(self.byte.as_nanos().max(1));
+    /// Returns how many of the waiting bytes the port may take now.
+    pub(crate) fn sendable(&self, waiting: usize, now: HostTime) -> usize {
+        let ahead = self.idle_at.saturating_sub(now + PORT_LOOKAHEAD).as_nanos();
+        let kept = ahead.div_ceil(self.byte_time.as_nanos().max(1));
         waiting.saturating_sub(usize::try_from(kept).unwrap_or(usize::MAX))
     }
 
-    /// How many bytes may be given now so that none is more than the lead ahead.
-    pub(crate) fn room(&self, now: HostTime) -> usize {
-        let room = (now + LEAD)
-            .saturating_sub(self.free_at)
-            .min(LEAD)
+    /// Returns how many bytes may be queued now without exceeding the lookahead.
+    pub(crate) fn free_bytes(&self, now: HostTime) -> usize {
+        let free = (now + PORT_LOOKAHEAD)
+            .saturating_sub(self.idle_at)
+            .min(PORT_LOOKAHEAD)
             .as_nanos();
-        // One byte may take longer than the lead.
-        let bytes = room.div_ceil(self.byte.as_nanos().max(1));
+        // One byte may take longer than the lookahead.
+        let bytes = free.div_ceil(self.byte_time.as_nanos().max(1));
         usize::try_from(bytes).unwrap_or(usize::MAX)
     }
 
-    /// When all that was given will have left.
-    pub(crate) const fn free_at(&self) -> HostTime {
-        self.free_at
+    /// Returns the time at which all queued bytes have left.
+    pub(crate) const fn idle_at(&self) -> HostTime {
+        self.idle_at
     }
 }

@@ -1,74 +1,74 @@
-//! Boards of the Grbl family: Grbl 1.1h on an 8 bit processor, grblHAL, and FluidNC.
+//! Twins of Grbl boards: Grbl 1.1h on an 8 bit processor, grblHAL, and FluidNC.
 //!
-//! What hosts trip over is modelled on purpose: a receive buffer that drops what
-//! does not fit, characters that act at once wherever they stand, a carriage
-//! return that ends a line of its own, silence after a hard limit, answers that
-//! say "read", not "done", and a reset whenever the port is opened.
+//! They model on purpose what hosts get wrong: a receive buffer that drops what does not
+//! fit, realtime characters that act within a line, a carriage return that ends a line of
+//! its own, silence after a hard limit, an `ok` that means "read" and not "done", and a
+//! reset whenever the port is opened.
 
 mod block;
 mod config;
-mod firmware;
 mod fluid;
 mod homing;
+mod main_loop;
 mod pins;
 mod planner;
 mod report;
-mod restart;
+mod reset;
 mod settings;
 mod spindle;
 
 use std::collections::VecDeque;
 
 use crate::wire::Wire;
-use block::{Asked, Modal};
-use fluid::Fluid;
-use homing::Homing;
-pub use pins::Pins;
+use block::{Modal, ParsedBlock};
+use fluid::FluidState;
+use homing::GrblHoming;
+pub use pins::GrblPins;
 use planner::Planner;
-pub use settings::Settings;
-use spindle::Pass;
-pub use spindle::{PassTrace, Spindle};
+pub use settings::GrblSettings;
+use spindle::ThreadPass;
+pub use spindle::{GrblSpindle, PassTrace};
 
-/// One step of virtual time, ns.
+/// Step of virtual time, ns.
 const STEP_NS: u64 = 100_000;
-/// Time a line takes besides its bytes: 447 lines a second, ns.
+/// Processing time of a line, ns: 447 lines/s.
 const LINE_NS: u64 = 2_237_000;
-/// From standstill until the board calls the hold complete, ns.
-const HOLD_SETTLES_NS: u64 = 35_000_000;
-/// From power or reset line to the banner, ns.
+/// Time from standstill until the board reports the hold as complete, ns.
+const HOLD_SETTLE_NS: u64 = 35_000_000;
+/// Time from power-on or reset line to the banner, ns.
 const BOOT_NS: u64 = 1_500_000_000;
-/// Writing a setting stops the interrupts so long, ns.
+/// Time for which writing a setting disables interrupts, ns.
 const SETTING_WRITE_NS: u64 = 14_000_000;
-/// The longest line.
-const LINE_BYTES: usize = 80;
-/// The slowest cut the planner makes, mm/s (1 mm/min).
-const LEAST_CUT: f64 = 1.0 / 60.0;
-/// Reports between two that name the work offset.
-const OFFSET_EVERY: u32 = 10;
+/// Maximum length of a line.
+const MAX_LINE_BYTES: usize = 80;
+/// Minimum speed of a cut in the planner, mm/s (1 mm/min).
+const MIN_CUT_SPEED: f64 = 1.0 / 60.0;
+/// Number of status reports from one work offset to the next.
+const REPORTS_PER_OFFSET: u32 = 10;
 
-/// Which firmware.
+/// The firmware of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variant {
-    /// Grbl 1.1h: 15 blocks, 128 bytes.
+    /// Grbl 1.1h: planner with 15 blocks, receive buffer of 128 bytes.
     Grbl,
-    /// grblHAL: 100 blocks, 1024 bytes; after an error every line is refused
-    /// until an empty one comes.
+    /// grblHAL: planner with 100 blocks, receive buffer of 1024 bytes. After an error it
+    /// refuses all lines until an empty line.
     GrblHal,
-    /// FluidNC 4.0 on an ESP32: its settings are a tree of named items.
+    /// FluidNC 4.0 on an ESP32. Its settings are a tree of named items.
     FluidNc,
 }
 
 impl Variant {
-    const fn blocks(self) -> usize {
+    const fn planner_blocks(self) -> usize {
         match self {
             Self::Grbl | Self::FluidNc => 15,
             Self::GrblHal => 100,
         }
     }
 
-    /// Motion the pulse timer is handed in advance, s: pieces of 10 ms, of which the last
-    /// is being made.
-    const fn prepared(self) -> f64 {
+    /// Returns the duration of the motion prepared for the pulse timer, s, in segments of
+    /// 10 ms.
+    const fn prepared_s(self) -> f64 {
         match self {
             Self::Grbl => 0.045,
             Self::GrblHal => 0.085,
@@ -76,7 +76,7 @@ impl Variant {
         }
     }
 
-    const fn receive_bytes(self) -> usize {
+    const fn receive_buffer_bytes(self) -> usize {
         match self {
             Self::Grbl => 128,
             Self::GrblHal => 1024,
@@ -100,115 +100,114 @@ impl Variant {
     }
 }
 
-/// What the board is doing.
+/// The state of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum State {
-    /// Nothing.
+pub enum GrblState {
+    /// No motion.
     Idle,
-    /// Moving.
+    /// In motion.
     Run,
-    /// Braking to a hold, or held.
+    /// Feed hold.
     Hold {
-        /// It stands.
+        /// Whether the axes have stopped.
         complete: bool,
     },
-    /// Seeking its switches.
+    /// Homing.
     Home,
-    /// Locked.
+    /// Locked by an alarm.
     Alarm,
-    /// Reads programs without moving.
+    /// Check mode: the board reads programs without motion.
     Check,
-    /// FluidNC after a hard limit or an emergency stop: it says it is locked, takes every
-    /// block, and carries none out until a reset.
+    /// FluidNC after a hard limit or an emergency stop: it reports an alarm, accepts all
+    /// blocks, but executes none until a reset.
     Critical,
     /// FluidNC before it has read its configuration.
     Starting,
 }
 
-/// A board, its two wires and its pins, in virtual time.
+/// A Grbl board with its two serial lines and its pins, in virtual time.
 #[derive(Clone, Debug)]
 pub struct GrblTwin {
     variant: Variant,
     now: u64,
-    /// Host to board.
+    /// Serial line from the host to the board.
     pub to_board: Wire,
-    /// Board to host.
+    /// Serial line from the board to the host.
     pub to_host: Wire,
-    /// The input pins; the switches below are added.
-    pub pins: Pins,
-    /// Where the limit switches of X and Z are, mm from where the slides stood at the
-    /// beginning; operated from there on outwards.
+    /// Input pins, in addition to the limit switches of [`GrblTwin::place_switches`].
+    pub pins: GrblPins,
+    /// Positions of the limit switches of X and Z relative to the slides at power-on, mm.
     switches: [f64; 2],
-    /// The same in pulses.
+    /// Positions of the limit switches, pulses.
     switch_pulses: [i64; 2],
-    /// Limit inputs at the last look.
-    limits_were: [bool; 2],
-    emergency_was: bool,
-    homing: Option<Homing>,
-    settings: Settings,
+    /// Limit inputs at the last check.
+    previous_limits: [bool; 2],
+    previous_emergency: bool,
+    homing: Option<GrblHoming>,
+    settings: GrblSettings,
     received: VecDeque<u8>,
     line: Vec<u8>,
     in_comment: bool,
     too_long: bool,
-    /// The firmware is busy until then.
+    /// Time until which the firmware is busy, ns.
     busy_until: u64,
-    /// The receive interrupt is off until then.
+    /// Time until which the receive interrupt is off, ns.
     deaf_until: u64,
     boots_at: Option<u64>,
-    /// A block that waits for a place in the queue, or for the queue to be empty.
-    waiting: Option<Asked>,
-    /// The line under way is answered then: a dwell, a setting being written.
-    answers_at: Option<u64>,
+    /// A block that waits for a free planner block or an empty queue.
+    waiting_block: Option<ParsedBlock>,
+    /// Time at which the current line is answered, after a dwell or a setting, ns.
+    answer_at: Option<u64>,
     modal: Modal,
     planner: Planner,
-    /// Pulses made since power-on, X, Y, Z: what a counter at the pins reads.
+    /// Pulses of X, Y, Z since power-on, as a counter at the pins reads them.
     pulses: [i64; 3],
-    /// What the firmware believes, pulses.
+    /// Position of the firmware, pulses.
     position: [i64; 3],
-    /// By so much it reports another place.
-    miscounted: [i64; 3],
-    state: State,
-    /// After a hard limit: nothing but a reset is heard.
-    silent: bool,
-    stands_since: Option<u64>,
+    /// Error added to the reported position, pulses.
+    position_error: [i64; 3],
+    state: GrblState,
+    /// After a hard limit the board ignores everything except a reset.
+    waits_for_reset: bool,
+    stopped_since: Option<u64>,
     report_due: bool,
     reports: u32,
     error_latch: bool,
-    spindle: u8,
+    spindle_code: u8,
     coolant: bool,
-    shaft: Spindle,
-    pass: Option<Pass>,
+    spindle: GrblSpindle,
+    pass: Option<ThreadPass>,
     passes: Vec<PassTrace>,
-    /// A hold was asked for in a pass, and comes behind it.
+    /// A feed hold during a thread pass, which acts at its end.
     hold_pending: bool,
-    /// The main loop waits for what never comes; a reset ends it.
-    stuck: bool,
-    /// Time of this step that a pass has more, or (negative) less, s.
-    head_start: f64,
-    /// Of G54, mm; kept without power.
+    /// The main loop waits forever; only a reset ends it.
+    main_loop_blocked: bool,
+    /// Time that this step adds to a thread pass, s; negative if it starts within the step.
+    pass_time_offset_s: f64,
+    /// Work offset of G54, mm, kept without power.
     work_offset: [f64; 3],
-    fluid: Fluid,
-    /// Macros FluidNC was told to run, by a character of its own.
-    pub macros_run: u32,
-    /// Resets it has carried out since power-on, whether it moved or not.
-    pub resets: u32,
+    fluid: FluidState,
+    /// Number of FluidNC macros started by a realtime character.
+    pub macro_count: u32,
+    /// Number of resets since power-on, in motion or not.
+    pub reset_count: u32,
 }
 
 impl GrblTwin {
-    /// A board that has just got power, with the settings it holds.
-    pub fn new(variant: Variant, settings: Settings) -> Self {
+    /// Creates a board that has just been switched on, with its stored settings.
+    pub fn new(variant: Variant, settings: GrblSettings) -> Self {
         let mut twin = Self {
             variant,
             now: 0,
             to_board: Wire::new(115_200),
             to_host: Wire::new(115_200),
-            pins: Pins::default(),
+            pins: GrblPins::default(),
             switches: [20.0, 40.0],
             switch_pulses: [0; 2],
-            limits_were: [false; 2],
-            emergency_was: false,
+            previous_limits: [false; 2],
+            previous_emergency: false,
             homing: None,
-            settings: settings.of(variant),
+            settings: settings.for_variant(variant),
             received: VecDeque::new(),
             line: Vec::new(),
             in_comment: false,
@@ -216,152 +215,153 @@ impl GrblTwin {
             busy_until: 0,
             deaf_until: 0,
             boots_at: None,
-            waiting: None,
-            answers_at: None,
+            waiting_block: None,
+            answer_at: None,
             modal: Modal::default(),
-            planner: Planner::new(variant.blocks(), variant.prepared()),
+            planner: Planner::new(variant.planner_blocks(), variant.prepared_s()),
             pulses: [0; 3],
             position: [0; 3],
-            miscounted: [0; 3],
-            state: State::Idle,
-            silent: false,
-            stands_since: None,
+            position_error: [0; 3],
+            state: GrblState::Idle,
+            waits_for_reset: false,
+            stopped_since: None,
             report_due: false,
             reports: 0,
             error_latch: false,
-            spindle: 5,
+            spindle_code: 5,
             coolant: false,
-            shaft: Spindle::default(),
+            spindle: GrblSpindle::default(),
             pass: None,
             passes: Vec::new(),
             hold_pending: false,
-            stuck: false,
-            head_start: 0.0,
+            main_loop_blocked: false,
+            pass_time_offset_s: 0.0,
             work_offset: [0.0; 3],
-            fluid: Fluid::default(),
-            macros_run: 0,
-            resets: 0,
+            fluid: FluidState::default(),
+            macro_count: 0,
+            reset_count: 0,
         };
         twin.place_switches([20.0, 40.0]);
         twin.press_reset();
         twin
     }
 
-    /// What the board is doing.
-    pub const fn state(&self) -> State {
+    /// Returns the state of the board.
+    pub const fn state(&self) -> GrblState {
         self.state
     }
 
-    /// Pulses made since power-on, X and Z: what a counter at the pins reads.
+    /// Returns the pulses of X and Z since power-on, as a counter at the pins reads them.
     pub const fn pulses(&self) -> [i64; 2] {
         [self.pulses[0], self.pulses[2]]
     }
 
-    /// The firmware loses count: it believes to stand so many pulses beside its place.
-    pub const fn miscount(&mut self, [x, z]: [i64; 2]) {
-        self.miscounted[0] += x;
-        self.miscounted[2] += z;
+    /// Adds an error to the position that the firmware reports, pulses of X and Z.
+    pub const fn add_position_error(&mut self, [x, z]: [i64; 2]) {
+        self.position_error[0] += x;
+        self.position_error[2] += z;
     }
 
-    /// Another program has set the offset of G54 for X and Z, mm.
+    /// Sets the work offset of G54 for X and Z, mm, as another program does.
     pub const fn set_work_offset(&mut self, [x, z]: [f64; 2]) {
         self.work_offset = [x, 0.0, z];
     }
 
-    /// Its settings.
-    pub const fn settings(&self) -> &Settings {
+    /// Returns the settings.
+    pub const fn settings(&self) -> &GrblSettings {
         &self.settings
     }
 
-    /// Its settings, for somebody who has another way into the board.
-    pub const fn settings_mut(&mut self) -> &mut Settings {
+    /// Returns the mutable settings, as if another program had changed them.
+    pub const fn settings_mut(&mut self) -> &mut GrblSettings {
         &mut self.settings
     }
 
-    /// The spindle word in force (3, 4, 5), its speed, and coolant.
+    /// Returns the spindle code (3, 4 or 5 of M03 to M05), the S value, and whether coolant
+    /// is on.
     pub const fn outputs(&self) -> (u8, f64, bool) {
-        (self.spindle, self.modal.speed, self.coolant)
+        (self.spindle_code, self.modal.speed, self.coolant)
     }
 
-    /// Virtual time, ns.
+    /// Returns the virtual time, ns.
     pub const fn now(&self) -> u64 {
         self.now
     }
 
-    /// The host writes bytes.
+    /// Sends bytes from the host to the board.
     pub fn write(&mut self, bytes: &[u8]) {
-        self.to_board.give(bytes, self.now);
+        self.to_board.send(bytes, self.now);
     }
 
-    /// What has arrived at the host.
+    /// Returns the bytes that have arrived at the host.
     pub fn read(&mut self) -> Vec<u8> {
         let now = self.now;
-        core::iter::from_fn(|| self.to_host.take(now)).collect()
+        core::iter::from_fn(|| self.to_host.receive(now)).collect()
     }
 
-    /// Lets time pass, ns.
+    /// Advances the virtual time by `ns`.
     pub fn advance(&mut self, ns: u64) {
         let end = self.now + ns;
         while self.now < end {
             let step = STEP_NS.min(end - self.now);
             self.now += step;
-            self.turn_spindle(step);
+            self.advance_spindle(step);
             if self.variant == Variant::FluidNc {
-                self.fluid_step(step);
+                self.advance_fluid(step);
                 continue;
             }
-            self.receive();
+            self.receive_bytes();
             if let Some(at) = self.boots_at {
                 if self.now < at {
                     continue;
                 }
                 self.power_on();
             }
-            self.watch_pins();
+            self.check_pins();
             self.move_axes(step);
             self.send_report();
-            self.work();
+            self.run_main_loop();
         }
     }
 
-    fn say(&mut self, text: &str) {
-        self.to_host.give(text.as_bytes(), self.now);
+    fn send_text(&mut self, text: &str) {
+        self.to_host.send(text.as_bytes(), self.now);
     }
 
-    fn answer(&mut self, result: Result<(), u8>) {
+    fn send_answer(&mut self, result: Result<(), u8>) {
         match result {
-            Ok(()) => self.say("ok\r\n"),
+            Ok(()) => self.send_text("ok\r\n"),
             Err(number) => {
                 self.error_latch = self.variant == Variant::GrblHal;
-                self.say(&format!("error:{number}\r\n"));
-                if self.is_set("verbose_errors") {
-                    self.say(&format!("[MSG:ERR: This is error {number}]\r\n"));
+                self.send_text(&format!("error:{number}\r\n"));
+                if self.is_config_on("verbose_errors") {
+                    self.send_text(&format!("[MSG:ERR: This is error {number}]\r\n"));
                 }
             }
         }
     }
 
-    fn millimetres(&self) -> [f64; 3] {
-        let scale = self.settings.axes(100);
+    fn position_mm(&self) -> [f64; 3] {
+        let scale = self.settings.axis_values(100);
         [0, 1, 2].map(|axis| {
-            (self.position[axis] + self.miscounted[axis]) as f64 / scale[axis].max(1e-9)
+            (self.position[axis] + self.position_error[axis]) as f64 / scale[axis].max(1e-9)
         })
     }
 
-    /// The receive interrupt: some characters act at once, the others go into
-    /// the buffer, or nowhere when it is full.
-    fn receive(&mut self) {
-        while let Some(byte) = self.to_board.take(self.now) {
+    /// Receive interrupt: executes realtime characters and stores the others in the buffer.
+    /// Bytes that do not fit are lost.
+    fn receive_bytes(&mut self) {
+        while let Some(byte) = self.to_board.receive(self.now) {
             if self.now < self.deaf_until || self.boots_at.is_some() {
                 continue;
             }
             match byte {
                 b'?' => self.report_due = true,
-                b'!' => self.hold(),
+                b'!' => self.start_hold(),
                 b'~' => self.resume(),
                 0x18 => self.soft_reset(),
                 0x80.. => {}
-                _ if self.received.len() + 1 < self.variant.receive_bytes() => {
+                _ if self.received.len() + 1 < self.variant.receive_buffer_bytes() => {
                     self.received.push_back(byte);
                 }
                 _ => {}
@@ -369,65 +369,66 @@ impl GrblTwin {
         }
     }
 
-    fn hold(&mut self) {
+    fn start_hold(&mut self) {
         if self.pass.is_some() {
             self.hold_pending = true;
-        } else if self.state == State::Run {
-            self.state = State::Hold { complete: false };
-            self.stands_since = None;
-        } else if self.state == State::Idle {
-            self.state = State::Hold { complete: true };
+        } else if self.state == GrblState::Run {
+            self.state = GrblState::Hold { complete: false };
+            self.stopped_since = None;
+        } else if self.state == GrblState::Idle {
+            self.state = GrblState::Hold { complete: true };
         }
     }
 
     fn resume(&mut self) {
-        if self.state == (State::Hold { complete: true }) {
+        if self.state == (GrblState::Hold { complete: true }) {
             self.state = if self.planner.is_empty() {
-                State::Idle
+                GrblState::Idle
             } else {
-                State::Run
+                GrblState::Run
             };
         }
     }
 
     fn move_axes(&mut self, step: u64) {
-        let seconds = step as f64 * 1e-9 + core::mem::take(&mut self.head_start);
+        let seconds = step as f64 * 1e-9 + core::mem::take(&mut self.pass_time_offset_s);
         match self.state {
-            State::Run => self.make_pulses(seconds, false),
-            State::Hold { complete: false } => {
+            GrblState::Run => self.make_pulses(seconds, false),
+            GrblState::Hold { complete: false } => {
                 self.make_pulses(seconds, true);
-                if !self.planner.stands() {
+                if !self.planner.is_stopped() {
                     return;
                 }
-                let since = *self.stands_since.get_or_insert(self.now);
-                if self.now >= since + HOLD_SETTLES_NS {
-                    self.state = State::Hold { complete: true };
+                let since = *self.stopped_since.get_or_insert(self.now);
+                if self.now >= since + HOLD_SETTLE_NS {
+                    self.state = GrblState::Hold { complete: true };
                 }
             }
-            State::Home => self.home(seconds),
+            GrblState::Home => self.advance_homing(seconds),
             _ => {}
         }
-        self.trace_pass();
-        let waiting = self.pass.is_some_and(|pass| pass.is_waiting());
-        if self.state == State::Run && self.planner.is_empty() && !waiting {
-            self.state = State::Idle;
-            self.end_pass();
+        self.record_pass_position();
+        let waiting = self.pass.is_some_and(|pass| pass.is_waiting_for_index());
+        if self.state == GrblState::Run && self.planner.is_empty() && !waiting {
+            self.state = GrblState::Idle;
+            self.finish_pass();
         }
     }
 
     fn make_pulses(&mut self, seconds: f64, hold: bool) {
         let made = self.planner.advance(seconds, hold);
-        self.count_all(made);
+        self.count_all_pulses(made);
     }
 
-    fn count_all(&mut self, made: [i64; 3]) {
+    fn count_all_pulses(&mut self, made: [i64; 3]) {
         for (axis, count) in made.into_iter().enumerate() {
-            self.count(axis, count);
+            self.count_pulses(axis, count);
         }
     }
 
-    /// The count goes on where the motor of an axis is kept from making pulses.
-    const fn count(&mut self, axis: usize, count: i64) {
+    /// Adds pulses to the position. A blocked motor does not move, but the position still
+    /// changes.
+    const fn count_pulses(&mut self, axis: usize, count: i64) {
         self.position[axis] += count;
         if !self.is_limited(axis) {
             self.pulses[axis] += count;
@@ -435,16 +436,16 @@ impl GrblTwin {
     }
 
     fn send_report(&mut self) {
-        // The 8 bit board does not answer while it seeks its switches.
+        // Grbl 1.1h does not report during homing.
         let deaf = self.homing.is_some() && self.variant == Variant::Grbl;
-        // Nor does the larger one while it waits for the one-turn signal.
-        let deaf = deaf || self.pass.is_some_and(|pass| pass.is_waiting());
-        if deaf || !core::mem::take(&mut self.report_due) || self.silent {
+        // grblHAL does not report while a thread pass waits for the index signal.
+        let deaf = deaf || self.pass.is_some_and(|pass| pass.is_waiting_for_index());
+        if deaf || !core::mem::take(&mut self.report_due) || self.waits_for_reset {
             return;
         }
-        let text = self.report();
+        let text = self.status_report();
         self.reports = self.reports.wrapping_add(1);
-        self.say(&text);
+        self.send_text(&text);
     }
 }
 

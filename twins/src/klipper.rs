@@ -1,11 +1,11 @@
-//! A board with Klipper firmware on an 8 bit processor of 16 MHz.
+//! Twin of a board with Klipper firmware on an 8 bit processor at 16 MHz.
 //!
-//! It makes steps at the clocks it is told, stops both axes by itself when a switch
-//! is operated or its host falls silent, and shuts down whenever it is asked for
-//! something it cannot do: a step in the past, a queue that is full, an output that
-//! is not renewed. What hosts trip over is modelled on purpose: replies that are
-//! lost for good, a stop that forgets direction and step clock, a dropped queue, a
-//! receive buffer that overflows, a configuration that outlives the host.
+//! It makes steps at the commanded clocks, stops both axes when a switch trips or the host
+//! does not renew its timeout, and shuts down on every request it cannot carry out: a step
+//! in the past, a full move queue, an output that is not renewed. It models on purpose what
+//! hosts get wrong: lost replies that are not repeated, a stop that clears direction and
+//! step clock, a discarded queue, a receive buffer that overflows, and a configuration that
+//! outlives the host.
 
 mod block;
 mod commands;
@@ -19,260 +19,269 @@ mod timers;
 use std::collections::{BTreeMap, VecDeque};
 
 use crate::wire::Wire;
-use block::Front;
-pub use block::block;
+use block::BufferFront;
+pub use block::encode_block;
 use dictionary::{Response, response_id};
-use objects::{Counter, Endstop, Group, Output};
-use spindle::Spindle;
-pub use spindle::SpindleMake;
+use objects::{EdgeCounter, Endstop, Output, Trsync};
+use spindle::KlipperSpindle;
+pub use spindle::SpindleWiring;
 use stepper::Stepper;
 
-/// Ticks a second, and places of the common queue.
-const RATE: u32 = 16_000_000;
-const QUEUE: usize = 657;
-/// Bytes the receive buffer holds.
-const WINDOW: usize = 192;
-/// From a reset to the first word, ns.
+/// Clock frequency, Hz, and number of entries in the move queue shared by all objects.
+const CLOCK_HZ: u32 = 16_000_000;
+const MOVE_QUEUE_SIZE: usize = 657;
+/// Capacity of the receive buffer.
+const RECEIVE_WINDOW_BYTES: usize = 192;
+/// Time from a reset to the first message, ns.
 const BOOT_NS: u64 = 60_000_000;
-/// Time a block takes, and each command in it, ns.
+/// Processing time of a block and of each command in it, ns.
 const BLOCK_NS: u64 = 40_000;
 const COMMAND_NS: u64 = 60_000;
-/// Time a step takes; a timer that is later than the second ends it all, ns.
+/// Processing time of a step, ns, and the delay of a timer that causes a shutdown, ns.
 const STEP_NS: i64 = 11_000;
 const TOO_LATE_NS: i64 = 1_000_000;
-/// Between two words about its load, s.
+/// Interval of `stats` messages, s.
 const STATS_S: i64 = 5;
 
-/// What the board is doing.
+/// The state of the firmware.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum State {
-    /// It starts.
-    Boots,
-    /// It works.
-    Runs,
-    /// It has given up, for this reason.
+pub enum KlipperState {
+    /// The firmware is starting.
+    Booting,
+    /// The firmware is running.
+    Running,
+    /// The firmware has shut down for this reason.
     Shutdown(&'static str),
 }
 
-/// How the board is made.
+/// Properties of the board's hardware and firmware build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Make {
-    /// Bits a second of its line.
+pub struct KlipperHardware {
+    /// Rate of the serial line, bits/s.
     pub baud: u32,
-    /// Its clock is so much too fast, millionths.
-    pub ppm: i32,
-    /// It knows the command `reset`; if not, it forgets its configuration only when it
-    /// is shut down.
-    pub resets: bool,
+    /// Clock error, millionths; positive if the clock is too fast.
+    pub clock_error_ppm: i32,
+    /// Whether the firmware has the command `reset`. Without it, only a shutdown lets the
+    /// host clear the configuration.
+    pub has_reset_command: bool,
 }
 
-impl Default for Make {
+impl Default for KlipperHardware {
     fn default() -> Self {
         Self {
             baud: 250_000,
-            ppm: 0,
-            resets: true,
+            clock_error_ppm: 0,
+            has_reset_command: true,
         }
     }
 }
 
-/// A switch, or the zero signal of a motor, on the way of a slide: high while the
-/// count of its stepper is from `from` to `to`, once or once a turn.
+/// A switch on the travel of a slide, or the index signal of a motor. It is high while the
+/// stepper is between two positions, once or in every turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Travel {
-    /// First or second stepper.
-    pub axis: usize,
-    /// First pulse on it.
-    pub from: i64,
-    /// Last pulse on it.
-    pub to: i64,
-    /// Pulses of a turn, when it comes once a turn.
-    pub turn: Option<i64>,
+pub struct TravelSwitch {
+    /// Index of the stepper, 0 or 1.
+    pub stepper: usize,
+    /// First position at which it is high, pulses.
+    pub first_pulse: i64,
+    /// Last position at which it is high, pulses.
+    pub last_pulse: i64,
+    /// Pulses per turn for a signal in every turn; `None` for a switch.
+    pub pulses_per_turn: Option<i64>,
 }
 
-impl Travel {
+impl TravelSwitch {
     const fn is_on(self, pulses: [i64; 2]) -> bool {
-        let at = pulses[self.axis % 2];
-        match self.turn {
-            Some(turn) => (at - self.from).rem_euclid(turn) <= self.to - self.from,
-            None => self.from <= at && at <= self.to,
+        let at = pulses[self.stepper % 2];
+        match self.pulses_per_turn {
+            Some(turn) => {
+                (at - self.first_pulse).rem_euclid(turn) <= self.last_pulse - self.first_pulse
+            }
+            None => self.first_pulse <= at && at <= self.last_pulse,
         }
     }
 }
 
-/// A board, its two wires and its pins, in virtual time.
+/// A Klipper board with its two serial lines and its pins, in virtual time.
 #[derive(Clone, Debug)]
 pub struct KlipperTwin {
     now: u64,
-    /// Host to board.
+    /// Serial line from the host to the board.
     pub to_board: Wire,
-    /// Board to host.
+    /// Serial line from the board to the host.
     pub to_host: Wire,
-    /// Real ticks in a thousand seconds.
-    kiloticks: u64,
-    /// When the clock was zero, ns.
-    epoch: u64,
+    /// Real clock ticks in 1000 s.
+    ticks_per_1000_s: u64,
+    /// Time at which the clock was 0, ns.
+    clock_zero_ns: u64,
     boots_at: Option<u64>,
     shutdown: Option<&'static str>,
     received: VecDeque<u8>,
-    /// Bytes up to the next 7E are dropped; the host has been told.
-    out_of_step: bool,
-    expected: u8,
+    /// The firmware drops bytes up to the next 7E. It has already sent its acknowledgement.
+    needs_sync: bool,
+    next_sequence: u8,
     busy_until: u64,
     dictionary: Vec<u8>,
     crc: Option<u32>,
-    /// How many oids there may be, once the host has said so.
-    most_oids: Option<u32>,
-    oids: BTreeMap<u32, Object>,
-    /// Steps done until this clock; a busy processor makes them late.
-    free_at: i64,
+    /// Number of object ids that the host has allocated.
+    oid_count: Option<u32>,
+    oids: BTreeMap<u32, ConfigObject>,
+    /// Clock at which the processor has finished its last step. Later steps wait for it.
+    processor_free_at: i64,
     stats_at: i64,
-    levels: BTreeMap<u32, bool>,
-    /// Switches on the way of the slides.
-    travel: BTreeMap<u32, Travel>,
-    spindle: Option<Spindle>,
-    /// Steps made since they are recorded.
-    recorded: Option<Vec<Made>>,
-    /// Pulses made since power-on at the steppers, in the order of their oids.
+    input_levels: BTreeMap<u32, bool>,
+    /// Switches on the travel of the slides, by pin number.
+    travel_switches: BTreeMap<u32, TravelSwitch>,
+    spindle: Option<KlipperSpindle>,
+    /// Steps since recording started; `None` if it is off.
+    recorded_steps: Option<Vec<MadeStep>>,
+    /// Pulses since power-on of each stepper, in the order of their oids.
     pulses: [i64; 2],
-    last_pulse: u64,
-    /// When the commands of the last second were carried out.
-    recent: VecDeque<u64>,
-    figures: Figures,
+    last_pulse_ns: u64,
+    /// Execution times of the commands of the last second, ns.
+    recent_command_times: VecDeque<u64>,
+    statistics: KlipperStatistics,
 }
 
-/// What a test wants to know.
+/// Statistics of the board since power-on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Figures {
-    /// Most places ever in use of the common queue.
-    pub queue: usize,
-    /// Shortest time from a step's command to the step, ns.
-    pub lead: i64,
-    /// Commands carried out.
-    pub commands: u64,
-    /// Most commands carried out in any second.
-    pub busiest: u32,
-    /// Requests for a piece of the dictionary.
-    pub identify: u64,
-    /// Steps made.
-    pub steps: u64,
-    /// Orders for outputs.
-    pub outputs: u64,
+pub struct KlipperStatistics {
+    /// Maximum number of entries in the shared move queue.
+    pub max_queue_entries: usize,
+    /// Shortest time from the command of a move to its first step, ns.
+    pub min_lead_ns: i64,
+    /// Number of executed commands.
+    pub command_count: u64,
+    /// Maximum number of commands executed within a second.
+    pub max_commands_per_s: u32,
+    /// Number of requests for a part of the dictionary.
+    pub identify_count: u64,
+    /// Number of steps.
+    pub step_count: u64,
+    /// Number of commands for outputs.
+    pub output_command_count: u64,
 }
 
-/// A step that was made.
+/// One recorded step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Made {
-    /// When, ns.
-    pub at: u64,
-    /// When it was to be, ns: a processor that makes another step is late.
-    pub due: u64,
-    /// First or second stepper.
-    pub axis: usize,
-    /// Pulses behind it.
-    pub place: i64,
+pub struct MadeStep {
+    /// Time of the step, ns.
+    pub at_ns: u64,
+    /// Scheduled time of the step, ns. The step is later if the processor is busy.
+    pub due_ns: u64,
+    /// Index of the stepper, 0 or 1.
+    pub stepper: usize,
+    /// Position after the step, pulses.
+    pub position: i64,
 }
 
 #[derive(Clone, Debug)]
-enum Object {
+enum ConfigObject {
     Stepper(Stepper),
     Endstop(Endstop),
-    Group(Group),
+    Trsync(Trsync),
     Output(Output, u32),
-    Counter(Counter),
+    EdgeCounter(EdgeCounter),
 }
 
 impl KlipperTwin {
-    /// A board that has just got power.
-    pub fn new(make: Make) -> Self {
-        let kiloticks =
-            (i64::from(RATE) * 1000 + i64::from(RATE / 1000) * i64::from(make.ppm)).unsigned_abs();
+    /// Creates a board that has just been switched on.
+    pub fn new(make: KlipperHardware) -> Self {
+        let ticks_per_1000_s = (i64::from(CLOCK_HZ) * 1000
+            + i64::from(CLOCK_HZ / 1000) * i64::from(make.clock_error_ppm))
+        .unsigned_abs();
         let mut twin = Self {
             now: 0,
             to_board: Wire::new(make.baud),
             to_host: Wire::new(make.baud),
-            kiloticks,
-            epoch: 0,
+            ticks_per_1000_s,
+            clock_zero_ns: 0,
             boots_at: None,
             shutdown: None,
             received: VecDeque::new(),
-            out_of_step: false,
-            expected: 1,
+            needs_sync: false,
+            next_sequence: 1,
             busy_until: 0,
-            dictionary: dictionary::packed(RATE, WINDOW as u32, make.resets),
+            dictionary: dictionary::compressed_dictionary(
+                CLOCK_HZ,
+                RECEIVE_WINDOW_BYTES as u32,
+                make.has_reset_command,
+            ),
             crc: None,
-            most_oids: None,
+            oid_count: None,
             oids: BTreeMap::new(),
-            free_at: 0,
+            processor_free_at: 0,
             stats_at: 0,
-            levels: BTreeMap::new(),
-            travel: BTreeMap::new(),
+            input_levels: BTreeMap::new(),
+            travel_switches: BTreeMap::new(),
             spindle: None,
-            recorded: None,
+            recorded_steps: None,
             pulses: [0; 2],
-            last_pulse: 0,
-            recent: VecDeque::new(),
-            figures: Figures {
-                queue: 0,
-                lead: i64::MAX,
-                commands: 0,
-                busiest: 0,
-                identify: 0,
-                steps: 0,
-                outputs: 0,
+            last_pulse_ns: 0,
+            recent_command_times: VecDeque::new(),
+            statistics: KlipperStatistics {
+                max_queue_entries: 0,
+                min_lead_ns: i64::MAX,
+                command_count: 0,
+                max_commands_per_s: 0,
+                identify_count: 0,
+                step_count: 0,
+                output_command_count: 0,
             },
         };
         twin.press_reset();
         twin
     }
 
-    /// The reset line, or power: everything is gone.
+    /// Resets the board as the reset line or a power cycle does. It loses its
+    /// configuration.
     pub fn press_reset(&mut self) {
         self.boots_at = Some(self.now + BOOT_NS);
         self.received.clear();
         self.oids.clear();
         self.crc = None;
-        self.most_oids = None;
+        self.oid_count = None;
         self.shutdown = None;
         self.drive_spindle(self.now);
     }
 
-    /// What the board is doing.
-    pub const fn state(&self) -> State {
+    /// Returns the state of the firmware.
+    pub const fn state(&self) -> KlipperState {
         match (self.boots_at, self.shutdown) {
-            (Some(_), _) => State::Boots,
-            (None, Some(reason)) => State::Shutdown(reason),
-            (None, None) => State::Runs,
+            (Some(_), _) => KlipperState::Booting,
+            (None, Some(reason)) => KlipperState::Shutdown(reason),
+            (None, None) => KlipperState::Running,
         }
     }
 
-    /// Pulses made since power-on, first and second stepper: what a counter at the
-    /// pins reads.
+    /// Returns the pulses since power-on of both steppers, as a counter at the pins reads
+    /// them.
     pub const fn pulses(&self) -> [i64; 2] {
         self.pulses
     }
 
-    /// When the last pulse came, ns.
-    pub const fn last_pulse(&self) -> u64 {
-        self.last_pulse
+    /// Returns the time of the last pulse, ns.
+    pub const fn last_pulse_ns(&self) -> u64 {
+        self.last_pulse_ns
     }
 
-    /// Figures since power-on.
-    pub const fn figures(&self) -> Figures {
-        self.figures
+    /// Returns the statistics since power-on.
+    pub const fn statistics(&self) -> KlipperStatistics {
+        self.statistics
     }
 
-    /// Virtual time, ns.
+    /// Returns the virtual time, ns.
     pub const fn now(&self) -> u64 {
         self.now
     }
 
-    /// Something in the board makes it give up, with this text of its firmware.
-    pub fn shut_down_for(&mut self, reason: &'static str) {
+    /// Shuts the firmware down with this reason, as an internal fault does.
+    pub fn force_shutdown(&mut self, reason: &'static str) {
         self.shut_down(reason);
     }
 
-    /// Another host has been here and left its configuration behind.
+    /// Puts the board into the state in which another host has left it, with its
+    /// configuration.
     pub fn configure_for_another_host(&mut self) {
         self.boots_at = self.boots_at.map(|_| self.now);
         if self.boots_at.is_some() {
@@ -281,86 +290,85 @@ impl KlipperTwin {
         self.crc = Some(1);
     }
 
-    /// The firmware loses count: its steppers believe to stand so many pulses beside
-    /// their places.
-    pub fn miscount(&mut self, pulses: [i64; 2]) {
+    /// Adds an error to the positions that the firmware reports, pulses for each stepper.
+    pub fn add_position_error(&mut self, pulses: [i64; 2]) {
         let mut off = pulses.into_iter();
         for object in self.oids.values_mut() {
-            if let Object::Stepper(stepper) = object {
+            if let ConfigObject::Stepper(stepper) = object {
                 stepper.position += off.next().unwrap_or_default();
             }
         }
     }
 
-    /// Gives an input pin a level, whatever switch is there; pins nobody gave one are
+    /// Sets the level of an input pin and removes its travel switch. Other input pins are
     /// low.
     pub fn set_pin(&mut self, name: &str, level: bool) {
-        if let Some(pin) = pins::number(name) {
-            self.travel.remove(&pin);
-            self.levels.insert(pin, level);
+        if let Some(pin) = pins::pin_number(name) {
+            self.travel_switches.remove(&pin);
+            self.input_levels.insert(pin, level);
         }
     }
 
-    /// Puts a switch on the way of a slide; its pin follows the pulses.
-    pub fn put_switch(&mut self, name: &str, travel: Travel) {
-        if let Some(pin) = pins::number(name) {
-            self.travel.insert(pin, travel);
+    /// Puts a switch on the travel of a slide; its pin follows the position of the stepper.
+    pub fn place_switch(&mut self, name: &str, travel: TravelSwitch) {
+        if let Some(pin) = pins::pin_number(name) {
+            self.travel_switches.insert(pin, travel);
         }
     }
 
-    /// The slides stand elsewhere when the power comes on.
-    pub const fn put_slides(&mut self, pulses: [i64; 2]) {
+    /// Sets the position of the slides at power-on, pulses.
+    pub const fn place_slides(&mut self, pulses: [i64; 2]) {
         self.pulses = pulses;
     }
 
-    /// What an output pin was last given.
+    /// Returns the last value of an output pin, or `None` if it is not configured.
     pub fn output(&self, name: &str) -> Option<u32> {
-        let wanted = pins::number(name)?;
+        let wanted = pins::pin_number(name)?;
         self.oids.values().find_map(|object| match object {
-            Object::Output(output, value) if output.pin == wanted => Some(*value),
+            ConfigObject::Output(output, value) if output.pin == wanted => Some(*value),
             _ => None,
         })
     }
 
-    /// Every step is written down from now on.
-    pub fn record_steps(&mut self) {
-        self.recorded = Some(Vec::new());
+    /// Starts to record every step.
+    pub fn start_recording_steps(&mut self) {
+        self.recorded_steps = Some(Vec::new());
     }
 
-    /// The steps written down since the last call.
-    pub fn recorded_steps(&mut self) -> Vec<Made> {
-        self.recorded
+    /// Returns the steps recorded since the last call.
+    pub fn take_recorded_steps(&mut self) -> Vec<MadeStep> {
+        self.recorded_steps
             .as_mut()
             .map(core::mem::take)
             .unwrap_or_default()
     }
 
-    /// The host writes bytes.
+    /// Sends bytes from the host to the board.
     pub fn write(&mut self, bytes: &[u8]) {
-        self.to_board.give(bytes, self.now);
+        self.to_board.send(bytes, self.now);
     }
 
-    /// What has arrived at the host.
+    /// Returns the bytes that have arrived at the host.
     pub fn read(&mut self) -> Vec<u8> {
         let now = self.now;
-        std::iter::from_fn(|| self.to_host.take(now)).collect()
+        std::iter::from_fn(|| self.to_host.receive(now)).collect()
     }
 
-    /// Lets time pass, ns.
+    /// Advances the virtual time by `ns`.
     pub fn advance(&mut self, ns: u64) {
         let end = self.now + ns;
         loop {
             let next = self.next_event().filter(|next| *next <= end);
             self.now = self.now.max(next.unwrap_or(end));
             if let Some(at) = self.boots_at {
-                while self.to_board.take(self.now).is_some() {}
+                while self.to_board.receive(self.now).is_some() {}
                 if self.now >= at {
                     self.start();
                 }
             } else {
                 self.run_timers();
-                self.receive();
-                self.work();
+                self.receive_bytes();
+                self.process_blocks();
             }
             if next.is_none() {
                 return;
@@ -376,120 +384,120 @@ impl KlipperTwin {
             (!self.received.is_empty() && self.busy_until > self.now).then_some(self.busy_until);
         let timer = self
             .next_timer()
-            .map(|clock| self.moment(clock).max(self.now));
+            .map(|clock| self.clock_to_ns(clock).max(self.now));
         let arrival = self.to_board.next_arrival().map(|at| at.max(self.now));
         [work, timer, arrival].into_iter().flatten().min()
     }
 
     fn start(&mut self) {
         self.boots_at = None;
-        self.epoch = self.now;
-        self.expected = 1;
-        self.out_of_step = false;
+        self.clock_zero_ns = self.now;
+        self.next_sequence = 1;
+        self.needs_sync = false;
         self.busy_until = self.now;
-        self.free_at = 0;
-        self.stats_at = STATS_S * i64::from(RATE);
-        self.say(Response::Starting, &[]);
-        self.acknowledge();
+        self.processor_free_at = 0;
+        self.stats_at = STATS_S * i64::from(CLOCK_HZ);
+        self.send_response(Response::Starting, &[]);
+        self.send_acknowledgement();
     }
 
-    /// The clock now.
+    /// Returns the current clock, ticks.
     fn clock(&self) -> i64 {
-        let since = u128::from(self.now - self.epoch);
-        (since * u128::from(self.kiloticks) / 1_000_000_000_000) as i64
+        let since = u128::from(self.now - self.clock_zero_ns);
+        (since * u128::from(self.ticks_per_1000_s) / 1_000_000_000_000) as i64
     }
 
-    /// When the clock will show this, ns.
-    fn moment(&self, clock: i64) -> u64 {
+    /// Returns the time at which the clock reaches a value, ns.
+    fn clock_to_ns(&self, clock: i64) -> u64 {
         let ticks = u128::from(clock.max(0).unsigned_abs());
-        let ns = (ticks * 1_000_000_000_000).div_ceil(u128::from(self.kiloticks));
-        self.epoch + ns as u64
+        let ns = (ticks * 1_000_000_000_000).div_ceil(u128::from(self.ticks_per_1000_s));
+        self.clock_zero_ns + ns as u64
     }
 
-    /// The whole clock of which a message names the low half.
-    fn whole(&self, low: u32) -> i64 {
+    /// Extends the low 32 bits of a clock in a message to the full clock nearest to now.
+    fn extend_clock(&self, low: u32) -> i64 {
         let now = self.clock();
         now + i64::from(low.wrapping_sub(now as u32) as i32)
     }
 
-    fn level(&self, pin: u32) -> bool {
+    fn pin_level(&self, pin: u32) -> bool {
         let index = self
             .spindle
             .and_then(|spindle| spindle.level(pin, self.now));
         let travel = || {
-            let travel = self.travel.get(&pin)?;
+            let travel = self.travel_switches.get(&pin)?;
             Some(travel.is_on(self.pulses))
         };
-        let level = || self.levels.get(&pin).copied();
+        let level = || self.input_levels.get(&pin).copied();
         index.or_else(travel).or_else(level).unwrap_or(false)
     }
 
     fn send(&mut self, content: &[u8]) {
-        let block = block(self.expected, content);
-        self.to_host.give(&block, self.now);
+        let block = encode_block(self.next_sequence, content);
+        self.to_host.send(&block, self.now);
     }
 
-    fn acknowledge(&mut self) {
+    fn send_acknowledgement(&mut self) {
         self.send(&[]);
     }
 
-    fn say(&mut self, response: Response, numbers: &[i64]) {
+    fn send_response(&mut self, response: Response, numbers: &[i64]) {
         let mut content = Vec::new();
-        block::put(&mut content, response_id(response));
+        block::encode_vlq(&mut content, response_id(response));
         for number in numbers {
-            block::put(&mut content, *number);
+            block::encode_vlq(&mut content, *number);
         }
         self.send(&content);
     }
 
-    /// The receive interrupt: what does not fit is lost.
-    fn receive(&mut self) {
-        while let Some(byte) = self.to_board.take(self.now) {
-            if self.received.len() < WINDOW {
+    /// Receive interrupt: bytes that do not fit into the buffer are lost.
+    fn receive_bytes(&mut self) {
+        while let Some(byte) = self.to_board.receive(self.now) {
+            if self.received.len() < RECEIVE_WINDOW_BYTES {
                 self.received.push_back(byte);
             }
         }
     }
 
-    /// Blocks, one after the other, as fast as the processor is.
-    fn work(&mut self) {
+    /// Processes the received blocks at the speed of the processor.
+    fn process_blocks(&mut self) {
         while self.now >= self.busy_until && self.boots_at.is_none() {
-            if self.out_of_step {
+            if self.needs_sync {
                 let end = self.received.iter().position(|&byte| byte == 0x7E);
                 let count = end.map_or(self.received.len(), |end| end + 1);
                 self.received.drain(..count);
                 if end.is_none() {
                     return;
                 }
-                self.out_of_step = false;
-                self.acknowledge();
+                self.needs_sync = false;
+                self.send_acknowledgement();
                 continue;
             }
-            match block::front(self.received.make_contiguous()) {
-                Front::Incomplete => return,
-                Front::Skip(count) => {
+            match block::parse_front(self.received.make_contiguous()) {
+                BufferFront::Incomplete => return,
+                BufferFront::Skip(count) => {
                     self.received.drain(..count);
                 }
-                Front::Bad => self.out_of_step = true,
-                Front::Block(length, sequence) => {
+                BufferFront::Invalid => self.needs_sync = true,
+                BufferFront::Block(length, sequence) => {
                     let block: Vec<u8> = self.received.drain(..length).collect();
-                    if sequence != self.expected {
-                        // Out of turn: it has to come again.
-                        self.acknowledge();
+                    if sequence != self.next_sequence {
+                        // Wrong sequence number: the host has to send the block again.
+                        self.send_acknowledgement();
                         continue;
                     }
-                    self.expected = (sequence + 1) & 0x0F;
+                    self.next_sequence = (sequence + 1) & 0x0F;
                     let count = self.execute(&block[2..length - 3]);
                     self.busy_until = self.now + BLOCK_NS + COMMAND_NS * count;
                     if self.boots_at.is_none() {
-                        self.acknowledge();
+                        self.send_acknowledgement();
                     }
                 }
             }
         }
     }
 
-    /// Gives up: no axis moves, all outputs fall back.
+    /// Shuts down: stops all steppers and sets all outputs to their default values.
     fn shut_down(&mut self, reason: &'static str) {
         if self.shutdown.is_some() {
             return;
@@ -497,30 +505,33 @@ impl KlipperTwin {
         self.shutdown = Some(reason);
         for object in self.oids.values_mut() {
             match object {
-                Object::Stepper(stepper) => stepper.stop(),
-                Object::Endstop(endstop) => endstop.next = None,
-                Object::Group(group) => *group = Group::default(),
-                Object::Output(output, value) => {
+                ConfigObject::Stepper(stepper) => stepper.stop(),
+                ConfigObject::Endstop(endstop) => endstop.next = None,
+                ConfigObject::Trsync(trsync) => *trsync = Trsync::default(),
+                ConfigObject::Output(output, value) => {
                     output.queue.clear();
-                    output.until = None;
+                    output.max_duration_end = None;
                     *value = output.default;
                 }
-                Object::Counter(counter) => counter.next = None,
+                ConfigObject::EdgeCounter(counter) => counter.next = None,
             }
         }
         self.drive_spindle(self.now);
         let clock = self.clock();
-        self.say(
+        self.send_response(
             Response::Shutdown,
-            &[i64::from(clock as u32), dictionary::text_id(reason)],
+            &[
+                i64::from(clock as u32),
+                dictionary::static_string_id(reason),
+            ],
         );
     }
 
-    /// Places of the common queue in use.
-    fn queued(&self) -> usize {
-        let waiting = |object: &Object| match object {
-            Object::Stepper(stepper) => stepper.waiting(),
-            Object::Output(output, _) => output.queue.len(),
+    /// Returns the number of used entries in the shared move queue.
+    fn queue_entries(&self) -> usize {
+        let waiting = |object: &ConfigObject| match object {
+            ConfigObject::Stepper(stepper) => stepper.queue_length(),
+            ConfigObject::Output(output, _) => output.queue.len(),
             _ => 0,
         };
         self.oids.values().map(waiting).sum()

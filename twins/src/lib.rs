@@ -1,14 +1,13 @@
-//! Twins of pulse boards: programs that behave at their serial line and their
-//! pins as the real boards do, traps included, in virtual time.
+//! Twins of pulse boards: models that behave like the real boards on the serial line and at the
+//! pins, in virtual time. They include the behaviour that hosts get wrong.
 //!
 //! ```text
 //!   host ──bytes──► Wire ──► receive buffer ──► firmware ──► planner ──► pulses
 //!   host ◄──bytes── Wire ◄─────────── answers, reports, alarms ◄── pins
 //! ```
 //!
-//! A twin reads no clock: [`advance`](grbl::GrblTwin::advance) tells it how much
-//! time has passed. The same twin runs in a test, eight hours in seconds, and
-//! behind a pseudo terminal at the pace of the wall clock.
+//! A twin reads no clock: [`advance`](grbl::GrblTwin::advance) advances its virtual time. The
+//! same twin runs in a test, eight hours in seconds, and behind a pseudo terminal in real time.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 

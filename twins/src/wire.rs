@@ -1,26 +1,25 @@
-//! One direction of a serial line: bytes take their time, and may be lost,
-//! changed, doubled or held up on the way.
+//! One direction of a serial line in virtual time. Bytes take their transmission time and
+//! can be lost, changed, doubled or delayed.
 
 use std::collections::VecDeque;
 
-/// Bits on the wire for a byte: start, eight, stop.
-const BITS: u64 = 10;
+/// Bits per byte on the line: start bit, eight data bits, stop bit.
+const BITS_PER_BYTE: u64 = 10;
 
-/// What happens to a byte on its way.
+/// A fault that hits one byte on the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Damage {
-    /// It never arrives.
+    /// The byte is lost.
     Lost,
-    /// It arrives with these bits turned over.
+    /// The byte arrives with these bits inverted.
     Changed(u8),
-    /// It arrives twice.
+    /// The byte arrives twice.
     Doubled,
-    /// It and everything behind it arrives so much later, ns.
-    HeldUp(u64),
-    /// It waits so much longer, ns, and so does what is behind it; then the line is as
-    /// before.
+    /// The byte and all later bytes arrive this much later, ns.
+    Delayed(u64),
+    /// The line stops for this duration, ns, before it transmits the byte.
     Stalled(u64),
-    /// It and everything behind it never arrives: the cable is out.
+    /// The byte and all later bytes are lost, as with an unplugged cable.
     Cut,
 }
 
@@ -28,95 +27,96 @@ pub enum Damage {
 #[derive(Clone, Debug)]
 pub struct Wire {
     byte_ns: u64,
-    /// Bytes under way, with the moment of their arrival.
-    under_way: VecDeque<(u64, u8)>,
-    /// When the last byte given has left.
-    busy_until: u64,
-    held_up: u64,
+    /// Bytes in transit, each with its time of arrival, ns.
+    in_transit: VecDeque<(u64, u8)>,
+    /// Time at which the line has transmitted the last byte, ns.
+    busy_until_ns: u64,
+    delay_ns: u64,
     cut: bool,
-    given: u64,
-    /// Damage to come, by the count of the byte.
+    sent: u64,
+    /// Scheduled damage, each with the index of its byte.
     damage: VecDeque<(u64, Damage)>,
 }
 
 impl Wire {
-    /// A line of so many bits a second, nothing wrong with it.
+    /// Creates a line without faults. `baud` is its rate in bits/s.
     pub const fn new(baud: u32) -> Self {
         let baud = if baud == 0 { 1 } else { baud };
         Self {
-            byte_ns: BITS * 1_000_000_000 / baud as u64,
-            under_way: VecDeque::new(),
-            busy_until: 0,
-            held_up: 0,
+            byte_ns: BITS_PER_BYTE * 1_000_000_000 / baud as u64,
+            in_transit: VecDeque::new(),
+            busy_until_ns: 0,
+            delay_ns: 0,
             cut: false,
-            given: 0,
+            sent: 0,
             damage: VecDeque::new(),
         }
     }
 
-    /// Damages the byte with this count (the first byte ever given is 0).
+    /// Schedules damage for the byte with index `count`; the first byte ever sent has index
+    /// 0.
     pub fn damage(&mut self, count: u64, damage: Damage) {
-        let place = self.damage.partition_point(|(at, _)| *at <= count);
-        self.damage.insert(place, (count, damage));
+        let position = self.damage.partition_point(|(at, _)| *at <= count);
+        self.damage.insert(position, (count, damage));
     }
 
-    /// How many bytes were given so far.
-    pub const fn given(&self) -> u64 {
-        self.given
+    /// Returns the number of bytes sent so far.
+    pub const fn sent_count(&self) -> u64 {
+        self.sent
     }
 
-    /// Pulls the cable, or puts it back in; what was under way is gone.
+    /// Unplugs or plugs in the cable. Bytes in transit are lost.
     pub fn set_cut(&mut self, cut: bool) {
         self.cut = cut;
-        self.under_way.clear();
+        self.in_transit.clear();
     }
 
-    /// Puts bytes on the line at a moment, ns.
-    pub fn give(&mut self, bytes: &[u8], now: u64) {
+    /// Sends bytes at time `now`, ns.
+    pub fn send(&mut self, bytes: &[u8], now: u64) {
         for &byte in bytes {
-            self.busy_until = self.busy_until.max(now) + self.byte_ns;
+            self.busy_until_ns = self.busy_until_ns.max(now) + self.byte_ns;
             let mut copies = [Some(byte), None];
             while let Some(&(at, damage)) = self.damage.front() {
-                if at > self.given {
+                if at > self.sent {
                     break;
                 }
                 self.damage.pop_front();
-                if at < self.given {
+                if at < self.sent {
                     continue;
                 }
                 match damage {
                     Damage::Lost => copies[0] = None,
                     Damage::Changed(bits) => copies[0] = Some(byte ^ bits),
                     Damage::Doubled => copies[1] = Some(byte),
-                    Damage::HeldUp(ns) => self.held_up += ns,
-                    Damage::Stalled(ns) => self.busy_until += ns,
+                    Damage::Delayed(ns) => self.delay_ns += ns,
+                    Damage::Stalled(ns) => self.busy_until_ns += ns,
                     Damage::Cut => self.cut = true,
                 }
             }
-            self.given += 1;
+            self.sent += 1;
             if self.cut {
                 continue;
             }
             for copy in copies.into_iter().flatten() {
-                let arrival = self.busy_until + self.held_up;
-                self.under_way.push_back((arrival, copy));
+                let arrival = self.busy_until_ns + self.delay_ns;
+                self.in_transit.push_back((arrival, copy));
             }
         }
     }
 
-    /// The next byte that has arrived by now.
-    pub fn take(&mut self, now: u64) -> Option<u8> {
-        let &(arrival, byte) = self.under_way.front()?;
+    /// Returns the next byte that has arrived by time `now`, ns.
+    pub fn receive(&mut self, now: u64) -> Option<u8> {
+        let &(arrival, byte) = self.in_transit.front()?;
         if arrival > now {
             return None;
         }
-        self.under_way.pop_front();
+        self.in_transit.pop_front();
         Some(byte)
     }
 
-    /// When the next byte arrives.
+    /// Returns the time of arrival of the next byte, ns.
     pub(crate) fn next_arrival(&self) -> Option<u64> {
-        self.under_way.front().map(|(arrival, _)| *arrival)
+        self.in_transit.front().map(|(arrival, _)| *arrival)
     }
 }
 
@@ -125,42 +125,42 @@ mod tests {
     use super::*;
 
     fn arrived(wire: &mut Wire, now: u64) -> Vec<u8> {
-        core::iter::from_fn(|| wire.take(now)).collect()
+        core::iter::from_fn(|| wire.receive(now)).collect()
     }
 
     #[test]
-    fn bytes_take_their_time() {
+    fn bytes_arrive_after_their_transmission_time() {
         let mut wire = Wire::new(115_200);
-        wire.give(b"ab", 1_000_000);
+        wire.send(b"ab", 1_000_000);
         assert_eq!(arrived(&mut wire, 1_086_000), b"");
         assert_eq!(arrived(&mut wire, 1_087_000), b"a");
         assert_eq!(arrived(&mut wire, 1_174_000), b"b");
-        assert!(wire.take(u64::MAX).is_none());
+        assert!(wire.receive(u64::MAX).is_none());
     }
 
     #[test]
-    fn damage_hits_the_byte_it_is_meant_for() {
+    fn damage_hits_only_its_byte() {
         let mut wire = Wire::new(1_000_000);
         wire.damage(4, Damage::Cut);
         wire.damage(0, Damage::Lost);
         wire.damage(1, Damage::Changed(0b11));
         wire.damage(2, Damage::Doubled);
-        wire.damage(3, Damage::HeldUp(1_000_000));
-        wire.give(b"abcdef", 0);
+        wire.damage(3, Damage::Delayed(1_000_000));
+        wire.send(b"abcdef", 0);
         assert_eq!(arrived(&mut wire, 100_000), [b'b' ^ 3, b'c', b'c']);
         assert_eq!(arrived(&mut wire, 2_000_000), b"d");
         assert_eq!(arrived(&mut wire, u64::MAX), b"");
     }
 
     #[test]
-    fn a_stall_ends() {
+    fn stall_delays_only_until_the_line_is_idle() {
         let mut wire = Wire::new(1_000_000);
         wire.damage(1, Damage::Stalled(5_000_000));
-        wire.give(b"abc", 0);
+        wire.send(b"abc", 0);
         assert_eq!(arrived(&mut wire, 5_019_000), b"a");
         assert_eq!(arrived(&mut wire, 5_020_000), b"b");
         assert_eq!(arrived(&mut wire, 5_030_000), b"c");
-        wire.give(b"d", 6_000_000);
+        wire.send(b"d", 6_000_000);
         assert_eq!(arrived(&mut wire, 6_010_000), b"d");
     }
 }

@@ -1,16 +1,16 @@
-//! Rates and acceleration that suit the drives, and what their following error allows
-//! (manual III-12.5).
+//! Proposes rapid rates and accelerations for the drives, also from the following error (manual
+//! III-12.5).
 
 use gsk_core::axis::gear_speed_limit;
 use gsk_core::memory::{Parameters, parameter};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
-use super::{bit, proposal, value};
-use crate::change::{Change, Proposal, of};
-use crate::measurement::Travel;
+use super::{build_proposal, set_bit, set_value};
+use crate::measurement::SlideTravel;
+use crate::parameter_change::{ParameterChange, Proposal, select_by_axis};
 
-/// The kind of the drives.
+/// Type of the axis drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveKind {
     /// Stepping motors.
@@ -19,14 +19,14 @@ pub enum DriveKind {
     Servo,
 }
 
-/// Rates and acceleration that suit the drives (manual III-12.5). What is within the limits
-/// of the manual stays.
+/// Proposes rapid rates and acceleration times for a type of drive (manual III-12.5). Values
+/// within the limits of the manual stay.
 ///
 /// # Errors
-/// None; the control takes them.
-pub fn acceleration(kind: DriveKind, parameters: &Parameters) -> Result<Proposal, Message> {
-    let at_most = |number, limit| value(number, parameters.value(number).min(limit));
-    let at_least = |number, limit| value(number, parameters.value(number).max(limit));
+/// None in practice: the control accepts the values.
+pub fn propose_acceleration(kind: DriveKind, parameters: &Parameters) -> Result<Proposal, Message> {
+    let at_most = |number, limit| set_value(number, parameters.value(number).min(limit));
+    let at_least = |number, limit| set_value(number, parameters.value(number).max(limit));
     let changes = match kind {
         DriveKind::Stepper => vec![
             at_most(parameter::X_RAPID, 2500),
@@ -37,11 +37,11 @@ pub fn acceleration(kind: DriveKind, parameters: &Parameters) -> Result<Proposal
             at_most(parameter::THREAD_LOW_SPEED, 50),
             at_least(parameter::FEED_TIME, 250),
             at_most(parameter::FEED_LOW_SPEED, 50),
-            bit(7, 3, true),
+            set_bit(7, 3, true),
         ],
         DriveKind::Servo => vec![
-            value(parameter::X_RAPID, 3800),
-            value(parameter::Z_RAPID, 7600),
+            set_value(parameter::X_RAPID, 3800),
+            set_value(parameter::Z_RAPID, 7600),
             at_most(parameter::X_RAPID_TIME, 50),
             at_most(parameter::Z_RAPID_TIME, 50),
             at_most(parameter::THREAD_TIME, 50),
@@ -50,9 +50,9 @@ pub fn acceleration(kind: DriveKind, parameters: &Parameters) -> Result<Proposal
             at_most(parameter::FEED_LOW_SPEED, 500),
         ],
     };
-    // With a gear that multiplies the pulses set the limit.
-    let capped = |change: Change| match change {
-        Change::Value {
+    // If the gear multiplies pulses, the pulse frequency limits the rapid rate.
+    let limit_to_gear = |change: ParameterChange| match change {
+        ParameterChange::Value {
             number,
             value: rate,
         } if [parameter::X_RAPID, parameter::Z_RAPID].contains(&number) => {
@@ -62,49 +62,53 @@ pub fn acceleration(kind: DriveKind, parameters: &Parameters) -> Result<Proposal
                 Axis::Z
             };
             let limit = gear_speed_limit(axis, parameters).map_or(rate, |it| it.floor() as i32);
-            value(number, rate.min(limit))
+            set_value(number, rate.min(limit))
         }
         other => other,
     };
-    let changes = changes.into_iter().map(capped).collect();
-    proposal(changes, Vec::new(), parameters)
+    let changes = changes.into_iter().map(limit_to_gear).collect();
+    build_proposal(changes, Vec::new(), parameters)
 }
 
-/// The largest following error that was seen in a rapid move.
+/// Largest following error in a rapid move, and its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lag {
-    /// What was seen, mm of slide travel.
-    pub seen: Travel,
-    /// What the drive allows.
-    pub allowed: Travel,
+pub struct FollowingErrorReading {
+    /// Measured following error, mm of slide travel.
+    pub measured: SlideTravel,
+    /// Limit of the drive, mm of slide travel.
+    pub allowed: SlideTravel,
 }
 
-/// The part of the allowed following error that a rapid move may use.
-const LAG_SHARE: f64 = 0.8;
+/// Usable share of the allowed following error in a rapid move.
+const USABLE_SHARE: f64 = 0.8;
 
-/// A rapid rate for which the following error keeps a fifth of what is allowed in reserve:
-/// it grows as the rate does.
+/// Proposes a rapid rate that keeps a fifth of the allowed following error in reserve. The
+/// following error is proportional to the rate.
 ///
 /// # Errors
-/// Numbers that are none.
-pub fn largest_lag(axis: Axis, lag: Lag, parameters: &Parameters) -> Result<Proposal, Message> {
-    let (seen, allowed) = (lag.seen.0.abs(), lag.allowed.0);
-    if !(seen.is_finite() && allowed.is_finite() && seen > 0.0 && allowed > 0.0) {
+/// A value that is not a finite number above 0.
+pub fn propose_rapid_rate(
+    axis: Axis,
+    following_error: FollowingErrorReading,
+    parameters: &Parameters,
+) -> Result<Proposal, Message> {
+    let (measured, allowed) = (following_error.measured.0.abs(), following_error.allowed.0);
+    if !(measured.is_finite() && allowed.is_finite() && measured > 0.0 && allowed > 0.0) {
         return Err(say::commission_lag_numbers());
     }
     let rate = parameters.rapid_rate(axis);
-    let gain = rate / 60.0 / seen;
-    let mut notes = vec![say::commission_lag(seen, allowed, gain)];
-    let most = rate * LAG_SHARE * allowed / seen;
+    let gain = rate / 60.0 / measured;
+    let mut notes = vec![say::commission_lag(measured, allowed, gain)];
+    let max_rate = rate * USABLE_SHARE * allowed / measured;
     let mut changes = Vec::new();
-    if most < rate {
-        let least = 6.0;
-        changes.push(value(
-            of(axis, parameter::X_RAPID, parameter::Z_RAPID),
-            most.floor().max(least) as i32,
+    if max_rate < rate {
+        let min_rate = 6.0;
+        changes.push(set_value(
+            select_by_axis(axis, parameter::X_RAPID, parameter::Z_RAPID),
+            max_rate.floor().max(min_rate) as i32,
         ));
     } else {
         notes.push(say::commission_lag_fine());
     }
-    proposal(changes, notes, parameters)
+    build_proposal(changes, notes, parameters)
 }

@@ -1,122 +1,128 @@
-//! The electronic gear, from the plates of a drive or from a measured move (manual III-12.3).
+//! Proposes the electronic gear from nameplates or from a measured move (manual III-12.3).
 
 use gsk_core::axis::{gear_speed_limit, pulse_weight};
 use gsk_core::memory::{Parameters, PitchTable, parameter};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
-use super::{proposal, value};
-use crate::change::{Proposal, name, of};
-use crate::gear::{Drive, nearest_ratio};
-use crate::measurement::Travel;
+use super::{build_proposal, set_value};
+use crate::gear_ratio::{DriveTrain, find_nearest_ratio};
+use crate::measurement::SlideTravel;
+use crate::parameter_change::{Proposal, axis_letter, select_by_axis};
 
-/// What was commanded, and what the slide made of it.
+/// A commanded move and the measured slide travel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GearMeasured {
-    /// Commanded slide travel, mm; X in radius.
-    pub commanded: Travel,
-    /// Measured slide travel.
-    pub measured: Travel,
+pub struct MeasuredMove {
+    /// Commanded slide travel, mm; X as a radius.
+    pub commanded: SlideTravel,
+    /// Measured slide travel, mm; X as a radius.
+    pub measured: SlideTravel,
 }
 
-/// The gear of an axis from the plates of its drive.
+/// Proposes the electronic gear of an axis from the nameplates of its drive.
 ///
 /// # Errors
-/// Numbers that are none, a ratio out of reach.
-pub fn gear_from_drive(
+/// A nameplate value that is not above 0, or a ratio outside 1/127 to 127.
+pub fn propose_gear_from_drive(
     axis: Axis,
-    drive: &Drive,
+    drive: &DriveTrain,
     parameters: &Parameters,
 ) -> Result<Proposal, Message> {
     let (multiply, divide) = parameters.gear(axis);
     let increment = pulse_weight(axis, parameters) * f64::from(multiply) / f64::from(divide);
-    gear(axis, drive.ratio(Travel(increment))?, 0.0, parameters)
+    propose_gear(
+        axis,
+        drive.gear_ratio(SlideTravel(increment))?,
+        0.0,
+        parameters,
+    )
 }
 
-/// What the lead of a screw, and a measurement of it, may be off: a ratio of small numbers
-/// within that is the one the wheels have (decision COMMISSION-2).
+/// Relative error of a screw lead and its measurement. A ratio of small numbers within it is
+/// taken as the true one (decision COMMISSION-2).
 const LEAD_TOLERANCE: f64 = 200e-6;
 
-/// The gear of an axis from a long move.
+/// Proposes the electronic gear of an axis from a long measured move.
 ///
 /// # Errors
-/// A measurement that cannot be, a ratio out of reach.
-pub fn gear_measured(
+/// A commanded move below 1 mm, a measured move in the other direction, or a ratio outside
+/// 1/127 to 127.
+pub fn propose_gear_from_move(
     axis: Axis,
-    made: GearMeasured,
+    slide_move: MeasuredMove,
     parameters: &Parameters,
 ) -> Result<Proposal, Message> {
-    let (commanded, measured) = (made.commanded.0, made.measured.0);
+    let (commanded, measured) = (slide_move.commanded.0, slide_move.measured.0);
     if !(commanded.is_finite() && measured.is_finite()) || commanded.abs() < 1.0 {
         return Err(say::commission_move_short());
     }
     if measured == 0.0 || (commanded > 0.0) != (measured > 0.0) {
-        return Err(say::commission_move_reversed(name(axis)));
+        return Err(say::commission_move_reversed(axis_letter(axis)));
     }
     let (multiply, divide) = parameters.gear(axis);
-    let stands = f64::from(multiply) / f64::from(divide);
-    gear(
+    let current_ratio = f64::from(multiply) / f64::from(divide);
+    propose_gear(
         axis,
-        stands * commanded / measured,
+        current_ratio * commanded / measured,
         LEAD_TOLERANCE,
         parameters,
     )
 }
 
-fn gear(
+fn propose_gear(
     axis: Axis,
-    wanted: f64,
+    target_ratio: f64,
     tolerance: f64,
     parameters: &Parameters,
 ) -> Result<Proposal, Message> {
-    let ratio = nearest_ratio(wanted, tolerance)?;
+    let ratio = find_nearest_ratio(target_ratio, tolerance)?;
     let mut changes = vec![
-        value(
-            of(axis, parameter::X_MULTIPLIER, parameter::Z_MULTIPLIER),
+        set_value(
+            select_by_axis(axis, parameter::X_MULTIPLIER, parameter::Z_MULTIPLIER),
             ratio.multiply,
         ),
-        value(
-            of(axis, parameter::X_DIVISOR, parameter::Z_DIVISOR),
+        set_value(
+            select_by_axis(axis, parameter::X_DIVISOR, parameter::Z_DIVISOR),
             ratio.divide,
         ),
     ];
     let mut notes = vec![say::commission_gear_off(
         ratio.multiply,
         ratio.divide,
-        ratio.off,
+        ratio.error_um_per_m,
     )];
-    let mut then = parameters.clone();
-    let mut none = PitchTable::default();
+    let mut changed = parameters.clone();
+    let mut empty = PitchTable::default();
     for change in &changes {
-        change.apply(&mut then, &mut none)?;
+        change.apply(&mut changed, &mut empty)?;
     }
-    if let Some(limit) = gear_speed_limit(axis, &then) {
-        let approach = approach_limit(axis, limit);
-        let rapid = of(axis, parameter::X_RAPID, parameter::Z_RAPID);
-        for (number, most) in [(rapid, limit), (parameter::ZERO_HIGH_SPEED, approach)] {
-            if f64::from(parameters.value(number)) > most {
-                changes.push(value(number, most.floor() as i32));
+    if let Some(limit) = gear_speed_limit(axis, &changed) {
+        let approach = max_approach_rate(axis, limit);
+        let rapid = select_by_axis(axis, parameter::X_RAPID, parameter::Z_RAPID);
+        for (number, max_rate) in [(rapid, limit), (parameter::ZERO_HIGH_SPEED, approach)] {
+            if f64::from(parameters.value(number)) > max_rate {
+                changes.push(set_value(number, max_rate.floor() as i32));
             }
         }
-        notes.push(say::commission_gear_slow(name(axis), limit.floor()));
+        notes.push(say::commission_gear_slow(axis_letter(axis), limit.floor()));
     }
     notes.push(say::pitch_zero_return_needed());
-    proposal(changes, notes, parameters)
+    build_proposal(changes, notes, parameters)
 }
 
-/// The largest rate of the approach (113) for the largest rate of an axis: it is halved for X.
-const fn approach_limit(axis: Axis, limit: f64) -> f64 {
+/// Largest approach rate (113) for the largest rate of an axis. The control halves 113 for X.
+const fn max_approach_rate(axis: Axis, limit: f64) -> f64 {
     match axis {
         Axis::X => 2.0 * limit,
         Axis::Z => limit,
     }
 }
 
-/// A rate of the approach that neither axis is too slow for: 113 is that of both.
-pub(super) fn approach(wanted: i32, parameters: &Parameters) -> i32 {
+/// Limits an approach rate to what both axes reach: parameter 113 applies to both.
+pub(super) fn limit_approach_rate(requested_rate: i32, parameters: &Parameters) -> i32 {
     let limits = [Axis::X, Axis::Z].into_iter().filter_map(|axis| {
         let limit = gear_speed_limit(axis, parameters)?;
-        Some(approach_limit(axis, limit).floor() as i32)
+        Some(max_approach_rate(axis, limit).floor() as i32)
     });
-    limits.fold(wanted, i32::min)
+    limits.fold(requested_rate, i32::min)
 }

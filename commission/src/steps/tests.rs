@@ -1,33 +1,33 @@
-//! The steps of commissioning.
+//! Tests of the commissioning steps.
 
 use gsk_core::axis::gear_speed_limit;
 use gsk_core::memory::{Parameters, PitchTable, parameter};
 use gsk_core::units::Axis;
 
 use super::*;
-use crate::change::{Change, Proposal};
-use crate::gear::Drive;
-use crate::measurement::Travel;
+use crate::gear_ratio::DriveTrain;
+use crate::measurement::SlideTravel;
+use crate::parameter_change::{ParameterChange, Proposal};
 
 fn changed(proposal: &Proposal) -> Vec<(u16, i32)> {
     let changes = proposal.changes.iter();
     changes
         .map(|change| match change {
-            Change::Value { number, value } => (*number, *value),
-            Change::Bit { number, bit, on } => (*number, i32::from(*on) << bit),
-            Change::Pitch { .. } => panic!("no step but pitch"),
+            ParameterChange::Value { number, value } => (*number, *value),
+            ParameterChange::Bit { number, bit, on } => (*number, i32::from(*on) << bit),
+            ParameterChange::Pitch { .. } => panic!("no step but pitch"),
         })
         .collect()
 }
 
 #[test]
-fn a_gear_that_multiplies_slows_the_rapid() {
+fn multiplying_gear_limits_rapid_rate() {
     let parameters = Parameters::default();
-    let made = |commanded, measured| GearMeasured {
-        commanded: Travel(commanded),
-        measured: Travel(measured),
+    let made = |commanded, measured| MeasuredMove {
+        commanded: SlideTravel(commanded),
+        measured: SlideTravel(measured),
     };
-    let half = gear_measured(Axis::Z, made(-100.0, -50.0), &parameters).unwrap();
+    let half = propose_gear_from_move(Axis::Z, made(-100.0, -50.0), &parameters).unwrap();
     assert_eq!(
         changed(&half),
         [
@@ -36,27 +36,27 @@ fn a_gear_that_multiplies_slows_the_rapid() {
             (parameter::ZERO_HIGH_SPEED, 3800)
         ]
     );
-    let twice = gear_measured(Axis::X, made(100.0, 200.0), &parameters).unwrap();
+    let twice = propose_gear_from_move(Axis::X, made(100.0, 200.0), &parameters).unwrap();
     assert_eq!(changed(&twice), [(parameter::X_DIVISOR, 2)]);
     for (commanded, measured) in [(100.0, -100.0), (100.0, 0.0), (0.0, 0.0), (f64::NAN, 1.0)] {
-        assert!(gear_measured(Axis::X, made(commanded, measured), &parameters).is_err());
+        assert!(propose_gear_from_move(Axis::X, made(commanded, measured), &parameters).is_err());
     }
-    // X: 0.0005 mm an increment, 5 mm a turn of 10000 pulses.
-    let drive = Drive {
-        pulses: 10_000.0,
-        lead: Travel(5.0),
+    // X: 0.0005 mm per increment, 5 mm per turn of 10000 pulses.
+    let drive = DriveTrain {
+        pulses_per_turn: 10_000.0,
+        lead: SlideTravel(5.0),
         screw_teeth: 1,
         motor_teeth: 1,
     };
-    let plates = gear_from_drive(Axis::X, &drive, &parameters).unwrap();
+    let plates = propose_gear_from_drive(Axis::X, &drive, &parameters).unwrap();
     assert_eq!(changed(&plates), []);
 }
 
-/// 113 is that of both axes, and twice that of X.
+/// Parameter 113 applies to both axes, and is twice the rate of X.
 #[test]
-fn the_approach_to_the_zero_keeps_below_the_limit_of_the_gears() {
+fn reference_approach_stays_below_gear_limit() {
     let approach = |parameters: &Parameters, method| {
-        let proposal = reference(Axis::X, method, parameters).unwrap();
+        let proposal = propose_reference(Axis::X, method, parameters).unwrap();
         let (mut then, mut none) = (parameters.clone(), PitchTable::default());
         for change in proposal.changes {
             change.apply(&mut then, &mut none).unwrap();
@@ -80,9 +80,9 @@ fn the_approach_to_the_zero_keeps_below_the_limit_of_the_gears() {
 }
 
 #[test]
-fn the_sets_of_the_manual() {
+fn proposals_match_manual_values() {
     let parameters = Parameters::default();
-    let stepper = acceleration(DriveKind::Stepper, &parameters).unwrap();
+    let stepper = propose_acceleration(DriveKind::Stepper, &parameters).unwrap();
     let stepper = changed(&stepper);
     for row in [
         (parameter::X_RAPID, 2500),
@@ -94,40 +94,40 @@ fn the_sets_of_the_manual() {
     ] {
         assert!(stepper.contains(&row), "{row:?} in {stepper:?}");
     }
-    let one = reference(Axis::Z, ZeroMethod::OneSwitch, &parameters).unwrap();
+    let one = propose_reference(Axis::Z, ZeroMethod::OneSwitch, &parameters).unwrap();
     assert!(
         changed(&one).contains(&(7, 0b10))
             && changed(&one).contains(&(parameter::ZERO_HIGH_SPEED, 5000))
     );
-    let none = reference(Axis::X, ZeroMethod::NoSwitch, &parameters).unwrap();
+    let none = propose_reference(Axis::X, ZeroMethod::NoSwitch, &parameters).unwrap();
     assert_eq!(changed(&none), [(14, 0)]);
 }
 
 #[test]
-fn a_servo_keeps_a_fifth_in_reserve() {
+fn rapid_rate_keeps_following_error_reserve() {
     let parameters = Parameters::default();
-    let lag = |seen, allowed| Lag {
-        seen: Travel(seen),
-        allowed: Travel(allowed),
+    let lag = |measured, allowed| FollowingErrorReading {
+        measured: SlideTravel(measured),
+        allowed: SlideTravel(allowed),
     };
-    let slower = largest_lag(Axis::Z, lag(3.0, 3.0), &parameters).unwrap();
+    let slower = propose_rapid_rate(Axis::Z, lag(3.0, 3.0), &parameters).unwrap();
     assert_eq!(changed(&slower), [(parameter::Z_RAPID, 6080)]);
-    let fine = largest_lag(Axis::Z, lag(-1.0, 3.0), &parameters).unwrap();
+    let fine = propose_rapid_rate(Axis::Z, lag(-1.0, 3.0), &parameters).unwrap();
     assert_eq!(changed(&fine), []);
-    assert!(largest_lag(Axis::Z, lag(0.0, 3.0), &parameters).is_err());
+    assert!(propose_rapid_rate(Axis::Z, lag(0.0, 3.0), &parameters).is_err());
 }
 
 #[test]
-fn the_voltage_is_set_right_before_the_speed() {
+fn spindle_voltage_is_corrected_before_speed() {
     let mut parameters = Parameters::default();
     let read = SpindleSpeed {
         gear: 2,
         rpm: 2200.0,
         volts: Some(11.0),
     };
-    assert!(spindle(read, &parameters).is_err());
+    assert!(propose_spindle(read, &parameters).is_err());
     parameters.set_bit(1, 4, true).unwrap();
-    let right = spindle(read, &parameters).unwrap();
+    let right = propose_spindle(read, &parameters).unwrap();
     assert_eq!(
         changed(&right),
         [
@@ -135,30 +135,30 @@ fn the_voltage_is_set_right_before_the_speed() {
             (parameter::GEAR_SPEED_1 + 1, 2000)
         ]
     );
-    assert!(spindle(SpindleSpeed { gear: 5, ..read }, &parameters).is_err());
+    assert!(propose_spindle(SpindleSpeed { gear: 5, ..read }, &parameters).is_err());
 }
 
 #[test]
-fn the_play_is_measured_without_compensation() {
+fn backlash_is_measured_without_compensation() {
     let mut parameters = Parameters::default();
-    let reading = |a, b| Backlash {
-        a: Travel(a),
-        b: Travel(b),
+    let reading = |a, b| BacklashReading {
+        a: SlideTravel(a),
+        b: SlideTravel(b),
     };
     let readings = [reading(0.0, 0.022), reading(1.001, 1.025)];
-    let play = backlash(Axis::X, &readings, &parameters).unwrap();
-    assert_eq!(changed(&play), [(parameter::X_BACKLASH, 23)]);
-    let said = play
+    let proposal = propose_backlash(Axis::X, &readings, &parameters).unwrap();
+    assert_eq!(changed(&proposal), [(parameter::X_BACKLASH, 23)]);
+    let notes = proposal
         .notes
         .iter()
         .map(ToString::to_string)
         .collect::<Vec<_>>();
-    assert_eq!(said, ["mean of 2 readings 23.0 µm, spread 2.0 µm"]);
+    assert_eq!(notes, ["mean of 2 readings 23.0 µm, spread 2.0 µm"]);
     parameters.set(parameter::X_BACKLASH, 5).unwrap();
-    assert!(backlash(Axis::X, &readings, &parameters).is_err());
+    assert!(propose_backlash(Axis::X, &readings, &parameters).is_err());
     assert_eq!(
-        changed(&backlash(Axis::X, &[], &parameters).unwrap()),
+        changed(&propose_backlash(Axis::X, &[], &parameters).unwrap()),
         [(parameter::X_BACKLASH, 0)]
     );
-    assert!(backlash(Axis::Z, &[reading(0.0, 3.0)], &parameters).is_err());
+    assert!(propose_backlash(Axis::Z, &[reading(0.0, 3.0)], &parameters).is_err());
 }

@@ -1,4 +1,4 @@
-//! The ladder as text.
+//! Tests the listing of the standard ladder.
 
 use std::collections::BTreeMap;
 
@@ -7,12 +7,12 @@ use gsk_plc::Ladder;
 use crate::SOURCE;
 
 #[test]
-fn compiles_clean_and_prints_itself() {
+fn compiles_without_warnings_and_round_trips() {
     let ladder = Ladder::compile(SOURCE).unwrap();
     assert_eq!(ladder.warnings(), []);
     assert_eq!(ladder.header().remark, "980TD标准梯形图");
     assert_eq!(ladder.header().version, "2005.2.28");
-    assert_eq!(ladder.parts(), 3);
+    assert_eq!(ladder.part_count(), 3);
     assert_eq!(ladder.messages().len(), 11);
     let listing = ladder.to_source();
     let again = Ladder::compile(&listing).unwrap();
@@ -21,7 +21,7 @@ fn compiles_clean_and_prints_itself() {
     assert_eq!(again.messages(), ladder.messages());
     assert_eq!(again.comments(), ladder.comments());
     assert_eq!(again.start_values(), ladder.start_values());
-    // F22, the start enable, is the control's.
+    // The control, not the ladder, implements F22, the start enable.
     for function in (1..=28).filter(|function| *function != 22) {
         let title = format!(".NET \"F{function:02} ");
         assert!(SOURCE.contains(&title), "{title}");
@@ -29,7 +29,7 @@ fn compiles_clean_and_prints_itself() {
 }
 
 #[test]
-fn every_contact_and_coil_that_a_person_meets_has_a_name() {
+fn every_external_contact_and_coil_has_a_name() {
     let ladder = Ladder::compile(SOURCE).unwrap();
     let mut unnamed = BTreeMap::new();
     for statement in ladder.statements() {
@@ -38,9 +38,9 @@ fn every_contact_and_coil_that_a_person_meets_has_a_name() {
                 continue;
             };
             let outside = !matches!(bit.area, gsk_plc::Area::R | gsk_plc::Area::A);
-            // F54 and G54, G55 are named as bytes: sixteen alike.
+            // F54, G54 and G55 have names as bytes, because their bits are alike.
             let alike = matches!(bit.byte, 54 | 55);
-            let named = ladder.comment(gsk_plc::Subject::Bit(*bit)).is_some();
+            let named = ladder.comment(gsk_plc::PlcAddress::Bit(*bit)).is_some();
             if outside && !alike && !named {
                 unnamed.insert(*bit, statement.line);
             }

@@ -1,4 +1,4 @@
-//! Coolant, lubrication, chuck, tailstock, guards.
+//! Tests coolant, lubrication, chuck, tailstock and guards.
 
 use crate::{AUTO, Control, MODES};
 
@@ -30,11 +30,11 @@ fn lubrication() {
     control.run_m(33);
     assert!(!control.is("Y1.1"));
     control.plc.memory_mut().set_dt(13, 200);
-    control.m(32);
+    control.request_m(32);
     control.cycles(2);
     assert!(control.is("Y1.1"));
     control.milliseconds(300);
-    assert!(!control.is("Y1.1"), "limited, although M32 still stands");
+    assert!(!control.is("Y1.1"), "limited, although M32 is still active");
     control.finish("F7.0");
     assert!(!control.is("Y1.1"));
 }
@@ -53,11 +53,11 @@ fn chuck() {
     assert!(!control.is("Y0.6") && control.is("Y1.5"));
     control.set("F209.0", true);
     control.cycles(2);
-    assert!(control.is("Y0.6"), "outer chuck: the other way round");
+    assert!(control.is("Y0.6"), "outer chuck: inverted outputs");
     control.set("F209.0", false);
 
     control.set("F209.2", true);
-    control.m(12);
+    control.request_m(12);
     control.milliseconds(1000);
     assert!(
         control.is("Y0.6") && !control.is("G4.3"),
@@ -70,7 +70,7 @@ fn chuck() {
     assert!(control.is("Y1.2"));
     control.press("X0.6");
     assert!(control.is("Y0.6"), "ignored while the spindle turns");
-    control.m(13);
+    control.request_m(13);
     control.cycles(3);
     assert!(control.is("Y0.6"));
     assert_eq!(control.messages(), [1012]);
@@ -78,7 +78,7 @@ fn chuck() {
     assert!(control.is("Y0.6"), "reset keeps the chuck");
 
     control.set("F208.0", false);
-    control.m(12);
+    control.request_m(12);
     control.cycles(3);
     assert_eq!(control.messages(), [1013]);
 }
@@ -129,7 +129,7 @@ fn low_pressure() {
     assert!(!control.is("Y1.2") && !control.is("Y0.3") && !control.is("G8.5"));
     assert_eq!(control.messages(), [1014]);
     control.set("X25.0", true);
-    control.plc.slot();
+    control.plc.run_slot();
     assert!(!control.is("G7.2"), "no start");
     control.set("X25.0", false);
     control.reset();
@@ -165,8 +165,8 @@ fn guard_door() {
 }
 
 #[test]
-fn a_start_request_cut_short_meets_the_hold() {
-    // G7.2 falls when the start is blocked; *SP must be 0 by then.
+fn blocked_start_request_ends_in_feed_hold() {
+    // G7.2 falls when the start is blocked. *SP must be 0 by then.
     let mut control = Control::new();
     control.plc.memory_mut().set_f(209, 0b0100_0000);
     control.mode(AUTO);
@@ -175,14 +175,14 @@ fn a_start_request_cut_short_meets_the_hold() {
     assert!(control.is("G7.2"));
     control.set("X1.5", true);
     for _ in 0..12 {
-        control.plc.slot();
+        control.plc.run_slot();
         assert!(control.is("G7.2") || !control.is("G8.5"));
     }
     assert!(!control.is("G7.2"));
 }
 
 #[test]
-fn the_cycle_start_enable_is_left_to_the_control() {
+fn ladder_ignores_the_cycle_start_enable() {
     let mut control = Control::new();
     control.plc.memory_mut().set_f(208, 0b0001_0000); // STEN=1, AGIM=0: low is enabled
     control.set("X1.2", true);

@@ -1,5 +1,5 @@
-//! The standard ladder at work, driven as the control drives it: panel keys
-//! and machine inputs in X, the CNC's state in F, seen through G, Y and A.
+//! Tests the standard ladder as the control drives it: panel keys and machine inputs in X,
+//! the state of the CNC in F, results in G, Y and A.
 
 #![allow(
     clippy::unwrap_used,
@@ -18,7 +18,7 @@ use gsk_plc::{BitAddress, Ladder, Plc};
 
 const SOURCE: &str = include_str!("../../../assets/ladder/standard.il");
 
-/// Mode code in G43, and the bit by which the CNC confirms it.
+/// Mode code in G43 and the bit with which the CNC confirms it.
 const EDIT: (u8, &str) = (3, "F3.6");
 const AUTO: (u8, &str) = (1, "F3.5");
 const MDI: (u8, &str) = (0, "F3.3");
@@ -28,13 +28,14 @@ const MACHINE_ZERO: (u8, &str) = (133, "F4.5");
 const PROGRAM_ZERO: (u8, &str) = (2, "F4.6");
 const MODES: [(u8, &str); 7] = [EDIT, AUTO, MDI, HANDWHEEL, JOG, MACHINE_ZERO, PROGRAM_ZERO];
 
-/// A lathe control of which only the PLC is real.
+/// A lathe control that consists only of its PLC.
 struct Control {
     plc: Plc,
 }
 
 impl Control {
-    /// Factory parameters, inputs of an idle machine, JOG mode.
+    /// Creates a control with factory parameters and the inputs of an idle machine, in JOG
+    /// mode.
     fn new() -> Control {
         let ladder = Ladder::compile(SOURCE).unwrap();
         let mut control = Control {
@@ -62,16 +63,16 @@ impl Control {
         self.plc.memory().bit(address(bit))
     }
 
-    /// Whole cycles of level 2.
+    /// Runs a number of whole cycles of level 2.
     fn cycles(&mut self, number: usize) {
-        for _ in 0..number * self.plc.ladder().parts() {
-            self.plc.slot();
+        for _ in 0..number * self.plc.ladder().part_count() {
+            self.plc.run_slot();
         }
     }
 
     fn milliseconds(&mut self, time: usize) {
         for _ in 0..time / 8 {
-            self.plc.slot();
+            self.plc.run_slot();
         }
     }
 
@@ -82,7 +83,7 @@ impl Control {
         self.cycles(3);
     }
 
-    /// The CNC is in a mode; it would have got there through G43.
+    /// Sets the mode of the CNC in G43 and its confirmation bit.
     fn mode(&mut self, (code, check): (u8, &str)) {
         self.plc.memory_mut().set_g(43, code);
         for (_, other) in MODES {
@@ -91,16 +92,16 @@ impl Control {
         self.cycles(3);
     }
 
-    /// M code with its strobe; the CNC takes it back when FIN has come.
-    fn m(&mut self, code: u8) {
+    /// Writes an M code with its strobe. The CNC clears the strobe after FIN.
+    fn request_m(&mut self, code: u8) {
         self.plc.memory_mut().set_f(10, code);
         self.set("F7.0", true);
     }
 
-    /// Runs until FIN and ends the handshake; gives the time to FIN in ms.
+    /// Runs until FIN, ends the handshake and returns the time until FIN, ms.
     fn finish(&mut self, strobe: &str) -> Option<usize> {
         let time = (0..20_000).step_by(8).find(|_| {
-            self.plc.slot();
+            self.plc.run_slot();
             self.is("G4.3")
         })?;
         self.milliseconds(16);
@@ -112,11 +113,12 @@ impl Control {
     }
 
     fn run_m(&mut self, code: u8) -> Option<usize> {
-        self.m(code);
+        self.request_m(code);
         self.finish("F7.0")
     }
 
-    /// Turret stands at a station of four; 0 between stations. TSGN=1: valid when open.
+    /// Sets the inputs of a turret at one of four stations; 0 is between stations. With
+    /// TSGN=1 an open contact is valid.
     fn station(&mut self, station: usize) {
         for (number, pin) in ["X1.6", "X1.7", "X0.0", "X0.1"].into_iter().enumerate() {
             self.set(pin, number + 1 != station);

@@ -1,4 +1,4 @@
-//! Modes, cycle start, overrides, axis keys, lamps.
+//! Tests modes, cycle start, overrides, axis keys and lamps.
 
 use std::sync::Arc;
 
@@ -38,7 +38,7 @@ fn power_on_restores_mode_tool_and_overrides() {
     plc.power_on();
     plc.memory_mut().set_x(0, 0x20);
     for _ in 0..6 {
-        plc.slot();
+        plc.run_slot();
     }
     let memory = plc.memory();
     assert_eq!((memory.g(43), memory.g(201), memory.g(18)), (1, 3, 1));
@@ -53,23 +53,23 @@ fn emergency_stop_and_feed_hold_act_in_one_slot() {
     let mut control = Control::new();
     assert!(control.is("G8.4") && control.is("G8.5"));
     control.set("X0.5", false);
-    control.plc.slot();
+    control.plc.run_slot();
     assert!(!control.is("G8.4"));
     control.set("F210.3", true);
-    control.plc.slot();
+    control.plc.run_slot();
     assert!(control.is("G8.4"), "masked by MESP");
 
     control.set("X24.7", true);
-    control.plc.slot();
+    control.plc.run_slot();
     assert!(!control.is("G8.5"));
     control.set("X24.7", false);
-    control.plc.slot();
+    control.plc.run_slot();
     assert!(control.is("G8.5"), "the open pin is masked by MSP");
     control.set("F210.5", false);
-    control.plc.slot();
+    control.plc.run_slot();
     assert!(!control.is("G8.5"));
     control.set("X1.5", true);
-    control.plc.slot();
+    control.plc.run_slot();
     assert!(control.is("G8.5"));
 }
 
@@ -78,23 +78,23 @@ fn cycle_start() {
     let mut control = Control::new();
     control.mode(AUTO);
     control.set("X25.0", true);
-    control.plc.slot();
+    control.plc.run_slot();
     assert!(control.is("G7.2"));
     control.set("X25.0", false);
-    control.plc.slot();
+    control.plc.run_slot();
     assert!(!control.is("G7.2"));
 
     control.set("X1.4", true);
-    control.plc.slot();
+    control.plc.run_slot();
     assert!(!control.is("G7.2"), "the pin is masked by MST");
     control.set("F210.6", false);
-    control.plc.slot();
+    control.plc.run_slot();
     assert!(control.is("G7.2"));
     control.set("X1.4", false);
 
     control.set("F197.1", true);
     control.set("F201.2", true);
-    control.plc.slot();
+    control.plc.run_slot();
     assert!(!control.is("G7.2"), "OUT starts in MDI only");
     control.mode(MDI);
     assert!(control.is("G7.2"));
@@ -103,7 +103,7 @@ fn cycle_start() {
 #[test]
 fn toggles_and_soft_switches() {
     let mut control = Control::new();
-    // key, soft switch, signal
+    // Key, soft switch, signal.
     let table = [
         ("X20.6", "F75.3", "G46.1"),
         ("X20.7", "F75.2", "G44.0"),
@@ -259,7 +259,7 @@ fn axis_keys() {
 }
 
 #[test]
-fn zero_keys_hold_themselves() {
+fn zero_return_keys_latch_with_znik() {
     for (mode, zero) in [(MACHINE_ZERO, "F94.0"), (PROGRAM_ZERO, "F198.0")] {
         let mut control = Control::new();
         control.mode(mode);

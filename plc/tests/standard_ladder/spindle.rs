@@ -1,4 +1,4 @@
-//! Spindle, brake, jog, speeds and gears.
+//! Tests spindle, brake, jog, speeds and gears.
 
 use crate::{AUTO, Control, JOG};
 
@@ -7,7 +7,7 @@ fn spindle_by_m_codes() {
     let mut control = Control::new();
     assert!(control.is("Y0.5"), "M05 is held from power-on");
     control.mode(AUTO);
-    control.m(3);
+    control.request_m(3);
     control.cycles(2);
     assert!(control.is("Y1.2") && !control.is("Y0.5") && control.is("G74.4"));
     let time = control.finish("F7.0").unwrap() + 48;
@@ -40,7 +40,7 @@ fn program_end_stops_spindle_and_coolant() {
     control.run_m(8);
     assert!(control.is("Y1.2") && control.is("Y0.3"));
     control.set("F9.4", true);
-    control.m(30);
+    control.request_m(30);
     let time = control.finish("F7.0").unwrap();
     assert!(time < 100, "FIN at once, after {time} ms");
     assert!(!control.is("Y1.2") && !control.is("Y0.3"));
@@ -68,14 +68,14 @@ fn spindle_by_keys_and_brake() {
     assert!(!control.is("Y0.4") && control.is("Y6.0"));
     let brake: Vec<bool> = (0..30)
         .map(|_| {
-            control.plc.slot();
+            control.plc.run_slot();
             control.is("Y0.7")
         })
         .collect();
     let first = brake.iter().position(|on| *on).unwrap();
     let length = brake.iter().filter(|on| **on).count();
     assert!((1..=9).contains(&first), "starts after {first} slots");
-    assert!((6..=10).contains(&length), "lasts {length} slots");
+    assert!((6..=10).contains(&length), "length {length} slots");
 }
 
 #[test]
@@ -168,7 +168,7 @@ fn automatic_gear() {
     let mut control = Control::new();
     control.set("F200.4", true);
     control.set("X1.2", true); // gear 2 not in position: AGIM=1, valid when open
-    control.m(42);
+    control.request_m(42);
     control.milliseconds(1600);
     assert!(control.is("Y0.0"));
     assert!(!control.is("G4.3"), "waits for the gear");

@@ -1,14 +1,15 @@
-//! Tool change and completion.
+//! Tests tool change and completion.
 
 use crate::{AUTO, Control, JOG};
 
-/// Commands a tool; the turret passes a station every 600 ms while TL+ is on.
+/// Commands a tool. The turret passes a station every 600 ms while TL+ is on. Returns
+/// whether FIN came.
 fn turn_to(control: &mut Control, tool: u8, from: usize) -> bool {
     control.plc.memory_mut().set_f(26, tool);
     control.set("F7.3", true);
     let mut turned = from * 600;
     for _ in 0..2500 {
-        control.plc.slot();
+        control.plc.run_slot();
         if control.is("G4.3") {
             return true;
         }
@@ -16,7 +17,7 @@ fn turn_to(control: &mut Control, tool: u8, from: usize) -> bool {
             assert!(!control.is("Y1.7"), "never both ways");
             turned += 8;
         }
-        // 100 ms around each station its contact is closed.
+        // The contact of a station is closed for 50 ms before and after its position.
         let station = (turned + 50) / 600;
         let near = (turned + 50) % 600 < 100;
         control.station(if near { (station - 1) % 4 + 1 } else { 0 });
@@ -81,7 +82,7 @@ fn tool_change_alarms() {
     assert_eq!(control.messages(), []);
     assert_eq!(control.plc.memory().g(201), 1, "tool number as before");
 
-    // The clamp signal does not come.
+    // The clamp signal does not arrive.
     control.set("F205.0", true);
     control.set("F7.3", true);
     control.milliseconds(650);
@@ -89,7 +90,7 @@ fn tool_change_alarms() {
     assert!(!control.is("Y1.7"));
     control.reset();
 
-    // The station is lost while locking.
+    // The station is lost while the turret locks.
     control.set("X0.7", true);
     control.set("F7.3", true);
     control.milliseconds(400);
@@ -112,7 +113,7 @@ fn emergency_stop_ends_a_tool_change() {
 }
 
 #[test]
-fn no_turret_takes_the_tool_over() {
+fn without_turret_tool_number_is_accepted_at_once() {
     let mut control = Control::new();
     control.plc.memory_mut().set_f(207, 0);
     control.plc.memory_mut().set_f(26, 7);
@@ -127,8 +128,8 @@ fn no_turret_takes_the_tool_over() {
 }
 
 #[test]
-fn stations_beyond_the_turret_do_not_count() {
-    // TSGN=1: the open pins T05 to T08 look like stations, but there are six.
+fn stations_above_the_turret_size_are_ignored() {
+    // With TSGN=1 the open pins T05 to T08 look like stations, but the turret has six.
     let mut control = Control::new();
     control.plc.memory_mut().set_f(207, 6);
     control.station(0);
@@ -138,7 +139,7 @@ fn stations_beyond_the_turret_do_not_count() {
 }
 
 #[test]
-fn tool_change_key_asks_for_the_next_tool() {
+fn tool_change_key_requests_the_next_tool() {
     let mut control = Control::new();
     control.mode(AUTO);
     control.press("X24.0");
@@ -156,7 +157,7 @@ fn several_functions_share_one_completion() {
     let mut control = Control::new();
     control.plc.memory_mut().set_f(26, 1);
     control.set("F7.3", true);
-    control.m(3);
+    control.request_m(3);
     control.milliseconds(700);
     assert!(!control.is("G4.3"), "M is done, T is not");
     control.milliseconds(600);

@@ -1,12 +1,13 @@
-//! Damage on the line: bytes lost, doubled and changed, the cable pulled, 复位.
+//! Tests with damage on the line: lost, doubled and changed bytes, a disconnected cable, 复位
+//! (reset).
 
 use gsk_twins::wire::Damage;
 
 use super::*;
 
-/// What is tried with damage.
+/// Transfers to damage.
 #[derive(Clone, Copy, Debug)]
-enum Work {
+enum DamagedTransfer {
     Put,
     Get,
     Push,
@@ -15,54 +16,54 @@ enum Work {
     Delete,
 }
 
-const WORKS: [Work; 6] = [
-    Work::Put,
-    Work::Get,
-    Work::Push,
-    Work::List,
-    Work::Rename,
-    Work::Delete,
+const TRANSFERS: [DamagedTransfer; 6] = [
+    DamagedTransfer::Put,
+    DamagedTransfer::Get,
+    DamagedTransfer::Push,
+    DamagedTransfer::List,
+    DamagedTransfer::Rename,
+    DamagedTransfer::Delete,
 ];
 
 const OLD: &[u8] = b"what stood there before";
 
-impl Work {
-    /// Begins it on a line with `O1.CNC` and `O2.CNC`.
-    fn begin(self, line: &mut Line, bytes: &[u8]) {
+impl DamagedTransfer {
+    /// Starts the transfer on a line with `O1.CNC` and `O2.CNC`.
+    fn start(self, line: &mut Line, bytes: &[u8]) {
         match self {
-            Self::Put => line.pc.order(Order::Put(file("O1.CNC", bytes, true))),
-            Self::Get => line.pc.order(Order::Get(place("O2.CNC"))),
+            Self::Put => line.pc.start(PcCommand::Put(file("O1.CNC", bytes, true))),
+            Self::Get => line.pc.start(PcCommand::Get(path("O2.CNC"))),
             Self::Push => line.control.send(vec![file("O2.CNC", bytes, true)]),
-            Self::List => line.pc.order(Order::Directory(Partition::User)),
-            Self::Rename => line.pc.order(Order::Rename {
-                from: place("O1.CNC"),
+            Self::List => line.pc.start(PcCommand::Directory(Partition::User)),
+            Self::Rename => line.pc.start(PcCommand::Rename {
+                from: path("O1.CNC"),
                 to: name("O3.CNC"),
             }),
-            Self::Delete => line.pc.order(Order::Delete(place("O1.CNC"))),
+            Self::Delete => line.pc.start(PcCommand::Delete(path("O1.CNC"))),
         }
     }
 
-    /// Its outcome when all is well.
-    fn good(self, bytes: &[u8]) -> Outcome {
-        let entry = |named, size: usize| Entry {
-            name: name(named),
+    /// Outcome on an undamaged line.
+    fn expected_outcome(self, bytes: &[u8]) -> TransferOutcome {
+        let entry = |file_name, size: usize| DirectoryEntry {
+            name: name(file_name),
             size: size as u32,
         };
         match self {
-            Self::Put | Self::Rename | Self::Delete => Outcome::Done,
-            Self::Get => Outcome::Got(file("O2.CNC", bytes, true)),
-            Self::Push => Outcome::Pushed(file("O2.CNC", bytes, true)),
-            Self::List => Outcome::Listed(vec![
+            Self::Put | Self::Rename | Self::Delete => TransferOutcome::Done,
+            Self::Get => TransferOutcome::Got(file("O2.CNC", bytes, true)),
+            Self::Push => TransferOutcome::Pushed(file("O2.CNC", bytes, true)),
+            Self::List => TransferOutcome::Listed(vec![
                 entry("O1.CNC", OLD.len()),
                 entry("O2.CNC", bytes.len()),
             ]),
         }
     }
 
-    /// The memory is as before the work, or as after it; whether it is as after it.
-    fn settled(self, line: &Line, bytes: &[u8]) -> bool {
-        let is = |named: &str, wanted: Option<&[u8]>| {
-            line.memory.of(&name(named)).map(Vec::as_slice) == wanted
+    /// Checks that the memory is as before or after the transfer; returns whether it is as after.
+    fn check_memory(self, line: &Line, bytes: &[u8]) -> bool {
+        let is = |file_name: &str, expected: Option<&[u8]>| {
+            line.memory.content(&name(file_name)).map(Vec::as_slice) == expected
         };
         assert!(is("O2.CNC", Some(bytes)));
         let before = is("O1.CNC", Some(OLD)) && is("O3.CNC", None);
@@ -77,41 +78,41 @@ impl Work {
     }
 }
 
-fn about_to(bytes: &[u8]) -> Line {
-    let mut line = Line::at(115_200);
+fn connected_line(bytes: &[u8]) -> Line {
+    let mut line = Line::new(115_200);
     line.memory.files = vec![
         (name("O1.CNC"), OLD.to_vec()),
         (name("O2.CNC"), bytes.to_vec()),
     ];
-    assert_eq!(line.order(Order::Connect), Outcome::Done);
+    assert_eq!(line.run(PcCommand::Connect), TransferOutcome::Done);
     line
 }
 
-/// How many bytes a work takes on both wires.
-fn length(work: Work, bytes: &[u8]) -> [u64; 2] {
-    let mut line = about_to(bytes);
-    let before = [0, 1].map(|wire| line.wires[wire].given());
-    work.begin(&mut line, bytes);
-    assert_eq!(line.outcome(), work.good(bytes));
-    line.rest(100);
-    [0, 1].map(|wire| line.wires[wire].given() - before[wire])
+/// Number of bytes of a transfer in both directions.
+fn transfer_byte_counts(transfer: DamagedTransfer, bytes: &[u8]) -> [u64; 2] {
+    let mut line = connected_line(bytes);
+    let before = [0, 1].map(|wire| line.wires[wire].sent_count());
+    transfer.start(&mut line, bytes);
+    assert_eq!(line.outcome(), transfer.expected_outcome(bytes));
+    line.run_for(100);
+    [0, 1].map(|wire| line.wires[wire].sent_count() - before[wire])
 }
 
 #[test]
-fn bytes_lost_doubled_and_changed_at_500_places_lose_nothing() {
+fn damaged_bytes_at_500_positions_lose_no_data() {
     let mut random = Random(3);
     let mut retried = 0;
     for round in 0..500 {
-        let work = WORKS[random.below(6) as usize];
+        let transfer = TRANSFERS[random.below(6) as usize];
         let count = random.below(3000);
         let bytes = random.bytes(count);
-        let lengths = length(work, &bytes);
-        let mut line = about_to(&bytes);
+        let lengths = transfer_byte_counts(transfer, &bytes);
+        let mut line = connected_line(&bytes);
         let mut damages = Vec::new();
-        // One place, or a few.
+        // One position, or a few.
         for _ in 0..=random.below(3) {
             let wire = random.below(2) as usize;
-            let at = line.wires[wire].given() + random.below(lengths[wire].max(1));
+            let at = line.wires[wire].sent_count() + random.below(lengths[wire].max(1));
             let damage = match random.below(3) {
                 0 => Damage::Lost,
                 1 => Damage::Doubled,
@@ -120,39 +121,46 @@ fn bytes_lost_doubled_and_changed_at_500_places_lose_nothing() {
             line.wires[wire].damage(at, damage);
             damages.push((wire, at, damage));
         }
-        work.begin(&mut line, &bytes);
+        transfer.start(&mut line, &bytes);
         let outcome = line.outcome();
-        assert_eq!(outcome, work.good(&bytes), "{round}: {work:?} {damages:?}");
-        assert!(work.settled(&line, &bytes));
-        line.rest(9000);
+        assert_eq!(
+            outcome,
+            transfer.expected_outcome(&bytes),
+            "{round}: {transfer:?} {damages:?}"
+        );
+        assert!(transfer.check_memory(&line, &bytes));
+        line.run_for(9000);
         let broken = |event: &&ControlEvent| {
-            matches!(event, ControlEvent::Broken | ControlEvent::NotConnected)
+            matches!(
+                event,
+                ControlEvent::Interrupted | ControlEvent::NotConnected
+            )
         };
-        let told = line.events.iter().find(broken);
-        assert_eq!(told, None, "{round}: {work:?} {damages:?}");
-        assert_eq!(line.seen.last(), Some(&Status::Idle));
-        retried += u64::from(line.pc.retries() > 0);
+        let interruption = line.events.iter().find(broken);
+        assert_eq!(interruption, None, "{round}: {transfer:?} {damages:?}");
+        assert_eq!(line.statuses.last(), Some(&PortStatus::Idle));
+        retried += u64::from(line.pc.retransmissions() > 0);
     }
     assert!(retried > 100, "{retried}: the damage hits nothing");
 }
 
 #[test]
-fn a_cable_pulled_at_500_places_leaves_all_or_nothing() {
+fn disconnected_cable_stores_all_or_nothing() {
     let mut random = Random(4);
     let mut ends = [0, 0];
     for round in 0..500 {
-        let work = WORKS[random.below(6) as usize];
+        let transfer = TRANSFERS[random.below(6) as usize];
         let count = random.below(3000);
         let bytes = random.bytes(count);
-        let lengths = length(work, &bytes);
-        let mut line = about_to(&bytes);
-        // Both directions at once: the cable.
+        let lengths = transfer_byte_counts(transfer, &bytes);
+        let mut line = connected_line(&bytes);
+        // Both directions at once, as with a cable.
         let wire = random.below(2) as usize;
-        let at = line.wires[wire].given() + random.below(lengths[wire].max(1));
-        work.begin(&mut line, &bytes);
+        let at = line.wires[wire].sent_count() + random.below(lengths[wire].max(1));
+        transfer.start(&mut line, &bytes);
         let mut outcome = None;
         let mut within = 0;
-        while line.wires[wire].given() <= at && outcome.is_none() && within < 60_000 {
+        while line.wires[wire].sent_count() <= at && outcome.is_none() && within < 60_000 {
             outcome = line.step();
             within += 1;
         }
@@ -161,117 +169,145 @@ fn a_cable_pulled_at_500_places_leaves_all_or_nothing() {
             let next = line.step();
             outcome = outcome.or(next);
         }
-        let context = format!("{round}: {work:?} at {at} of {wire}");
-        let after = work.settled(&line, &bytes);
+        let context = format!("{round}: {transfer:?} at {at} of {wire}");
+        let after = transfer.check_memory(&line, &bytes);
         match outcome {
-            Some(Outcome::Lost(Loss::Broken)) => ends[0] += 1,
-            // Of what the control begins the PC knows nothing before it has come.
+            Some(TransferOutcome::Lost(ConnectionLoss::Interrupted)) => ends[0] += 1,
+            // The PC cannot know a transfer of the control that has not arrived.
             None => {
-                assert!(matches!(work, Work::Push), "{context}");
+                assert!(matches!(transfer, DamagedTransfer::Push), "{context}");
                 ends[0] += 1;
             }
             Some(outcome) => {
-                assert_eq!(outcome, work.good(&bytes), "{context}");
+                assert_eq!(outcome, transfer.expected_outcome(&bytes), "{context}");
                 assert!(after, "{context}");
                 ends[1] += 1;
             }
         }
-        // The control shows no transfer any more, and says what it was.
-        assert_eq!(line.seen.last(), Some(&Status::Idle), "{context}");
+        // The control shows no transfer any more and has reported the result.
+        assert_eq!(line.statuses.last(), Some(&PortStatus::Idle), "{context}");
         let of_transfer = |event: &ControlEvent| *event != ControlEvent::Received(name("O1.CNC"));
-        let told: Vec<_> = line
+        let reported: Vec<_> = line
             .events
             .iter()
             .filter(|event| of_transfer(event))
             .collect();
         let sent = ControlEvent::Sent(name("O2.CNC"));
-        let known = [ControlEvent::Broken, ControlEvent::NotConnected, sent];
+        let known = [ControlEvent::Interrupted, ControlEvent::NotConnected, sent];
         assert!(
-            told.len() <= 1 && told.iter().all(|event| known.contains(event)),
-            "{context}: {told:?}"
+            reported.len() <= 1 && reported.iter().all(|event| known.contains(event)),
+            "{context}: {reported:?}"
         );
-        // Put in again, all of it works.
+        // After the cable is reconnected everything works.
         line.wires.iter_mut().for_each(|wire| wire.set_cut(false));
-        assert_eq!(line.order(Order::Connect), Outcome::Done, "{context}");
-        let again = Order::Put(file("O4.CNC", &bytes, false));
-        assert_eq!(line.order(again), Outcome::Done, "{context}");
-        assert_eq!(line.memory.of(&name("O4.CNC")), Some(&bytes), "{context}");
+        assert_eq!(
+            line.run(PcCommand::Connect),
+            TransferOutcome::Done,
+            "{context}"
+        );
+        let again = PcCommand::Put(file("O4.CNC", &bytes, false));
+        assert_eq!(line.run(again), TransferOutcome::Done, "{context}");
+        assert_eq!(
+            line.memory.content(&name("O4.CNC")),
+            Some(&bytes),
+            "{context}"
+        );
     }
     assert!(ends.iter().all(|count| *count > 20), "{ends:?}");
 }
 
 #[test]
-fn a_cable_pulled_in_the_middle_of_a_file_is_a_transfer_error_on_both_sides() {
-    for work in [Work::Put, Work::Get, Work::Push] {
+fn both_sides_report_cable_disconnected_within_file() {
+    for transfer in [
+        DamagedTransfer::Put,
+        DamagedTransfer::Get,
+        DamagedTransfer::Push,
+    ] {
         let bytes = Random(5).bytes(20_000);
-        let mut line = about_to(&bytes);
-        work.begin(&mut line, &bytes);
-        line.rest(700);
+        let mut line = connected_line(&bytes);
+        transfer.start(&mut line, &bytes);
+        line.run_for(700);
         line.wires.iter_mut().for_each(|wire| wire.set_cut(true));
         let outcome = (0..40_000).find_map(|_| line.step());
-        match work {
-            Work::Push => assert_eq!(outcome, None),
-            _ => assert_eq!(outcome, Some(Outcome::Lost(Loss::Broken))),
+        match transfer {
+            DamagedTransfer::Push => assert_eq!(outcome, None),
+            _ => assert_eq!(
+                outcome,
+                Some(TransferOutcome::Lost(ConnectionLoss::Interrupted))
+            ),
         }
         for _ in 0..10_000 {
             line.step();
         }
-        assert_eq!(line.events, [ControlEvent::Broken], "{work:?}");
-        assert!(!work.settled(&line, &bytes) || !matches!(work, Work::Put));
+        assert_eq!(line.events, [ControlEvent::Interrupted], "{transfer:?}");
+        assert!(!transfer.check_memory(&line, &bytes) || !matches!(transfer, DamagedTransfer::Put));
         assert!(line.pc.is_idle());
     }
 }
 
 #[test]
-fn a_cable_pulled_in_the_first_answer_is_silence_and_no_noise() {
+fn cable_disconnected_in_first_reply_is_silence() {
     // A byte takes a millisecond.
-    let mut line = Line::at(9600);
-    line.pc.order(Order::Connect);
-    while line.wires[1].given() == 0 {
+    let mut line = Line::new(9600);
+    line.pc.start(PcCommand::Connect);
+    while line.wires[1].sent_count() == 0 {
         assert_eq!(line.step(), None);
     }
-    // Half of the answer has come.
-    line.rest(5);
+    // Half of the reply has arrived.
+    line.run_for(5);
     line.wires.iter_mut().for_each(|wire| wire.set_cut(true));
-    assert_eq!(line.outcome(), Outcome::Lost(Loss::Silent));
+    assert_eq!(
+        line.outcome(),
+        TransferOutcome::Lost(ConnectionLoss::Silent)
+    );
 }
 
 #[test]
-fn a_bad_line_is_slow_and_loses_nothing() {
+fn noisy_line_loses_no_data() {
     let mut random = Random(6);
     let bytes = random.bytes(60_000);
-    let mut line = about_to(&bytes);
+    let mut line = connected_line(&bytes);
     for wire in &mut line.wires {
-        // One byte of three thousand.
-        let mut at = wire.given();
+        // One byte of 3000.
+        let mut at = wire.sent_count();
         for _ in 0..200 {
             at += 1 + random.below(6000);
             wire.damage(at, Damage::Changed(1 + random.below(255) as u8));
         }
     }
-    for work in [Work::Get, Work::Put] {
-        work.begin(&mut line, &bytes);
-        assert_eq!(line.outcome(), work.good(&bytes));
+    for transfer in [DamagedTransfer::Get, DamagedTransfer::Put] {
+        transfer.start(&mut line, &bytes);
+        assert_eq!(line.outcome(), transfer.expected_outcome(&bytes));
     }
-    assert!(Work::Put.settled(&line, &bytes));
+    assert!(DamagedTransfer::Put.check_memory(&line, &bytes));
 }
 
 #[test]
-fn a_reset_in_the_middle_ends_the_transfer_and_the_next_one_works() {
+fn reset_aborts_transfer_and_next_one_works() {
     let bytes = Random(7).bytes(20_000);
-    for work in [Work::Put, Work::Get, Work::Push] {
-        let mut line = about_to(&bytes);
-        work.begin(&mut line, &bytes);
-        line.rest(500);
-        line.control.break_off();
+    for transfer in [
+        DamagedTransfer::Put,
+        DamagedTransfer::Get,
+        DamagedTransfer::Push,
+    ] {
+        let mut line = connected_line(&bytes);
+        transfer.start(&mut line, &bytes);
+        line.run_for(500);
+        line.control.abort();
         let outcome = (0..20_000).find_map(|_| line.step());
-        let lost = matches!(outcome, Some(Outcome::Lost(_)) | Some(Outcome::Refused(_)));
-        assert!(lost || matches!(work, Work::Push), "{work:?}: {outcome:?}");
-        line.rest(500);
-        assert_eq!(line.seen.last(), Some(&Status::Idle));
-        assert_eq!(line.order(Order::Connect), Outcome::Done);
-        Work::Put.begin(&mut line, &bytes);
-        assert_eq!(line.outcome(), Outcome::Done);
-        assert!(Work::Put.settled(&line, &bytes));
+        let lost = matches!(
+            outcome,
+            Some(TransferOutcome::Lost(_)) | Some(TransferOutcome::Refused(_))
+        );
+        assert!(
+            lost || matches!(transfer, DamagedTransfer::Push),
+            "{transfer:?}: {outcome:?}"
+        );
+        line.run_for(500);
+        assert_eq!(line.statuses.last(), Some(&PortStatus::Idle));
+        assert_eq!(line.run(PcCommand::Connect), TransferOutcome::Done);
+        DamagedTransfer::Put.start(&mut line, &bytes);
+        assert_eq!(line.outcome(), TransferOutcome::Done);
+        assert!(DamagedTransfer::Put.check_memory(&line, &bytes));
     }
 }

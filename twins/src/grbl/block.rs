@@ -1,63 +1,64 @@
-//! A block of G code as the board reads it: straight moves only.
+//! Parses blocks of G code with straight moves.
 
-/// What a block asks for.
+/// The contents of a parsed block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Asked {
-    /// Where to, mm, machine axes X, Y, Z; None where the block does not move.
+pub(super) struct ParsedBlock {
+    /// Target of X, Y, Z in machine coordinates, mm; `None` without a move.
     pub(super) target: Option<[f64; 3]>,
-    /// As a rapid.
+    /// Whether the move is a rapid.
     pub(super) rapid: bool,
-    /// Speed of a cut, mm/s, or seconds for the whole move.
-    pub(super) pace: Pace,
-    /// Dwell, s.
+    /// Feed of a cut.
+    pub(super) feed: CutFeed,
+    /// Dwell time, s.
     pub(super) dwell: Option<f64>,
-    /// Waits until the queue is empty (spindle, coolant, program end).
-    pub(super) drains: bool,
-    /// M02 or M30.
-    pub(super) ends: bool,
-    /// G33: way along the path a turn of the spindle, mm.
+    /// Whether the block waits until the queue is empty: spindle, coolant, program end,
+    /// thread.
+    pub(super) waits_for_empty_queue: bool,
+    /// Whether the block is M02 or M30.
+    pub(super) ends_program: bool,
+    /// G33: distance along the path per spindle turn, mm.
     pub(super) lead: Option<f64>,
 }
 
-/// How fast a cut is.
+/// The feed of a cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Pace {
-    /// mm/s.
+pub(super) enum CutFeed {
+    /// Speed, mm/s.
     Speed(f64),
-    /// The whole move in so many seconds.
-    Time(f64),
+    /// Duration of the whole move, s.
+    Duration(f64),
 }
 
-impl Default for Pace {
+impl Default for CutFeed {
     fn default() -> Self {
         Self::Speed(0.0)
     }
 }
 
-/// What stays in force from block to block.
+/// The modal state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Modal {
-    /// 0, 1 or 33; 80 for none.
+    /// Motion mode: 0, 1, 33, or 80 for none.
     pub(super) motion: u8,
-    /// G91.
+    /// G91: incremental distances.
     pub(super) incremental: bool,
-    /// G93.
+    /// G93: inverse time feed.
     pub(super) inverse_time: bool,
-    /// G20.
+    /// G20: inches.
     pub(super) inches: bool,
-    /// F of G94, mm/min.
+    /// Feed of G94, mm/min.
     pub(super) feed: f64,
-    /// S.
+    /// Spindle speed S, r/min.
     pub(super) speed: f64,
-    /// 3, 4, 5.
-    pub(super) spindle: u8,
-    /// M08.
+    /// Spindle code: 3, 4 or 5.
+    pub(super) spindle_code: u8,
+    /// M08: coolant on.
     pub(super) coolant: bool,
-    /// 17, 18, 19.
+    /// Plane: 17, 18 or 19.
     pub(super) plane: u8,
-    /// G54 … G59.
+    /// Work coordinate system, 54 to 59.
     pub(super) system: u8,
-    /// Where the last block ends, mm.
+    /// End of the last block in machine coordinates, mm.
     pub(super) position: [f64; 3],
 }
 
@@ -70,7 +71,7 @@ impl Default for Modal {
             inches: false,
             feed: 0.0,
             speed: 0.0,
-            spindle: 5,
+            spindle_code: 5,
             coolant: false,
             plane: 17,
             system: 54,
@@ -80,8 +81,8 @@ impl Default for Modal {
 }
 
 impl Modal {
-    /// As `$G` shows it, without brackets.
-    pub(super) fn text(&self) -> String {
+    /// Returns the text of `$G`, without brackets.
+    pub(super) fn gc_report(&self) -> String {
         format!(
             "GC:G{} G{} G{} G{} G{} G{} M{} M{} T0 F{:.0} S{:.0}",
             self.motion,
@@ -90,36 +91,36 @@ impl Modal {
             if self.inches { 20 } else { 21 },
             if self.incremental { 91 } else { 90 },
             if self.inverse_time { 93 } else { 94 },
-            self.spindle,
+            self.spindle_code,
             if self.coolant { 8 } else { 9 },
             if self.inverse_time { 0.0 } else { self.feed },
             self.speed,
         )
     }
 
-    /// Reads a block (blanks and comments are gone, letters are capital) and
-    /// takes its modal words over; the number of the error otherwise. Places count from
-    /// the offset of G54, mm, while that is in force.
-    pub(super) fn read(
+    /// Parses a block in capitals without blanks and comments and updates the modal state.
+    /// Returns the error number of the firmware for a wrong block. `offset` is the work
+    /// offset of G54, mm.
+    pub(super) fn parse_block(
         &mut self,
         text: &str,
         spindle_sync: bool,
         offset: [f64; 3],
-    ) -> Result<Asked, u8> {
+    ) -> Result<ParsedBlock, u8> {
         let mut next = *self;
-        let mut asked = Asked::default();
+        let mut block = ParsedBlock::default();
         let mut axes: [Option<f64>; 3] = [None; 3];
-        let (mut feed, mut wait, mut dwells, mut machine) = (None, None, false, false);
-        let (mut lead, mut told) = (None, false);
+        let (mut feed, mut dwell_s, mut dwells, mut machine) = (None, None, false, false);
+        let (mut lead, mut has_motion_code) = (None, false);
         let mut rest = text;
         let mut seen = 0_u32;
         while let Some(letter) = rest.chars().next() {
             if !letter.is_ascii_uppercase() {
                 return Err(1);
             }
-            let (value, behind) = number(&rest[1..]).ok_or(2_u8)?;
-            rest = behind;
-            // One word of a letter in a block, G and M excepted.
+            let (value, rest_after) = split_number(&rest[1..]).ok_or(2_u8)?;
+            rest = rest_after;
+            // A block has one word per letter, except G and M.
             let bit = 1_u32 << (letter as u8 - b'A');
             if seen & bit != 0 && !matches!(letter, 'G' | 'M') {
                 return Err(25);
@@ -129,7 +130,7 @@ impl Modal {
                 'G' => match (value * 10.0).round() as i32 {
                     motion @ (0 | 10 | 330) if motion < 330 || spindle_sync => {
                         next.motion = (motion / 10) as u8;
-                        told = true;
+                        has_motion_code = true;
                     }
                     40 => dwells = true,
                     170 => next.plane = 17,
@@ -148,18 +149,18 @@ impl Modal {
                     _ => return Err(20),
                 },
                 'M' => match value as i32 {
-                    0 | 1 => asked.drains = true,
+                    0 | 1 => block.waits_for_empty_queue = true,
                     2 | 30 => {
-                        asked.drains = true;
-                        asked.ends = true;
+                        block.waits_for_empty_queue = true;
+                        block.ends_program = true;
                     }
                     3..=5 => {
-                        next.spindle = value as u8;
-                        asked.drains = true;
+                        next.spindle_code = value as u8;
+                        block.waits_for_empty_queue = true;
                     }
                     7..=9 => {
                         next.coolant = value < 9.0;
-                        asked.drains = true;
+                        block.waits_for_empty_queue = true;
                     }
                     _ => return Err(20),
                 },
@@ -169,10 +170,10 @@ impl Modal {
                 'F' | 'S' if value < 0.0 => return Err(4),
                 'F' => feed = Some(value),
                 'S' => {
-                    asked.drains |= next.speed.to_bits() != value.to_bits();
+                    block.waits_for_empty_queue |= next.speed.to_bits() != value.to_bits();
                     next.speed = value;
                 }
-                'P' => wait = Some(value),
+                'P' => dwell_s = Some(value),
                 'K' => lead = Some(value),
                 'N' | 'T' => {}
                 _ => return Err(36),
@@ -183,17 +184,21 @@ impl Modal {
             next.feed = feed * scale;
         }
         if dwells {
-            asked.dwell = Some(wait.ok_or(28_u8)?);
+            block.dwell = Some(dwell_s.ok_or(28_u8)?);
         }
-        let moves = axes.iter().any(Option::is_some);
+        let has_axis_word = axes.iter().any(Option::is_some);
         if lead.is_some() && next.motion != 33 {
             return Err(36);
         }
-        // A code of motion counts as motion here, with or without a way.
-        if (told || moves) && next.inverse_time && next.motion == 1 && feed.is_none() {
+        // A motion code needs F in inverse time mode even without a target.
+        if (has_motion_code || has_axis_word)
+            && next.inverse_time
+            && next.motion == 1
+            && feed.is_none()
+        {
             return Err(22);
         }
-        if moves {
+        if has_axis_word {
             if next.motion == 80 {
                 return Err(31);
             }
@@ -203,38 +208,38 @@ impl Modal {
             let mut target = next.position;
             for axis in 0..3 {
                 if let Some(value) = axes[axis] {
-                    let way = value * scale;
+                    let distance = value * scale;
                     target[axis] = if machine {
-                        way
+                        distance
                     } else if next.incremental {
-                        target[axis] + way
+                        target[axis] + distance
                     } else if next.system == 54 {
-                        way + offset[axis]
+                        distance + offset[axis]
                     } else {
-                        way
+                        distance
                     };
                 }
             }
-            asked.rapid = next.motion == 0;
+            block.rapid = next.motion == 0;
             if next.motion == 33 {
-                // A thread waits for the end of all motion before it.
-                asked.drains = true;
-                asked.lead = Some(lead.unwrap_or(0.0) * scale);
-                if asked.lead == Some(0.0) {
+                // A thread waits for the end of all earlier motion.
+                block.waits_for_empty_queue = true;
+                block.lead = Some(lead.unwrap_or(0.0) * scale);
+                if block.lead == Some(0.0) {
                     return Err(39);
                 }
             }
-            asked.pace = match (next.inverse_time, feed) {
-                _ if next.motion == 33 => Pace::default(),
-                (true, Some(minutes)) if minutes > 0.0 => Pace::Time(60.0 / minutes),
-                (false, _) if next.feed > 0.0 => Pace::Speed(next.feed / 60.0),
-                _ if asked.rapid => Pace::Speed(0.0),
+            block.feed = match (next.inverse_time, feed) {
+                _ if next.motion == 33 => CutFeed::default(),
+                (true, Some(minutes)) if minutes > 0.0 => CutFeed::Duration(60.0 / minutes),
+                (false, _) if next.feed > 0.0 => CutFeed::Speed(next.feed / 60.0),
+                _ if block.rapid => CutFeed::Speed(0.0),
                 _ => return Err(22),
             };
-            asked.target = Some(target);
+            block.target = Some(target);
             next.position = target;
         }
-        if asked.ends {
+        if block.ends_program {
             let Modal {
                 position, inches, ..
             } = next;
@@ -246,12 +251,12 @@ impl Modal {
             };
         }
         *self = next;
-        Ok(asked)
+        Ok(block)
     }
 }
 
-/// A number at the start of the text, and what stands behind it.
-fn number(text: &str) -> Option<(f64, &str)> {
+/// Splits a number from the start of a text; returns the number and the rest.
+fn split_number(text: &str) -> Option<(f64, &str)> {
     let end = text
         .find(|character: char| !matches!(character, '0'..='9' | '.' | '-' | '+'))
         .unwrap_or(text.len());
@@ -262,15 +267,17 @@ fn number(text: &str) -> Option<(f64, &str)> {
 mod tests {
     use super::*;
 
-    const HERE: [f64; 3] = [0.0; 3];
+    const NO_OFFSET: [f64; 3] = [0.0; 3];
 
     #[test]
     fn inverse_time_needs_its_word_in_every_block() {
         let mut modal = Modal::default();
-        let asked = modal.read("G93G1X1.5Z-2F6000", false, HERE).unwrap();
-        assert_eq!(asked.target, Some([1.5, 0.0, -2.0]));
-        assert_eq!(asked.pace, Pace::Time(0.01));
-        assert_eq!(modal.read("X2", false, HERE), Err(22));
+        let block = modal
+            .parse_block("G93G1X1.5Z-2F6000", false, NO_OFFSET)
+            .unwrap();
+        assert_eq!(block.target, Some([1.5, 0.0, -2.0]));
+        assert_eq!(block.feed, CutFeed::Duration(0.01));
+        assert_eq!(modal.parse_block("X2", false, NO_OFFSET), Err(22));
         assert_eq!(
             modal.position,
             [1.5, 0.0, -2.0],
@@ -282,8 +289,8 @@ mod tests {
     fn machine_coordinates_know_no_offset() {
         let mut modal = Modal::default();
         let mut target = |text: &str| {
-            let asked = modal.read(text, true, [10.0, 0.0, -30.0]);
-            asked.map(|asked| asked.target)
+            let block = modal.parse_block(text, true, [10.0, 0.0, -30.0]);
+            block.map(|block| block.target)
         };
         assert_eq!(target("G1X1Z2F60"), Ok(Some([11.0, 0.0, -28.0])));
         assert_eq!(target("G53X1F60"), Ok(Some([1.0, 0.0, -28.0])));
@@ -294,26 +301,26 @@ mod tests {
     #[test]
     fn errors_have_the_numbers_of_the_firmware() {
         let mut modal = Modal::default();
-        assert_eq!(modal.read("1X", false, HERE), Err(1));
-        assert_eq!(modal.read("GX", false, HERE), Err(2));
-        assert_eq!(modal.read("G2X1", false, HERE), Err(20));
-        assert_eq!(modal.read("G1X1", false, HERE), Err(22));
-        assert_eq!(modal.read("G4", false, HERE), Err(28));
-        assert_eq!(modal.read("G33Z-1K1", false, HERE), Err(20));
-        assert_eq!(modal.read("G33Z-1", true, HERE), Err(39));
+        assert_eq!(modal.parse_block("1X", false, NO_OFFSET), Err(1));
+        assert_eq!(modal.parse_block("GX", false, NO_OFFSET), Err(2));
+        assert_eq!(modal.parse_block("G2X1", false, NO_OFFSET), Err(20));
+        assert_eq!(modal.parse_block("G1X1", false, NO_OFFSET), Err(22));
+        assert_eq!(modal.parse_block("G4", false, NO_OFFSET), Err(28));
+        assert_eq!(modal.parse_block("G33Z-1K1", false, NO_OFFSET), Err(20));
+        assert_eq!(modal.parse_block("G33Z-1", true, NO_OFFSET), Err(39));
         assert_eq!(
-            modal.read("G1G93", false, HERE),
+            modal.parse_block("G1G93", false, NO_OFFSET),
             Err(22),
-            "no way, but a motion"
+            "motion code without a target"
         );
         assert_eq!(
             modal
-                .read("G1G93F60", false, HERE)
-                .map(|asked| asked.target),
+                .parse_block("G1G93F60", false, NO_OFFSET)
+                .map(|block| block.target),
             Ok(None)
         );
         assert_eq!(
-            modal.read("G94X1F100X2", false, HERE),
+            modal.parse_block("G94X1F100X2", false, NO_OFFSET),
             Err(25),
             "two lines that ran together"
         );

@@ -1,11 +1,11 @@
-//! The configuration of a FluidNC board: a tree of named items. The file holds what a
-//! start finds; `$/path=value` changes the memory alone.
+//! The configuration of a FluidNC board, a tree of named items. Startup reads the file;
+//! `$/path=value` changes only the memory.
 
 use core::fmt::Write;
 
-/// What the board comes with, in the order in which it is listed: an example its owner
-/// has fitted to a lathe, as far as the file alone can say it. A path that ends with a stroke is a section without items.
-const DELIVERED: &[(&str, &str)] = &[
+/// Default configuration in listing order: an example fitted to a lathe. A path that ends
+/// with a slash is a section without items.
+const DEFAULTS: &[(&str, &str)] = &[
     ("board", "Breakout"),
     ("name", "Lathe"),
     ("meta", ""),
@@ -162,7 +162,7 @@ const DELIVERED: &[(&str, &str)] = &[
     ("planner_blocks", "16"),
 ];
 
-/// Least and greatest value by the name of the item; the others have none.
+/// Minimum and maximum by item name. Other items have no limits.
 const RANGES: [(&str, f64, f64); 21] = [
     ("idle_ms", 0.0, 10_000_000.0),
     ("pulse_us", 0.0, 30.0),
@@ -187,13 +187,13 @@ const RANGES: [(&str, f64, f64); 21] = [
     ("planner_blocks", 10.0, 120.0),
 ];
 
-/// What no pin is called.
+/// Value of a pin that is not connected.
 const NO_PIN: &str = "NO_PIN";
 
-/// How a value is written.
+/// The type of an item's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    /// It cannot be changed while the firmware runs; the word by which it says so.
+enum ItemType {
+    /// The firmware cannot change it while it runs; the word is the type in its message.
     Fixed(&'static str),
     Switch,
     Whole,
@@ -202,138 +202,138 @@ enum Kind {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-struct Item {
+struct ConfigItem {
     path: &'static str,
-    kind: Kind,
+    item_type: ItemType,
     file: String,
     memory: String,
 }
 
-impl Item {
-    fn delivered(path: &'static str, value: &str) -> Self {
-        let kind = match name(path) {
-            "engine" => Kind::Fixed("step_engine"),
-            leaf if leaf.ends_with("pin") => Kind::Fixed("Pin"),
-            _ if value == "true" || value == "false" => Kind::Switch,
-            _ if value.parse::<i64>().is_ok() => Kind::Whole,
-            _ if value.parse::<f64>().is_ok() => Kind::Real,
-            _ => Kind::Text,
+impl ConfigItem {
+    fn new_default(path: &'static str, value: &str) -> Self {
+        let item_type = match item_name(path) {
+            "engine" => ItemType::Fixed("step_engine"),
+            leaf if leaf.ends_with("pin") => ItemType::Fixed("Pin"),
+            _ if value == "true" || value == "false" => ItemType::Switch,
+            _ if value.parse::<i64>().is_ok() => ItemType::Whole,
+            _ if value.parse::<f64>().is_ok() => ItemType::Real,
+            _ => ItemType::Text,
         };
         Self {
             path,
-            kind,
+            item_type,
             file: value.to_owned(),
             memory: value.to_owned(),
         }
     }
 
-    /// How the value is written, and what the board says to it.
-    fn written(&self, value: &str) -> (Option<String>, Option<String>) {
+    /// Returns the value in the firmware's format and a warning or error message.
+    fn format_value(&self, value: &str) -> (Option<String>, Option<String>) {
         let number = value
             .trim()
             .parse()
             .ok()
             .filter(|number: &f64| number.is_finite());
         let bad = || (None, Some("[MSG:ERR: This is no number]\r\n".to_owned()));
-        match (self.kind, number) {
-            (Kind::Text | Kind::Fixed(_), _) => (Some(value.to_owned()), None),
-            (Kind::Switch, _) if is_among(value, ["true", "yes", "on"]) => {
+        match (self.item_type, number) {
+            (ItemType::Text | ItemType::Fixed(_), _) => (Some(value.to_owned()), None),
+            (ItemType::Switch, _) if is_one_of(value, ["true", "yes", "on"]) => {
                 (Some("true".to_owned()), None)
             }
-            (Kind::Switch, _) if is_among(value, ["false", "no", "off"]) => {
+            (ItemType::Switch, _) if is_one_of(value, ["false", "no", "off"]) => {
                 (Some("false".to_owned()), None)
             }
             (_, None) => bad(),
-            (Kind::Switch, Some(number)) => (Some((number != 0.0).to_string()), None),
-            (kind, Some(number)) => {
-                let range = RANGES.iter().find(|range| range.0 == name(self.path));
+            (ItemType::Switch, Some(number)) => (Some((number != 0.0).to_string()), None),
+            (item_type, Some(number)) => {
+                let range = RANGES.iter().find(|range| range.0 == item_name(self.path));
                 let (least, most) = range.map_or((f64::MIN, f64::MAX), |range| (range.1, range.2));
-                let held = number.clamp(least, most);
-                let text = if kind == Kind::Whole {
-                    format!("{:.0}", held.trunc())
+                let clamped = number.clamp(least, most);
+                let text = if item_type == ItemType::Whole {
+                    format!("{:.0}", clamped.trunc())
                 } else {
-                    format!("{:.6}", held as f32)
+                    format!("{:.6}", clamped as f32)
                 };
-                let told = (held.to_bits() != number.to_bits()).then(|| {
+                let message = (clamped.to_bits() != number.to_bits()).then(|| {
                     format!("[MSG:WARN: {value} is held within {least:.3} to {most:.3}]\r\n")
                 });
-                (Some(text), told)
+                (Some(text), message)
             }
         }
     }
 }
 
-fn is_among(value: &str, words: [&str; 3]) -> bool {
+fn is_one_of(value: &str, words: [&str; 3]) -> bool {
     words.iter().any(|word| value.eq_ignore_ascii_case(word))
 }
 
-/// The last part of a path.
-fn name(path: &str) -> &str {
+/// Returns the last part of a path.
+fn item_name(path: &str) -> &str {
     path.rsplit_once('/').map_or(path, |(_, name)| name)
 }
 
-/// The tree.
+/// The configuration tree.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Config(Vec<Item>);
+pub(super) struct FluidConfig(Vec<ConfigItem>);
 
-impl Default for Config {
+impl Default for FluidConfig {
     fn default() -> Self {
-        let item = |&(path, value): &(&'static str, &str)| Item::delivered(path, value);
-        Self(DELIVERED.iter().map(item).collect())
+        let item = |&(path, value): &(&'static str, &str)| ConfigItem::new_default(path, value);
+        Self(DEFAULTS.iter().map(item).collect())
     }
 }
 
-impl Config {
-    fn find(&self, path: &str) -> Option<&Item> {
-        let named = |item: &&Item| item.path.eq_ignore_ascii_case(path);
+impl FluidConfig {
+    fn find(&self, path: &str) -> Option<&ConfigItem> {
+        let named = |item: &&ConfigItem| item.path.eq_ignore_ascii_case(path);
         self.0.iter().find(named)
     }
 
-    /// The value in memory.
+    /// Returns the value in memory.
     pub(super) fn value(&self, path: &str) -> Option<&str> {
         Some(self.find(path)?.memory.as_str())
     }
 
-    /// The same as a number; 0 where there is none.
+    /// Returns the value in memory as a number; 0 if it is missing.
     pub(super) fn number(&self, path: &str) -> f64 {
         let value = self.value(path).and_then(|value| value.parse().ok());
         value.unwrap_or(0.0)
     }
 
-    /// Whether a switch is on.
+    /// Returns whether a switch is on.
     pub(super) fn is_on(&self, path: &str) -> bool {
         self.value(path) == Some("true")
     }
 
-    /// Whether something is wired to a pin.
+    /// Returns whether a pin is connected.
     pub(super) fn is_wired(&self, path: &str) -> bool {
         self.value(path).is_some_and(|pin| pin != NO_PIN)
     }
 
-    /// A power-on finds what is on file.
-    pub(super) fn load(&mut self) {
+    /// Loads the values of the file into memory, as power-on does.
+    pub(super) fn load_file(&mut self) {
         for item in &mut self.0 {
             item.memory.clone_from(&item.file);
         }
     }
 
-    /// The value that counts for what a start alone looks at.
-    pub(super) fn on_file(&self, path: &str) -> Option<&str> {
+    /// Returns the value in the file, for items that only startup reads.
+    pub(super) fn file_value(&self, path: &str) -> Option<&str> {
         Some(self.find(path)?.file.as_str())
     }
 
-    /// The owner changes the file and starts the board; 3 where there is no such item.
-    pub(super) fn preset(&mut self, path: &str, value: &str) -> Result<(), u8> {
-        let named = |item: &&mut Item| item.path.eq_ignore_ascii_case(path);
+    /// Changes an item in file and memory, as the owner does. Error 3 is an unknown item.
+    pub(super) fn set_in_file(&mut self, path: &str, value: &str) -> Result<(), u8> {
+        let named = |item: &&mut ConfigItem| item.path.eq_ignore_ascii_case(path);
         let item = self.0.iter_mut().find(named).ok_or(3_u8)?;
-        item.file = item.written(value).0.ok_or(2_u8)?;
+        item.file = item.format_value(value).0.ok_or(2_u8)?;
         item.memory.clone_from(&item.file);
         Ok(())
     }
 
-    /// The owner takes a section out of the file.
+    /// Removes a section from the file.
     #[cfg(test)]
-    pub(super) fn take_out(&mut self, section: &str) {
+    pub(super) fn remove_section(&mut self, section: &str) {
         let within = |path: &str| {
             path.strip_prefix(section)
                 .is_some_and(|rest| rest.starts_with('/'))
@@ -341,47 +341,51 @@ impl Config {
         self.0.retain(|item| !within(item.path));
     }
 
-    /// `$/path=value`: what the board says before its `ok`; 3 where there is no such item.
+    /// Executes `$/path=value` and returns the message before `ok`. Error 3 is an unknown
+    /// item.
     pub(super) fn set(&mut self, path: &str, value: &str) -> Result<Option<String>, u8> {
-        let named = |item: &&mut Item| item.path.eq_ignore_ascii_case(path);
+        let named = |item: &&mut ConfigItem| item.path.eq_ignore_ascii_case(path);
         let item = self.0.iter_mut().find(named).ok_or(3_u8)?;
-        if let Kind::Fixed(what) = item.kind {
-            let told = format!("Runtime setting of {what} objects is not supported\r\n");
-            return Ok(Some(told));
+        if let ItemType::Fixed(what) = item.item_type {
+            let message = format!("Runtime setting of {what} objects is not supported\r\n");
+            return Ok(Some(message));
         }
-        let (text, told) = item.written(value);
+        let (text, message) = item.format_value(value);
         if let Some(text) = text {
             item.memory = text;
         }
-        Ok(told)
+        Ok(message)
     }
 
-    /// `$/path`: an item, or a section with all it holds; 3 where there is neither.
+    /// Executes `$/path` for an item or a section. Error 3 is an unknown path.
     pub(super) fn show(&self, path: &str) -> Result<String, u8> {
         if let Some(item) = self.find(path) {
-            let value = match item.kind {
-                // Three decimals here, six in the list.
-                Kind::Real => format!("{:.3}", self.number(path)),
+            let value = match item.item_type {
+                // A single item has three decimals, the listing has six.
+                ItemType::Real => format!("{:.3}", self.number(path)),
                 _ => item.memory.clone(),
             };
             return Ok(format!("$/{path}={value}\r\n"));
         }
         let prefix = format!("{path}/").to_ascii_lowercase();
-        let within = |item: &&Item| item.path.to_ascii_lowercase().starts_with(&prefix);
-        let items: Vec<&Item> = self.0.iter().filter(within).collect();
+        let within = |item: &&ConfigItem| item.path.to_ascii_lowercase().starts_with(&prefix);
+        let items: Vec<&ConfigItem> = self.0.iter().filter(within).collect();
         if items.is_empty() {
             return Err(3);
         }
-        Ok(format!("/{path}:\r\n{}", listed(&items, prefix.len(), 1)))
+        Ok(format!(
+            "/{path}:\r\n{}",
+            format_items(&items, prefix.len(), 1)
+        ))
     }
 
-    /// `$CD`: all of it.
+    /// Returns the whole configuration for `$CD`.
     pub(super) fn dump(&self) -> String {
-        listed(&self.0.iter().collect::<Vec<_>>(), 0, 0)
+        format_items(&self.0.iter().collect::<Vec<_>>(), 0, 0)
     }
 
-    /// What a setting of Grbl with this number stands for.
-    pub(super) fn setting(&self, number: u16) -> Option<f64> {
+    /// Returns the value of the item that corresponds to a Grbl setting number.
+    pub(super) fn grbl_setting(&self, number: u16) -> Option<f64> {
         let item = match number / 10 {
             10 => "steps_per_mm",
             11 => "max_rate_mm_per_min",
@@ -395,12 +399,12 @@ impl Config {
     }
 }
 
-/// Items as indented text; so many letters of their paths are left out.
-fn listed(items: &[&Item], skip: usize, indent: usize) -> String {
+/// Formats items as indented text, without the first `skip` characters of their paths.
+fn format_items(items: &[&ConfigItem], skip: usize, indent: usize) -> String {
     let mut text = String::new();
     let mut open: Vec<&str> = Vec::new();
     let mut blank = false;
-    let leave = |text: &mut String, count: usize, blank: &mut bool| {
+    let close_section = |text: &mut String, count: usize, blank: &mut bool| {
         if count > 0 && !*blank {
             text.push_str("\r\n");
             *blank = true;
@@ -418,7 +422,7 @@ fn listed(items: &[&Item], skip: usize, indent: usize) -> String {
             .zip(&sections)
             .take_while(|(a, b)| a == b)
             .count();
-        leave(&mut text, open.len() - common, &mut blank);
+        close_section(&mut text, open.len() - common, &mut blank);
         open.truncate(common);
         for section in &sections[common..] {
             let depth = 2 * (indent + open.len());
@@ -438,7 +442,7 @@ fn listed(items: &[&Item], skip: usize, indent: usize) -> String {
         );
         blank = false;
     }
-    leave(&mut text, open.len(), &mut blank);
+    close_section(&mut text, open.len(), &mut blank);
     text
 }
 
@@ -448,9 +452,9 @@ mod tests {
 
     #[test]
     fn the_list_is_indented_and_a_section_ends_with_one_empty_line() {
-        let mut config = Config::default();
+        let mut config = FluidConfig::default();
         let pin = "axes/x/motor0/stepstick/direction_pin";
-        config.preset(pin, "gpio.14:low").unwrap();
+        config.set_in_file(pin, "gpio.14:low").unwrap();
         let text = config.dump();
         assert!(text.starts_with("board: Breakout\r\nname: Lathe\r\nmeta: \r\nstepping: \r\n"));
         assert!(text.contains("  segments: 12\r\n\r\nspi: \r\n  miso_pin: gpio.19\r\n"));
@@ -466,7 +470,7 @@ mod tests {
 
     #[test]
     fn a_path_shows_an_item_or_a_section() {
-        let config = Config::default();
+        let config = FluidConfig::default();
         let shown = config.show("axes/x/steps_per_mm");
         assert_eq!(shown, Ok("$/axes/x/steps_per_mm=80.000\r\n".into()));
         let shown = config.show("start").unwrap();
@@ -479,22 +483,22 @@ mod tests {
     }
 
     #[test]
-    fn a_value_is_taken_held_or_refused_and_always_ok() {
-        let mut config = Config::default();
+    fn values_are_accepted_clamped_or_refused() {
+        let mut config = FluidConfig::default();
         assert_eq!(config.set("AXES/x/steps_per_mm", "1234.567"), Ok(None));
-        // A number of single precision.
+        // The firmware stores single-precision numbers.
         assert_eq!(config.value("axes/x/steps_per_mm"), Some("1234.567017"));
-        let told = config.set("axes/x/homing/settle_ms", "5000").unwrap();
-        assert!(told.unwrap().starts_with("[MSG:WARN:"));
+        let message = config.set("axes/x/homing/settle_ms", "5000").unwrap();
+        assert!(message.unwrap().starts_with("[MSG:WARN:"));
         assert_eq!(config.value("axes/x/homing/settle_ms"), Some("1000"));
-        let told = config.set("axes/x/motor0/limit_pos_pin", "NO_PIN").unwrap();
-        assert!(told.unwrap().contains("Pin objects"));
+        let message = config.set("axes/x/motor0/limit_pos_pin", "NO_PIN").unwrap();
+        assert!(message.unwrap().contains("Pin objects"));
         assert!(config.is_wired("axes/x/motor0/limit_pos_pin"));
         assert_eq!(config.set("start/must_home", "YES"), Ok(None));
         assert!(config.is_on("start/must_home"));
         assert!(config.set("start/must_home", "perhaps").unwrap().is_some());
         assert_eq!(config.set("start", "1"), Err(3));
-        config.load();
+        config.load_file();
         assert!(!config.is_on("start/must_home"), "the file was not written");
     }
 }

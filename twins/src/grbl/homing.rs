@@ -1,4 +1,4 @@
-//! Seeking the limit switches: fast to the switch, off it, slowly back, off it again.
+//! Homing of Grbl and grblHAL: fast seek to the switch, pull-off, slow approach, pull-off.
 //!
 //! ```text
 //!   $25 ──────────────────────►|switch     at most 1.5 times the travel ($130), or ALARM:9
@@ -9,127 +9,136 @@
 
 use std::collections::VecDeque;
 
-use super::{GrblTwin, State, Variant};
+use super::{GrblState, GrblTwin, Variant};
 
-/// The search goes this far beyond the travel.
-const SEARCH: f64 = 1.5;
-/// The slow approach goes so many times the way back off the switch.
-const LOCATE: f64 = 5.0;
+/// Seek distance as a multiple of the travel.
+const SEEK_TRAVEL_FACTOR: f64 = 1.5;
+/// Distance of the slow approach as a multiple of the pull-off.
+const LOCATE_PULL_OFF_FACTOR: f64 = 5.0;
 
 /// Indices of X and Z among the axes of the board.
 const AXES: [usize; 2] = [0, 2];
 
-/// What one axis does now.
+/// The current stage of homing an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Stage {
+enum HomingStage {
     Seek,
-    OffAgain,
+    FirstPullOff,
     Locate,
-    Off,
+    FinalPullOff,
 }
 
-/// A search under way.
+/// Homing in progress.
 #[derive(Clone, Debug)]
-pub(super) struct Homing {
-    /// Axes still to come, 0 X, 1 Z.
+pub(super) struct GrblHoming {
+    /// Axes that are not homed yet, 0 for X and 1 for Z.
     axes: VecDeque<usize>,
-    stage: Stage,
-    /// Way made in this stage, mm, and its pulses.
-    way: f64,
-    made: i64,
+    stage: HomingStage,
+    /// Distance, mm, and pulses made in this stage.
+    distance_mm: f64,
+    pulses_made: i64,
 }
 
 impl GrblTwin {
-    /// Whether `$HX` is known: bit 1 of `$22` on the larger board.
-    pub(super) fn homes_single_axes(&self) -> bool {
+    /// Returns whether `$HX` is enabled: bit 1 of `$22` of grblHAL.
+    pub(super) fn can_home_single_axis(&self) -> bool {
         self.variant == Variant::GrblHal && self.settings.value(22) as u32 & 2 != 0
     }
 
-    /// Z first, as the firmware does; answered when it is over.
+    /// Starts homing, Z first. Returns `None` if the command is answered at the end.
     pub(super) fn begin_homing(&mut self, [x, z]: [bool; 2]) -> Option<Result<(), u8>> {
         if !self.settings.is_on(22) {
             return Some(Err(5));
         }
-        if !matches!(self.state, State::Idle | State::Alarm) {
+        if !matches!(self.state, GrblState::Idle | GrblState::Alarm) {
             return Some(Err(8));
         }
-        let axes = [(z, 1), (x, 0)].into_iter().filter(|(taken, _)| *taken);
-        self.homing = Some(Homing {
+        let axes = [(z, 1), (x, 0)]
+            .into_iter()
+            .filter(|(selected, _)| *selected);
+        self.homing = Some(GrblHoming {
             axes: axes.map(|(_, axis)| axis).collect(),
-            stage: Stage::Seek,
-            way: 0.0,
-            made: 0,
+            stage: HomingStage::Seek,
+            distance_mm: 0.0,
+            pulses_made: 0,
         });
-        self.state = State::Home;
+        self.state = GrblState::Home;
         None
     }
 
-    /// A step of the search.
-    pub(super) fn home(&mut self, seconds: f64) {
+    /// Advances homing by one time step.
+    pub(super) fn advance_homing(&mut self, seconds: f64) {
         let Some(mut homing) = self.homing.take() else {
             return;
         };
         let Some(&axis) = homing.axes.front() else {
-            return self.homed();
+            return self.finish_homing();
         };
         let number = AXES[axis];
-        let scale = self.settings.axes(100)[number];
+        let scale = self.settings.axis_values(100)[number];
         let pull_off = self.settings.value(27);
         let negative = self.settings.value(23) as u32 >> number & 1 == 1;
         let (rate, limit, inwards) = match homing.stage {
-            Stage::Seek => (25, SEARCH * self.settings.axes(130)[number], false),
-            Stage::OffAgain => (25, pull_off, true),
-            Stage::Locate => (24, LOCATE * pull_off, false),
-            Stage::Off => (24, pull_off, true),
+            HomingStage::Seek => (
+                25,
+                SEEK_TRAVEL_FACTOR * self.settings.axis_values(130)[number],
+                false,
+            ),
+            HomingStage::FirstPullOff => (25, pull_off, true),
+            HomingStage::Locate => (24, LOCATE_PULL_OFF_FACTOR * pull_off, false),
+            HomingStage::FinalPullOff => (24, pull_off, true),
         };
-        homing.way = (homing.way + self.settings.value(rate) / 60.0 * seconds).min(limit);
-        let due = (homing.way * scale) as i64;
-        let pulses = due - homing.made;
-        homing.made = due;
+        homing.distance_mm =
+            (homing.distance_mm + self.settings.value(rate) / 60.0 * seconds).min(limit);
+        let due = (homing.distance_mm * scale) as i64;
+        let pulses = due - homing.pulses_made;
+        homing.pulses_made = due;
         let pulses = if negative == inwards { pulses } else { -pulses };
         self.pulses[number] += pulses;
         self.position[number] += pulses;
         let operated = self.limits()[axis];
-        let over = homing.way >= limit;
+        let finished = homing.distance_mm >= limit;
         let next = match homing.stage {
-            Stage::Seek if operated => Some(Stage::OffAgain),
-            Stage::Locate if operated => Some(Stage::Off),
-            Stage::Seek | Stage::Locate if over => return self.homing_failed(9),
-            Stage::OffAgain | Stage::Off if over && operated => return self.homing_failed(8),
-            Stage::OffAgain if over => Some(Stage::Locate),
-            Stage::Off if over => {
-                let travel = self.settings.axes(130)[number];
-                let place = if negative {
+            HomingStage::Seek if operated => Some(HomingStage::FirstPullOff),
+            HomingStage::Locate if operated => Some(HomingStage::FinalPullOff),
+            HomingStage::Seek | HomingStage::Locate if finished => return self.fail_homing(9),
+            HomingStage::FirstPullOff | HomingStage::FinalPullOff if finished && operated => {
+                return self.fail_homing(8);
+            }
+            HomingStage::FirstPullOff if finished => Some(HomingStage::Locate),
+            HomingStage::FinalPullOff if finished => {
+                let travel = self.settings.axis_values(130)[number];
+                let position_mm = if negative {
                     pull_off - travel
                 } else {
                     -pull_off
                 };
-                self.position[number] = (place * scale).round() as i64;
-                self.miscounted[number] = 0;
+                self.position[number] = (position_mm * scale).round() as i64;
+                self.position_error[number] = 0;
                 homing.axes.pop_front();
-                Some(Stage::Seek)
+                Some(HomingStage::Seek)
             }
             _ => None,
         };
         if let Some(stage) = next {
             homing.stage = stage;
-            homing.way = 0.0;
-            homing.made = 0;
+            homing.distance_mm = 0.0;
+            homing.pulses_made = 0;
         }
         self.homing = Some(homing);
     }
 
-    fn homed(&mut self) {
-        self.state = State::Idle;
-        self.limits_were = self.limits();
-        self.modal.position = self.millimetres();
-        self.answer(Ok(()));
+    fn finish_homing(&mut self) {
+        self.state = GrblState::Idle;
+        self.previous_limits = self.limits();
+        self.modal.position = self.position_mm();
+        self.send_answer(Ok(()));
     }
 
-    /// The firmware restarts itself.
-    fn homing_failed(&mut self, number: u8) {
-        self.state = State::Alarm;
-        self.say(&format!("ALARM:{number}\r\n"));
-        self.start_firmware();
+    /// Ends homing with an alarm and restarts the firmware.
+    fn fail_homing(&mut self, number: u8) {
+        self.state = GrblState::Alarm;
+        self.send_text(&format!("ALARM:{number}\r\n"));
+        self.restart_firmware();
     }
 }

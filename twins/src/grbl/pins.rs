@@ -1,24 +1,24 @@
-//! The input pins: limit switches and emergency stop.
+//! Input pins: limit switches and emergency stop.
 
-use super::{GrblTwin, State, Variant};
+use super::{GrblState, GrblTwin, Variant};
 
-/// The input pins; true is "switch operated".
+/// The input pins of a Grbl board; true is an operated switch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Pins {
-    /// Limit of X.
+pub struct GrblPins {
+    /// Limit switch of X.
     pub limit_x: bool,
-    /// Limit of Z.
+    /// Limit switch of Z.
     pub limit_z: bool,
-    /// Door.
+    /// Safety door.
     pub door: bool,
-    /// Probe.
+    /// Probe contact.
     pub probe: bool,
-    /// Emergency stop (the larger boards), or reset (the 8 bit board).
+    /// Emergency stop; the reset input of Grbl 1.1h.
     pub emergency: bool,
 }
 
 impl GrblTwin {
-    /// Whether the limit inputs of X and Z are operated.
+    /// Returns whether the limit inputs of X and Z are operated.
     pub fn limits(&self) -> [bool; 2] {
         let at = |place: i64, switch: i64| place * switch.signum() >= switch.abs();
         let [x, z] = self.switch_pulses;
@@ -28,47 +28,47 @@ impl GrblTwin {
         ]
     }
 
-    /// Puts the limit switches of X and Z so many mm from where the slides stood at
-    /// the beginning; they are operated from there on outwards.
+    /// Places the limit switches of X and Z at distances, mm, from the slides at power-on.
+    /// They are operated there and beyond.
     pub fn place_switches(&mut self, switches: [f64; 2]) {
         self.switches = switches;
-        self.set_switches();
+        self.update_switch_pulses();
     }
 
-    pub(super) fn set_switches(&mut self) {
-        let [x, _, z] = self.settings.axes(100);
+    pub(super) fn update_switch_pulses(&mut self) {
+        let [x, _, z] = self.settings.axis_values(100);
         let [at_x, at_z] = self.switches;
         self.switch_pulses = [(at_x * x).round() as i64, (at_z * z).round() as i64];
     }
 
-    /// Limit inputs act on their edges. The 8 bit board looks at no level: letting go
-    /// of a switch is an edge too.
-    pub(super) fn watch_pins(&mut self) {
-        let pressed = self.pins.emergency && !self.emergency_was;
-        self.emergency_was = self.pins.emergency;
+    /// Checks the edges of the limit and emergency inputs. Grbl 1.1h ignores levels, so
+    /// that releasing a switch is an edge too.
+    pub(super) fn check_pins(&mut self) {
+        let pressed = self.pins.emergency && !self.previous_emergency;
+        self.previous_emergency = self.pins.emergency;
         match self.variant {
             Variant::Grbl if pressed => self.soft_reset(),
             Variant::GrblHal if pressed => {
-                self.state = State::Alarm;
-                self.say("ALARM:10\r\n");
-                self.start_firmware();
+                self.state = GrblState::Alarm;
+                self.send_text("ALARM:10\r\n");
+                self.restart_firmware();
             }
             _ => {}
         }
         let limits = self.limits();
-        let were = core::mem::replace(&mut self.limits_were, limits);
+        let were = core::mem::replace(&mut self.previous_limits, limits);
         let edge = (0..2).any(|axis| match self.variant {
             Variant::Grbl => limits[axis] != were[axis],
             Variant::GrblHal | Variant::FluidNc => limits[axis] && !were[axis],
         });
-        let watched = !matches!(self.state, State::Alarm | State::Home);
-        if edge && watched && self.settings.is_on(21) && !self.silent {
+        let watched = !matches!(self.state, GrblState::Alarm | GrblState::Home);
+        if edge && watched && self.settings.is_on(21) && !self.waits_for_reset {
             self.planner.clear();
-            self.waiting = None;
+            self.waiting_block = None;
             self.pass = None;
-            self.state = State::Alarm;
-            self.say("ALARM:1\r\n[MSG:Reset to continue]\r\n");
-            self.silent = true;
+            self.state = GrblState::Alarm;
+            self.send_text("ALARM:1\r\n[MSG:Reset to continue]\r\n");
+            self.waits_for_reset = true;
         }
     }
 }

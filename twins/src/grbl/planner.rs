@@ -1,5 +1,4 @@
-//! The board's own planner: straight moves in a short queue, accelerated as its
-//! settings say, seen ahead as far as the queue reaches.
+//! Planner of the board: a short queue of straight moves with acceleration and lookahead.
 //!
 //! ```text
 //!   speed
@@ -7,134 +6,134 @@
 //!     |     /|            |\______          entry speed of the next block:
 //!     |    / |            | |     \         junction, or what can still be
 //!     |___/__|____________|_|______\___     braked within the queue
-//!        block 1           2       way
+//!        block 1           2       distance
 //! ```
 //!
-//! The pulse timer is handed the motion some time in advance, in short pieces. What it has
-//! been handed is no more in the queue, and nothing changes it: a hold brakes behind it.
+//! Motion is prepared for the pulse timer some time in advance, in short segments. Prepared
+//! motion has left the queue and does not change: a feed hold decelerates after it.
 
 use std::collections::VecDeque;
 
-/// Length of a piece of motion in the pulse timer, s.
-const PIECE: f64 = 1e-4;
-/// The lowest speed the firmware plans with, mm/s.
-const LEAST_SPEED: f64 = 0.05;
+/// Duration of a segment for the pulse timer, s.
+const SEGMENT_S: f64 = 1e-4;
+/// Minimum speed of the planner, mm/s.
+const MIN_SPEED: f64 = 0.05;
 
-/// One straight move.
+/// One planned straight move.
 #[derive(Clone, Debug)]
-pub(super) struct Block {
+pub(super) struct PlannedBlock {
     /// Pulses of X, Y, Z.
     pub(super) steps: [i64; 3],
-    /// Unit vector.
+    /// Unit vector of the direction.
     pub(super) direction: [f64; 3],
     /// Length, mm.
     pub(super) length: f64,
-    /// Wanted speed, mm/s.
-    pub(super) nominal: f64,
+    /// Nominal speed, mm/s.
+    pub(super) nominal_speed: f64,
     /// Acceleration along the move, mm/s².
     pub(super) acceleration: f64,
-    /// Highest speed over the corner before it, mm/s.
-    pub(super) junction: f64,
-    entry: f64,
+    /// Maximum speed at the junction with the move before, mm/s.
+    pub(super) junction_speed: f64,
+    entry_speed: f64,
 }
 
-impl Block {
-    /// A move that has not been planned yet.
+impl PlannedBlock {
+    /// Creates a move without a planned entry speed.
     pub(super) const fn new(
         steps: [i64; 3],
         direction: [f64; 3],
         length: f64,
-        nominal: f64,
+        nominal_speed: f64,
         acceleration: f64,
     ) -> Self {
         Self {
             steps,
             direction,
             length,
-            nominal,
+            nominal_speed,
             acceleration,
-            junction: 0.0,
-            entry: 0.0,
+            junction_speed: 0.0,
+            entry_speed: 0.0,
         }
     }
 }
 
-/// A piece of motion that the pulse timer has been handed.
+/// A segment of motion prepared for the pulse timer.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+struct Segment {
     seconds: f64,
     pulses: [i64; 3],
     speed: f64,
 }
 
-/// The queue, and the move under way.
+/// The planner queue with the current move.
 #[derive(Clone, Debug)]
 pub(super) struct Planner {
-    blocks: VecDeque<Block>,
+    blocks: VecDeque<PlannedBlock>,
     capacity: usize,
-    /// The pulse timer is handed so much motion in advance, s, and has been handed this.
-    ahead: f64,
-    held: f64,
-    handed: VecDeque<Piece>,
-    /// Way handed over of the first block, mm.
-    done: f64,
-    /// Its pulses that were handed over.
-    made: [i64; 3],
-    /// At the end of what was handed over.
+    /// Durations, s, of the motion to be prepared in advance and of that prepared now.
+    prepare_ahead_s: f64,
+    prepared_s: f64,
+    segments: VecDeque<Segment>,
+    /// Prepared distance of the first block, mm.
+    front_distance_mm: f64,
+    /// Prepared pulses of the first block.
+    front_pulses: [i64; 3],
+    /// Speed at the end of the prepared motion, mm/s.
     speed: f64,
-    last: Option<([f64; 3], f64)>,
+    last_block: Option<([f64; 3], f64)>,
 }
 
 impl Planner {
-    pub(super) const fn new(capacity: usize, ahead: f64) -> Self {
+    pub(super) const fn new(capacity: usize, prepare_ahead_s: f64) -> Self {
         Self {
             blocks: VecDeque::new(),
             capacity,
-            ahead,
-            held: 0.0,
-            handed: VecDeque::new(),
-            done: 0.0,
-            made: [0; 3],
+            prepare_ahead_s,
+            prepared_s: 0.0,
+            segments: VecDeque::new(),
+            front_distance_mm: 0.0,
+            front_pulses: [0; 3],
             speed: 0.0,
-            last: None,
+            last_block: None,
         }
     }
 
     pub(super) fn clear(&mut self) {
-        *self = Self::new(self.capacity, self.ahead);
+        *self = Self::new(self.capacity, self.prepare_ahead_s);
     }
 
-    /// The motion breaks off; what was planned stays.
-    pub(super) fn halt(&mut self) {
+    /// Stops motion at once; the queue remains.
+    pub(super) fn dead_stop(&mut self) {
         self.speed = 0.0;
-        self.held = 0.0;
-        self.handed.clear();
+        self.prepared_s = 0.0;
+        self.segments.clear();
     }
 
-    /// Nothing is left to be made.
+    /// Returns whether no motion remains.
     pub(super) fn is_empty(&self) -> bool {
-        self.blocks.is_empty() && self.handed.is_empty()
+        self.blocks.is_empty() && self.segments.is_empty()
     }
 
-    /// It has braked to a standstill, or has come to its end.
-    pub(super) fn stands(&self) -> bool {
-        self.handed.is_empty() && (self.speed <= 0.0 || self.blocks.is_empty())
+    /// Returns whether the axes have stopped.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.segments.is_empty() && (self.speed <= 0.0 || self.blocks.is_empty())
     }
 
     pub(super) fn is_full(&self) -> bool {
         self.blocks.len() >= self.capacity
     }
 
-    pub(super) fn free(&self) -> usize {
+    pub(super) fn free_blocks(&self) -> usize {
         self.capacity.saturating_sub(self.blocks.len())
     }
 
-    /// Pulses still to be made.
-    pub(super) fn pulses_ahead(&self) -> [i64; 3] {
-        let mut ahead = self.made.map(|made| -made);
+    /// Returns the remaining pulses.
+    pub(super) fn pending_pulses(&self) -> [i64; 3] {
+        let mut ahead = self.front_pulses.map(|made| -made);
         let planned = self.blocks.iter().map(|block| block.steps);
-        let handed = self.handed.iter().map(|piece| piece.pulses);
-        for steps in planned.chain(handed) {
+        let segments = self.segments.iter().map(|segment| segment.pulses);
+        for steps in planned.chain(segments) {
             for (sum, steps) in ahead.iter_mut().zip(steps) {
                 *sum += steps;
             }
@@ -142,111 +141,111 @@ impl Planner {
         ahead
     }
 
-    /// Speed along the path, mm/s.
+    /// Returns the speed along the path, mm/s.
     pub(super) fn speed(&self) -> f64 {
-        self.handed.front().map_or(0.0, |piece| piece.speed)
+        self.segments.front().map_or(0.0, |segment| segment.speed)
     }
 
-    /// Puts a move behind the others; `deviation` is the setting $11, mm.
-    pub(super) fn push(&mut self, mut block: Block, deviation: f64) {
-        block.junction = match self.last {
+    /// Appends a move. `deviation` is the junction deviation, setting $11, mm.
+    pub(super) fn push(&mut self, mut block: PlannedBlock, deviation: f64) {
+        block.junction_speed = match self.last_block {
             Some((before, nominal)) if !self.blocks.is_empty() => {
                 junction_speed(before, block.direction, block.acceleration, deviation)
                     .min(nominal)
-                    .min(block.nominal)
+                    .min(block.nominal_speed)
             }
             _ => 0.0,
         };
-        self.last = Some((block.direction, block.nominal));
+        self.last_block = Some((block.direction, block.nominal_speed));
         self.blocks.push_back(block);
-        self.plan();
+        self.replan();
     }
 
-    /// From the end, where everything must be able to stand, back to the front,
-    /// then forward: what acceleration can reach.
-    fn plan(&mut self) {
+    /// Plans the entry speeds: backwards from a stop at the end, then forwards within the
+    /// acceleration.
+    fn replan(&mut self) {
         let mut exit = 0.0_f64;
         for block in self.blocks.iter_mut().skip(1).rev() {
             let braking = (exit * exit + 2.0 * block.acceleration * block.length).sqrt();
-            block.entry = block.junction.min(braking);
-            exit = block.entry;
+            block.entry_speed = block.junction_speed.min(braking);
+            exit = block.entry_speed;
         }
         let mut reach = f64::INFINITY;
         for (index, block) in self.blocks.iter_mut().enumerate() {
             let (entry, length) = if index == 0 {
-                (self.speed, block.length - self.done)
+                (self.speed, block.length - self.front_distance_mm)
             } else {
-                block.entry = block.entry.min(reach);
-                (block.entry, block.length)
+                block.entry_speed = block.entry_speed.min(reach);
+                (block.entry_speed, block.length)
             };
             reach = (entry * entry + 2.0 * block.acceleration * length).sqrt();
         }
     }
 
-    /// Lets time pass, s; `hold` brakes to a standstill. Gives the pulses made.
+    /// Advances by a time, s, and returns the pulses made. `hold` decelerates to a stop.
     pub(super) fn advance(&mut self, seconds: f64, hold: bool) -> [i64; 3] {
-        while self.held < self.ahead.max(seconds) {
-            let (pulses, made) = self.hand_over(PIECE, hold);
+        while self.prepared_s < self.prepare_ahead_s.max(seconds) {
+            let (pulses, made) = self.prepare_segment(SEGMENT_S, hold);
             if made <= 0.0 {
                 break;
             }
-            self.handed.push_back(Piece {
+            self.segments.push_back(Segment {
                 seconds: made,
                 pulses,
                 speed: self.speed,
             });
-            self.held += made;
+            self.prepared_s += made;
         }
-        self.coast(seconds)
+        self.advance_prepared(seconds)
     }
 
-    /// Lets time pass, s, in which the pulse timer is handed nothing more. Gives the
+    /// Advances the prepared motion by a time, s, without preparing more. Returns the
     /// pulses made.
-    pub(super) fn coast(&mut self, mut seconds: f64) -> [i64; 3] {
+    pub(super) fn advance_prepared(&mut self, mut seconds: f64) -> [i64; 3] {
         let mut sum = [0; 3];
         let whole = seconds;
         while seconds > 1e-12 {
-            let Some(piece) = self.handed.front_mut() else {
+            let Some(segment) = self.segments.front_mut() else {
                 break;
             };
-            let share = (seconds / piece.seconds).min(1.0);
-            let due = piece.pulses.map(|pulses| (pulses as f64 * share) as i64);
+            let share = (seconds / segment.seconds).min(1.0);
+            let due = segment.pulses.map(|pulses| (pulses as f64 * share) as i64);
             for (axis, due) in due.into_iter().enumerate() {
                 sum[axis] += due;
-                piece.pulses[axis] -= due;
+                segment.pulses[axis] -= due;
             }
-            seconds -= piece.seconds * share;
-            piece.seconds *= 1.0 - share;
-            if piece.seconds <= 1e-12 {
+            seconds -= segment.seconds * share;
+            segment.seconds *= 1.0 - share;
+            if segment.seconds <= 1e-12 {
                 for (axis, sum) in sum.iter_mut().enumerate() {
-                    *sum += piece.pulses[axis];
+                    *sum += segment.pulses[axis];
                 }
-                self.handed.pop_front();
+                self.segments.pop_front();
             }
         }
-        let left = self.held - (whole - seconds);
-        self.held = if self.handed.is_empty() { 0.0 } else { left };
+        let left = self.prepared_s - (whole - seconds);
+        self.prepared_s = if self.segments.is_empty() { 0.0 } else { left };
         sum
     }
 
-    /// The next so many seconds of motion, fewer at the end: pulses, and how long they
-    /// take.
-    fn hand_over(&mut self, wanted: f64, hold: bool) -> ([i64; 3], f64) {
+    /// Prepares the next `wanted` seconds of motion. Returns their pulses and their
+    /// duration, s, which is shorter at the end of the queue.
+    fn prepare_segment(&mut self, wanted: f64, hold: bool) -> ([i64; 3], f64) {
         let mut seconds = wanted;
         let mut pulses = [0; 3];
         while seconds > 1e-12 {
-            let exit = self.blocks.get(1).map_or(0.0, |next| next.entry);
+            let exit = self.blocks.get(1).map_or(0.0, |next| next.entry_speed);
             let Some(block) = self.blocks.front() else {
                 self.speed = 0.0;
                 break;
             };
-            let left = block.length - self.done;
+            let left = block.length - self.front_distance_mm;
             let braking = (exit * exit + 2.0 * block.acceleration * left).sqrt();
             let change = block.acceleration * seconds;
             let aimed = if hold {
                 0.0
             } else {
-                block.nominal.min(braking)
+                block.nominal_speed.min(braking)
             };
             let next = if aimed > self.speed {
                 aimed.min(self.speed + change)
@@ -259,19 +258,19 @@ impl Planner {
                 self.speed = 0.0;
                 break;
             }
-            let mean = (f64::midpoint(self.speed, next)).max(LEAST_SPEED);
+            let mean = (f64::midpoint(self.speed, next)).max(MIN_SPEED);
             let needed = left / mean;
             self.speed = next;
             if needed > seconds {
-                self.done += mean * seconds;
+                self.front_distance_mm += mean * seconds;
                 seconds = 0.0;
             } else {
-                self.done = block.length;
+                self.front_distance_mm = block.length;
                 seconds -= needed;
             }
-            let finished = self.done >= block.length;
+            let finished = self.front_distance_mm >= block.length;
             let share = if block.length > 0.0 {
-                self.done / block.length
+                self.front_distance_mm / block.length
             } else {
                 1.0
             };
@@ -281,20 +280,20 @@ impl Planner {
                 } else {
                     (block.steps[axis] as f64 * share) as i64
                 };
-                *sum += due - self.made[axis];
-                self.made[axis] = due;
+                *sum += due - self.front_pulses[axis];
+                self.front_pulses[axis] = due;
             }
             if finished {
                 self.blocks.pop_front();
-                self.done = 0.0;
-                self.made = [0; 3];
+                self.front_distance_mm = 0.0;
+                self.front_pulses = [0; 3];
             }
         }
         (pulses, wanted - seconds)
     }
 }
 
-/// How fast a corner may be taken when the path may leave it by the deviation.
+/// Returns the maximum speed at a junction, mm/s, for a junction deviation, mm.
 fn junction_speed(before: [f64; 3], after: [f64; 3], acceleration: f64, deviation: f64) -> f64 {
     let cosine: f64 = -(0..3).map(|axis| before[axis] * after[axis]).sum::<f64>();
     if cosine > 0.999_999 {
@@ -311,17 +310,17 @@ fn junction_speed(before: [f64; 3], after: [f64; 3], acceleration: f64, deviatio
 mod tests {
     use super::*;
 
-    fn along_x(steps: i64, nominal: f64, acceleration: f64) -> Block {
-        Block::new(
+    fn along_x(steps: i64, nominal_speed: f64, acceleration: f64) -> PlannedBlock {
+        PlannedBlock::new(
             [steps, 0, 0],
             [1.0, 0.0, 0.0],
             steps as f64 / 100.0,
-            nominal,
+            nominal_speed,
             acceleration,
         )
     }
 
-    /// Seconds until the queue is empty, and the pulses made.
+    /// Returns the seconds until the queue is empty and the pulses made.
     fn drain(planner: &mut Planner) -> (f64, i64) {
         let (mut ticks, mut x) = (0, 0);
         while !planner.is_empty() {
@@ -348,14 +347,14 @@ mod tests {
         for _ in 0..10 {
             planner.push(along_x(100, 20.0, 4000.0), 0.02);
         }
-        assert_eq!(planner.free(), 5);
+        assert_eq!(planner.free_blocks(), 5);
         let (seconds, pulses) = drain(&mut planner);
         assert_eq!(pulses, 1000);
         assert!((seconds - 0.505).abs() < 0.01, "{seconds}");
     }
 
     #[test]
-    fn a_reversal_stands_between() {
+    fn reversal_stops_between_the_moves() {
         assert!(junction_speed([1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], 200.0, 0.02) == 0.0);
         assert!(junction_speed([1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 200.0, 0.02) > 1e6);
         let square = junction_speed([1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 200.0, 0.02);
@@ -363,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_handed_over_is_in_the_queue_no_more_and_not_made_yet() {
+    fn prepared_motion_has_left_the_queue_but_is_not_made() {
         let mut planner = Planner::new(15, 0.05);
         for _ in 0..10 {
             // 10 ms each.
@@ -373,14 +372,14 @@ mod tests {
         for _ in 0..210 {
             x += planner.advance(1e-4, false)[0];
         }
-        // 21 ms are made, 50 ms lie in the pulse timer.
+        // 21 ms are made; the pulse timer holds 50 ms.
         assert!((40..=42).contains(&x), "{x}");
-        assert_eq!(planner.free(), 15 - 3);
-        assert_eq!(planner.pulses_ahead(), [200 - x, 0, 0]);
+        assert_eq!(planner.free_blocks(), 15 - 3);
+        assert_eq!(planner.pending_pulses(), [200 - x, 0, 0]);
     }
 
     #[test]
-    fn a_hold_brakes_and_goes_on_without_a_lost_pulse() {
+    fn hold_and_resume_lose_no_pulse() {
         let mut planner = Planner::new(15, 0.05);
         planner.push(along_x(1000, 20.0, 200.0), 0.02);
         let mut x = 0;
@@ -390,8 +389,8 @@ mod tests {
         for _ in 0..2000 {
             x += planner.advance(1e-4, true)[0];
         }
-        // 3 mm until then, 1 mm handed over, 1 mm of braking.
-        assert!(planner.stands() && (495..=505).contains(&x), "{x}");
+        // 3 mm before the hold, 1 mm prepared, 1 mm of deceleration.
+        assert!(planner.is_stopped() && (495..=505).contains(&x), "{x}");
         assert_eq!(x + drain(&mut planner).1, 1000);
     }
 }

@@ -1,54 +1,58 @@
-//! What a board says about itself: `?` and `$I`.
+//! Status reports (`?`) and build information (`$I`).
 
 use core::fmt::Write;
 
-use super::{GrblTwin, OFFSET_EVERY, State, Variant};
+use super::{GrblState, GrblTwin, REPORTS_PER_OFFSET, Variant};
 
-/// Three figures as a board writes them.
-pub(super) fn figures([x, y, z]: [f64; 3]) -> String {
+/// Formats three axis values.
+pub(super) fn format_axes([x, y, z]: [f64; 3]) -> String {
     format!("{x:.3},{y:.3},{z:.3}")
 }
 
 impl GrblTwin {
-    /// The answer to `?`.
-    pub(super) fn report(&self) -> String {
+    /// Returns the answer to `?`.
+    pub(super) fn status_report(&self) -> String {
         let state = match self.state {
-            State::Idle => "Idle",
-            State::Run if self.hold_pending => "Run:1",
-            State::Run => "Run",
-            State::Hold { complete: true } => "Hold:0",
-            State::Hold { complete: false } => "Hold:1",
-            State::Home => "Home",
-            State::Alarm | State::Critical => "Alarm",
-            State::Check => "Check",
-            State::Starting => "Starting",
+            GrblState::Idle => "Idle",
+            GrblState::Run if self.hold_pending => "Run:1",
+            GrblState::Run => "Run",
+            GrblState::Hold { complete: true } => "Hold:0",
+            GrblState::Hold { complete: false } => "Hold:1",
+            GrblState::Home => "Home",
+            GrblState::Alarm | GrblState::Critical => "Alarm",
+            GrblState::Check => "Check",
+            GrblState::Starting => "Starting",
         };
         let fluid = self.variant == Variant::FluidNc;
-        let [x, y, z] = self.millimetres();
-        // FluidNC tells the place of the work where the machine's is not asked for.
-        let whose = if fluid && !self.names(0) { 'W' } else { 'M' };
-        let mut text = format!("<{state}|{whose}Pos:{x:.3},{y:.3},{z:.3}");
-        // A `String` takes everything that is written to it.
-        if self.names(1) {
+        let [x, y, z] = self.position_mm();
+        // FluidNC reports the work position if the machine position is not selected.
+        let coordinate_letter = if fluid && !self.is_field_reported(0) {
+            'W'
+        } else {
+            'M'
+        };
+        let mut text = format!("<{state}|{coordinate_letter}Pos:{x:.3},{y:.3},{z:.3}");
+        // Writing to a `String` cannot fail.
+        if self.is_field_reported(1) {
             let free = if fluid {
-                self.told_room()
+                self.reported_buffer_free()
             } else {
-                self.variant.receive_bytes() - self.received.len()
+                self.variant.receive_buffer_bytes() - self.received.len()
             };
-            let _ = write!(text, "|Bf:{},{free}", self.planner.free());
+            let _ = write!(text, "|Bf:{},{free}", self.planner.free_blocks());
         }
-        let moves = !matches!(self.state, State::Alarm | State::Critical);
+        let moves = !matches!(self.state, GrblState::Alarm | GrblState::Critical);
         let feed = if moves || !fluid {
             self.planner.speed() * 60.0
         } else {
             0.0
         };
-        let speed = if self.spindle == 5 {
+        let speed = if self.spindle_code == 5 {
             0.0
         } else {
             self.modal.speed
         };
-        if self.names(3) {
+        if self.is_field_reported(3) {
             let _ = write!(text, "|FS:{feed:.0},{speed:.0}");
             if self.has_spindle_sync() {
                 let _ = write!(text, ",{:.0}", self.spindle().rpm().abs());
@@ -72,17 +76,17 @@ impl GrblTwin {
                 pins.push(letter);
             }
         }
-        if !pins.is_empty() && self.names(4) {
+        if !pins.is_empty() && self.is_field_reported(4) {
             let _ = write!(text, "|Pn:{pins}");
         }
-        match self.reports % OFFSET_EVERY {
-            0 if self.names(5) => {
-                let _ = write!(text, "|WCO:{}", figures(self.work_offset));
+        match self.reports % REPORTS_PER_OFFSET {
+            0 if self.is_field_reported(5) => {
+                let _ = write!(text, "|WCO:{}", format_axes(self.work_offset));
             }
-            1 if self.names(6) => {
+            1 if self.is_field_reported(6) => {
                 text.push_str("|Ov:100,100,100");
                 if fluid {
-                    text.push_str(self.accessories());
+                    text.push_str(self.accessory_field());
                 }
             }
             _ => {}
@@ -91,9 +95,9 @@ impl GrblTwin {
         text
     }
 
-    /// Which outputs are on.
-    const fn accessories(&self) -> &'static str {
-        match (self.spindle, self.coolant) {
+    /// Returns the field of active outputs.
+    const fn accessory_field(&self) -> &'static str {
+        match (self.spindle_code, self.coolant) {
             (3, true) => "|A:SF",
             (3, false) => "|A:S",
             (4, true) => "|A:CF",
@@ -103,15 +107,15 @@ impl GrblTwin {
         }
     }
 
-    /// Whether a report names a field: `$10` of grblHAL has a switch for each, that of
-    /// the others for the first two.
-    fn names(&self, field: u32) -> bool {
+    /// Returns whether a report has a field. `$10` of grblHAL has a bit for each field,
+    /// that of the others only for the first two.
+    fn is_field_reported(&self, field: u32) -> bool {
         let all = self.variant != Variant::GrblHal && field > 1;
         all || self.settings.value(10) as u32 >> field & 1 == 1
     }
 
-    /// The answer to `$I`, without its `ok`.
-    pub(super) fn identity(&self) -> String {
+    /// Returns the answer to `$I`, without its `ok`.
+    pub(super) fn build_info(&self) -> String {
         match self.variant {
             Variant::Grbl => "[VER:1.1h.20190825:]\r\n[OPT:V,15,128]\r\n".into(),
             Variant::GrblHal => format!(
@@ -128,7 +132,7 @@ impl GrblTwin {
                  [OPT:PHS]\r\n\
                  [MSG:Machine: {}]\r\n\
                  [MSG:No radio]\r\n",
-                self.item("name").unwrap_or_default()
+                self.config_item("name").unwrap_or_default()
             ),
         }
     }

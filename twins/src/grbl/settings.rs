@@ -1,18 +1,18 @@
-//! The `$` settings of a board: number, how they are written, value; on a FluidNC
-//! board all but two of the numbers stand for items of its tree.
+//! The `$` settings of a board: numbers, formats and values. Most settings of FluidNC are
+//! items of its configuration tree.
 
 use std::collections::BTreeMap;
 
 use super::Variant;
-use super::config::Config;
+use super::config::FluidConfig;
 
-/// Settings whole numbers; all others are written with three decimals.
-const WHOLE: [u16; 19] = [
+/// Settings with whole numbers. All others have three decimals.
+const WHOLE_NUMBER_SETTINGS: [u16; 19] = [
     0, 1, 2, 3, 4, 5, 6, 10, 13, 20, 21, 22, 23, 26, 30, 31, 32, 33, 38,
 ];
 
-/// What a board comes with.
-const DELIVERED: [(u16, f64); 34] = [
+/// Default settings.
+const DEFAULTS: [(u16, f64); 34] = [
     (0, 10.0),
     (1, 25.0),
     (2, 0.0),
@@ -49,29 +49,29 @@ const DELIVERED: [(u16, f64); 34] = [
     (132, 200.0),
 ];
 
-/// The numbers FluidNC keeps: fields of a report, inches.
-const BESIDE_THE_TREE: [(u16, f64); 2] = [(10, 1.0), (13, 0.0)];
+/// Numbered settings of FluidNC: report mask and inches.
+const FLUIDNC_SETTINGS: [(u16, f64); 2] = [(10, 1.0), (13, 0.0)];
 
-/// The settings of a board; they outlive its reset.
+/// The settings of a board. They survive a reset.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct GrblSettings {
     numbers: BTreeMap<u16, f64>,
-    /// FluidNC alone has one.
-    tree: Option<Config>,
+    /// Configuration tree of FluidNC; `None` for other boards.
+    tree: Option<FluidConfig>,
 }
 
-impl Default for Settings {
+impl Default for GrblSettings {
     fn default() -> Self {
         Self {
-            numbers: DELIVERED.into_iter().collect(),
+            numbers: DEFAULTS.into_iter().collect(),
             tree: None,
         }
     }
 }
 
-impl Settings {
-    /// Those of a board made with spindle synchronisation (grblHAL), as delivered,
-    /// told of an encoder of so many pulses a turn.
+impl GrblSettings {
+    /// Returns the default settings of grblHAL with spindle synchronization and an encoder
+    /// of `pulses` per turn.
     pub fn with_encoder(pulses: u16) -> Self {
         let mut settings = Self::default();
         let more = [(38, f64::from(pulses)), (90, 1.0), (91, 0.01), (92, 0.0)];
@@ -79,55 +79,58 @@ impl Settings {
         settings
     }
 
-    /// Those of a FluidNC board, as its owner has set it up.
-    pub fn with_tree() -> Self {
+    /// Returns the settings of a FluidNC board, as its owner has configured it.
+    pub fn with_config_tree() -> Self {
         Self {
-            numbers: BESIDE_THE_TREE.into_iter().collect(),
-            tree: Some(Config::default()),
+            numbers: FLUIDNC_SETTINGS.into_iter().collect(),
+            tree: Some(FluidConfig::default()),
         }
     }
 
-    /// What a board of this firmware makes of them: without a tree FluidNC has the
-    /// delivered one.
-    pub(super) fn of(self, variant: Variant) -> Self {
+    /// Adapts the settings to a firmware: FluidNC gets the default tree if they have none.
+    pub(super) fn for_variant(self, variant: Variant) -> Self {
         if variant == Variant::FluidNc && self.tree.is_none() {
-            Self::with_tree()
+            Self::with_config_tree()
         } else {
             self
         }
     }
 
-    pub(super) const fn tree(&self) -> Option<&Config> {
+    pub(super) const fn tree(&self) -> Option<&FluidConfig> {
         self.tree.as_ref()
     }
 
-    pub(super) const fn tree_mut(&mut self) -> Option<&mut Config> {
+    pub(super) const fn tree_mut(&mut self) -> Option<&mut FluidConfig> {
         self.tree.as_mut()
     }
 
-    /// The value of a setting; 0 where there is none.
+    /// Returns the value of a setting; 0 if it is missing.
     pub fn value(&self, number: u16) -> f64 {
-        let in_tree = || self.tree.as_ref().and_then(|tree| tree.setting(number));
+        let in_tree = || {
+            self.tree
+                .as_ref()
+                .and_then(|tree| tree.grbl_setting(number))
+        };
         let known = self.numbers.get(&number).copied();
         known.or_else(in_tree).unwrap_or(0.0)
     }
 
-    /// Whether a switch is on.
+    /// Returns whether a switch setting is on.
     pub fn is_on(&self, number: u16) -> bool {
         self.value(number) != 0.0
     }
 
-    /// Sets a value; the number of the error otherwise: 3 no such setting,
-    /// 4 a negative value, 6 pulses shorter than 3 µs.
+    /// Sets a value. Returns error 3 for an unknown setting, 4 for a negative value and 6
+    /// for step pulses below 3 µs.
     pub fn set(&mut self, number: u16, value: f64) -> Result<(), u8> {
-        let place = self.numbers.get_mut(&number).ok_or(3_u8)?;
+        let setting = self.numbers.get_mut(&number).ok_or(3_u8)?;
         if value < 0.0 {
             return Err(4);
         }
         if number == 0 && value < 3.0 {
             return Err(6);
         }
-        *place = if WHOLE.contains(&number) {
+        *setting = if WHOLE_NUMBER_SETTINGS.contains(&number) {
             value.trunc()
         } else {
             value
@@ -135,15 +138,15 @@ impl Settings {
         Ok(())
     }
 
-    /// Three values of a group: 100 pulses/mm, 110 mm/min, 120 mm/s², 130 mm.
-    pub fn axes(&self, group: u16) -> [f64; 3] {
+    /// Returns the X, Y, Z values of a group: 100 pulses/mm, 110 mm/min, 120 mm/s², 130 mm.
+    pub fn axis_values(&self, group: u16) -> [f64; 3] {
         [0, 1, 2].map(|axis| self.value(group + axis))
     }
 
-    /// All of them as `$$` shows them.
+    /// Returns all settings as lines of `$$`.
     pub fn lines(&self) -> impl Iterator<Item = String> + '_ {
         self.numbers.iter().map(|(number, value)| {
-            if WHOLE.contains(number) {
+            if WHOLE_NUMBER_SETTINGS.contains(number) {
                 format!("${number}={value:.0}\r\n")
             } else {
                 format!("${number}={value:.3}\r\n")

@@ -1,43 +1,43 @@
-//! The spindle with its encoder, and the pass that is cut behind it (G33).
+//! The spindle with its encoder, and thread passes synchronized to it (G33).
 //!
 //! ```text
-//!   G33 read      second one-turn signal from here       end of the way
+//!   G33 read      second one-turn signal from here       end of the move
 //!   ───┴───────────────────┴──────────────────────────────────┴───► ok
 //!      speed measured      motion begins, at that speed: nothing is corrected
 //!      no reports          (gains 0), or wrongly
 //! ```
 
-use super::block::{Asked, Pace};
-use super::{GrblTwin, State, Variant};
+use super::block::{CutFeed, ParsedBlock};
+use super::{GrblState, GrblTwin, Variant};
 
-/// Time constant of the spindle, s.
-const LAG: f64 = 0.1;
-/// Nearer to its speed than this part it has it.
-const ARRIVED: f64 = 1e-5;
-/// The one-turn signals must have come by then, ns.
-const INDEX_NS: u64 = 5_000_000_000;
-/// One-turn signals that are waited for.
-const SIGNALS: f64 = 2.0;
-/// How much longer than asked for the pass becomes for each 1 of the gain $90.
-const TRAP: f64 = 0.0165;
-/// Part of the rate of Z that a pass may take.
-const FASTEST: f64 = 0.9;
+/// Time constant of the spindle speed, s.
+const TIME_CONSTANT_S: f64 = 0.1;
+/// Relative deviation below which the spindle has reached its speed.
+const SPEED_TOLERANCE: f64 = 1e-5;
+/// Timeout of the index signals, ns.
+const INDEX_TIMEOUT_NS: u64 = 5_000_000_000;
+/// Index signals before the pass starts.
+const INDEX_SIGNALS_BEFORE_START: f64 = 2.0;
+/// Relative lengthening of the pass per unit of the gain $90.
+const SPEED_ERROR_PER_GAIN: f64 = 0.0165;
+/// Maximum fraction of the Z rate for a thread pass.
+const MAX_Z_RATE_FRACTION: f64 = 0.9;
 
-/// What turns behind the board.
+/// The spindle of a lathe with a Grbl board.
 #[derive(Clone, Debug)]
-pub struct Spindle {
-    /// Speed at the greatest S, r/min.
-    pub full_speed: f64,
-    /// It stands whatever the board says.
+pub struct GrblSpindle {
+    /// Speed at the maximum S value, r/min.
+    pub full_speed_rpm: f64,
+    /// Whether the spindle is blocked and does not turn.
     pub blocked: bool,
     rpm: f64,
     turns: f64,
 }
 
-impl Default for Spindle {
+impl Default for GrblSpindle {
     fn default() -> Self {
         Self {
-            full_speed: 9999.0,
+            full_speed_rpm: 9999.0,
             blocked: false,
             rpm: 0.0,
             turns: 0.0,
@@ -45,13 +45,13 @@ impl Default for Spindle {
     }
 }
 
-impl Spindle {
-    /// Its speed, r/min.
+impl GrblSpindle {
+    /// Returns the speed, r/min.
     pub const fn rpm(&self) -> f64 {
         self.rpm
     }
 
-    /// Turns since power-on.
+    /// Returns the turns since power-on.
     pub const fn turns(&self) -> f64 {
         self.turns
     }
@@ -59,126 +59,128 @@ impl Spindle {
     fn advance(&mut self, seconds: f64, wanted: f64) {
         let wanted = if self.blocked { 0.0 } else { wanted };
         let off = wanted - self.rpm;
-        self.rpm = if off.abs() <= ARRIVED * self.full_speed {
+        self.rpm = if off.abs() <= SPEED_TOLERANCE * self.full_speed_rpm {
             wanted
         } else {
-            self.rpm + off * (seconds / LAG).min(1.0)
+            self.rpm + off * (seconds / TIME_CONSTANT_S).min(1.0)
         };
         self.turns += self.rpm / 60.0 * seconds;
     }
 }
 
-/// Where the slides were at which turn of the spindle: X, Z in pulses.
+/// Positions of the slides in a thread pass, pulses of X and Z, with the turns of the
+/// spindle.
 #[derive(Clone, Debug, Default)]
 pub struct PassTrace(pub Vec<([i64; 2], f64)>);
 
-/// A pass under way.
+/// The current thread pass.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pass {
-    asked: Asked,
+pub(super) struct ThreadPass {
+    block: ParsedBlock,
     target: [f64; 3],
     /// Speed along the path, mm/s.
     speed: f64,
-    /// Turn at which it begins, and when waiting for it began; none: it has begun.
-    waits: Option<(f64, u64)>,
+    /// Spindle turn at which the pass starts, and start of the wait, ns; `None` after the
+    /// start.
+    waits_for_index: Option<(f64, u64)>,
 }
 
-impl Pass {
-    pub(super) const fn is_waiting(&self) -> bool {
-        self.waits.is_some()
+impl ThreadPass {
+    pub(super) const fn is_waiting_for_index(&self) -> bool {
+        self.waits_for_index.is_some()
     }
 }
 
 impl GrblTwin {
-    /// Whether it was told of an encoder and can thread.
+    /// Returns whether an encoder is configured, so that the board can cut threads.
     pub(super) fn has_spindle_sync(&self) -> bool {
         self.variant == Variant::GrblHal && self.settings.value(38) > 0.0
     }
 
-    /// The spindle.
-    pub const fn spindle(&self) -> &Spindle {
-        &self.shaft
+    /// Returns the spindle.
+    pub const fn spindle(&self) -> &GrblSpindle {
+        &self.spindle
     }
 
-    /// The same, to be changed.
-    pub const fn spindle_mut(&mut self) -> &mut Spindle {
-        &mut self.shaft
+    /// Returns the mutable spindle.
+    pub const fn spindle_mut(&mut self) -> &mut GrblSpindle {
+        &mut self.spindle
     }
 
-    /// The passes cut so far.
+    /// Returns the traces of the thread passes so far.
     pub fn passes(&self) -> &[PassTrace] {
         &self.passes
     }
 
-    /// G33 is carried out; answered when it is over.
+    /// Starts a thread pass (G33), which is answered at its end.
     pub(super) fn begin_pass(
         &mut self,
-        asked: Asked,
+        block: ParsedBlock,
         target: [f64; 3],
         lead: f64,
     ) -> Result<(), u8> {
-        let rpm = self.shaft.rpm.abs();
+        let rpm = self.spindle.rpm.abs();
         if rpm == 0.0 {
             return Err(41);
         }
-        if rpm * lead > self.settings.value(112) * FASTEST {
+        if rpm * lead > self.settings.value(112) * MAX_Z_RATE_FRACTION {
             return Err(43);
         }
-        let gain = 1.0 + TRAP * self.settings.value(90);
-        let index = self.shaft.turns.abs().floor() + SIGNALS;
-        self.pass = Some(Pass {
-            asked,
+        let gain = 1.0 + SPEED_ERROR_PER_GAIN * self.settings.value(90);
+        let index = self.spindle.turns.abs().floor() + INDEX_SIGNALS_BEFORE_START;
+        self.pass = Some(ThreadPass {
+            block,
             target,
             speed: rpm * lead / 60.0 * gain,
-            waits: Some((index, self.now)),
+            waits_for_index: Some((index, self.now)),
         });
         self.passes.push(PassTrace::default());
-        self.state = State::Run;
+        self.state = GrblState::Run;
         Ok(())
     }
 
-    /// A step of the spindle, and of the pass that waits for it or follows it.
-    pub(super) fn turn_spindle(&mut self, step: u64) {
+    /// Advances the spindle by one step, and a pass that waits for it.
+    pub(super) fn advance_spindle(&mut self, step: u64) {
         let seconds = step as f64 * 1e-9;
         let full = match self.variant {
-            Variant::FluidNc => self.top_speed(),
+            Variant::FluidNc => self.full_speed_rpm(),
             Variant::Grbl | Variant::GrblHal => self.settings.value(30),
         };
         let share = (self.modal.speed / full.max(1e-9)).clamp(0.0, 1.0);
-        let wanted = match self.spindle {
-            3 => share * self.shaft.full_speed,
-            4 => -share * self.shaft.full_speed,
+        let wanted = match self.spindle_code {
+            3 => share * self.spindle.full_speed_rpm,
+            4 => -share * self.spindle.full_speed_rpm,
             _ => 0.0,
         };
-        self.shaft.advance(seconds, wanted);
+        self.spindle.advance(seconds, wanted);
         let Some(mut pass) = self.pass else {
             return;
         };
-        let Some((index, since)) = pass.waits else {
+        let Some((index, since)) = pass.waits_for_index else {
             return;
         };
-        let beyond = self.shaft.turns.abs() - index;
+        let beyond = self.spindle.turns.abs() - index;
         if beyond >= 0.0 {
-            pass.waits = None;
-            pass.asked.pace = Pace::Speed(pass.speed);
+            pass.waits_for_index = None;
+            pass.block.feed = CutFeed::Speed(pass.speed);
             self.pass = Some(pass);
-            self.plan(pass.target, pass.asked);
-            // The part of this step behind the signal; the rest is to come.
-            let passed = beyond / (self.shaft.rpm.abs() / 60.0).max(1e-9);
-            self.head_start = passed.min(seconds) - seconds;
-        } else if self.now >= since + INDEX_NS {
+            self.plan_move(pass.target, pass.block);
+            // The time in this step after the index signal.
+            let passed = beyond / (self.spindle.rpm.abs() / 60.0).max(1e-9);
+            self.pass_time_offset_s = passed.min(seconds) - seconds;
+        } else if self.now >= since + INDEX_TIMEOUT_NS {
             self.pass = None;
-            self.state = State::Alarm;
-            self.say("ALARM:14\r\n");
-            // It waits for ever for the motion it has not begun.
-            self.stuck = true;
+            self.state = GrblState::Alarm;
+            self.send_text("ALARM:14\r\n");
+            // The firmware waits forever for a motion that never starts.
+            self.main_loop_blocked = true;
         }
     }
 
-    /// Notes where the slides are in a pass.
-    pub(super) fn trace_pass(&mut self) {
-        let under_way = self.pass.is_some_and(|pass| !pass.is_waiting());
-        let (at, turns) = (self.pulses(), self.shaft.turns);
+    /// Records the position of the slides during a pass.
+    pub(super) fn record_pass_position(&mut self) {
+        let under_way = self.pass.is_some_and(|pass| !pass.is_waiting_for_index());
+        let (at, turns) = (self.pulses(), self.spindle.turns);
         if let (true, Some(trace)) = (under_way, self.passes.last_mut())
             && trace.0.last().is_none_or(|(before, _)| *before != at)
         {
@@ -186,12 +188,12 @@ impl GrblTwin {
         }
     }
 
-    /// The way of a pass is made.
-    pub(super) fn end_pass(&mut self) {
+    /// Ends a thread pass and answers its line.
+    pub(super) fn finish_pass(&mut self) {
         if self.pass.take().is_some() {
-            self.answer(Ok(()));
+            self.send_answer(Ok(()));
             if core::mem::take(&mut self.hold_pending) {
-                self.state = State::Hold { complete: true };
+                self.state = GrblState::Hold { complete: true };
             }
         }
     }

@@ -1,24 +1,24 @@
-//! The board's side of the blocks: `len seq content crc crc 7E`.
+//! Encodes and parses message blocks: `len seq content crc crc 7E`.
 
-/// The shortest and the longest block.
-const LEAST: usize = 5;
-const MOST: usize = 64;
+/// Length limits of a block.
+const MIN_BLOCK_BYTES: usize = 5;
+const MAX_BLOCK_BYTES: usize = 64;
 const SYNC: u8 = 0x7E;
 
-/// What the receive buffer holds at its front.
+/// The result of parsing the start of the receive buffer.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Front {
-    /// Not enough for a judgement.
+pub(super) enum BufferFront {
+    /// The buffer does not contain a whole block yet.
     Incomplete,
-    /// So many bytes are to be dropped in silence.
+    /// This number of bytes must be dropped without a reply.
     Skip(usize),
-    /// A block that is none; what follows up to the next 7E is dropped.
-    Bad,
-    /// A whole block: its length and sequence bits.
+    /// An invalid block. The bytes up to the next 7E must be dropped.
+    Invalid,
+    /// A valid block, with its length and sequence number.
     Block(usize, u8),
 }
 
-pub(super) fn check(bytes: &[u8]) -> u16 {
+pub(super) fn compute_crc(bytes: &[u8]) -> u16 {
     let mut crc = 0xFFFF_u16;
     for &byte in bytes {
         let mut low = byte ^ (crc & 0xFF) as u8;
@@ -29,44 +29,47 @@ pub(super) fn check(bytes: &[u8]) -> u16 {
     crc
 }
 
-pub(super) fn front(buffer: &[u8]) -> Front {
+pub(super) fn parse_front(buffer: &[u8]) -> BufferFront {
     let Some(&first) = buffer.first() else {
-        return Front::Incomplete;
+        return BufferFront::Incomplete;
     };
     if first == SYNC {
-        return Front::Skip(1);
+        return BufferFront::Skip(1);
     }
     let length = usize::from(first);
-    if !(LEAST..=MOST).contains(&length) {
-        return Front::Bad;
+    if !(MIN_BLOCK_BYTES..=MAX_BLOCK_BYTES).contains(&length) {
+        return BufferFront::Invalid;
     }
     let Some(&sequence) = buffer.get(1) else {
-        return Front::Incomplete;
+        return BufferFront::Incomplete;
     };
     if sequence >> 4 != 1 {
-        return Front::Bad;
+        return BufferFront::Invalid;
     }
     let Some(block) = buffer.get(..length) else {
-        return Front::Incomplete;
+        return BufferFront::Incomplete;
     };
-    let told = u16::from_be_bytes([block[length - 3], block[length - 2]]);
-    if block[length - 1] != SYNC || told != check(&block[..length - 3]) {
-        return Front::Bad;
+    let received_crc = u16::from_be_bytes([block[length - 3], block[length - 2]]);
+    if block[length - 1] != SYNC || received_crc != compute_crc(&block[..length - 3]) {
+        return BufferFront::Invalid;
     }
-    Front::Block(length, sequence & 0x0F)
+    BufferFront::Block(length, sequence & 0x0F)
 }
 
-/// A block with this content.
-pub fn block(sequence: u8, content: &[u8]) -> Vec<u8> {
-    let mut block = vec![(content.len() + LEAST) as u8, 0x10 | sequence & 0x0F];
+/// Encodes a block with a sequence number and its content.
+pub fn encode_block(sequence: u8, content: &[u8]) -> Vec<u8> {
+    let mut block = vec![
+        (content.len() + MIN_BLOCK_BYTES) as u8,
+        0x10 | sequence & 0x0F,
+    ];
     block.extend_from_slice(content);
-    let crc = check(&block);
+    let crc = compute_crc(&block);
     block.extend_from_slice(&[(crc >> 8) as u8, crc as u8, SYNC]);
     block
 }
 
-/// Appends an integer of up to 32 bits.
-pub(super) fn put(out: &mut Vec<u8>, value: i64) {
+/// Appends an integer of up to 32 bits as VLQ.
+pub(super) fn encode_vlq(out: &mut Vec<u8>, value: i64) {
     if !(-0x0400_0000..0x0C00_0000).contains(&value) {
         out.push((value >> 28 & 0x7F) as u8 | 0x80);
     }
@@ -82,14 +85,14 @@ pub(super) fn put(out: &mut Vec<u8>, value: i64) {
     out.push((value & 0x7F) as u8);
 }
 
-/// Takes an integer from the front.
-pub(super) fn take(content: &mut &[u8]) -> Option<u32> {
+/// Decodes a VLQ integer and removes it from `content`; `None` if it is incomplete.
+pub(super) fn decode_vlq(content: &mut &[u8]) -> Option<u32> {
     let mut value = 0_u32;
-    for place in 0..5 {
+    for index in 0..5 {
         let (&byte, rest) = content.split_first()?;
         *content = rest;
         value = value << 7 | u32::from(byte & 0x7F);
-        if place == 0 && byte & 0x60 == 0x60 {
+        if index == 0 && byte & 0x60 == 0x60 {
             value |= 0xFFFF_FFE0;
         }
         if byte & 0x80 == 0 {

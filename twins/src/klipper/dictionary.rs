@@ -1,4 +1,4 @@
-//! What the board says it understands.
+//! The data dictionary: commands, responses, shutdown reasons and pins of the firmware.
 
 use std::fmt::Write;
 
@@ -8,11 +8,11 @@ use super::pins::PORTS;
 
 macro_rules! messages {
     ($kind:ident $table:ident: $($name:ident $text:literal)*) => {
-        /// A message.
+        /// A message of the protocol.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(super) enum $kind { $($name),* }
 
-        /// Its text.
+        /// The messages with their formats.
         pub(super) const $table: &[($kind, &str)] = &[$(($kind::$name, $text)),*];
     };
 }
@@ -62,8 +62,8 @@ messages! { Response RESPONSES:
     Stats "stats count=%u sum=%u sumsq=%u"
 }
 
-/// Reasons of a shutdown.
-pub(super) const TEXTS: [&str; 24] = [
+/// Reasons of shutdowns, the texts of `static_string_id`.
+pub(super) const SHUTDOWN_REASONS: [&str; 24] = [
     "Timer too close",
     "Stepper too far in past",
     "Rescheduled timer in the past",
@@ -89,71 +89,72 @@ pub(super) const TEXTS: [&str; 24] = [
     "Not a valid PWM pin",
     "Can not use timer1 for PWM; timer1 is used for timers",
 ];
-/// Number of the first text.
-const FIRST_TEXT: usize = 2;
-/// Texts of build tools make up the rest of a real dictionary.
-const REST: usize = 3773;
+/// Id of the first reason.
+const FIRST_REASON_ID: usize = 2;
+/// Size of the build information in a real dictionary, filled with random letters.
+const FILLER_BYTES: usize = 3773;
 
-/// Ids on purpose as boards have them: negative ones, and some of two bytes.
+/// Returns the id of a command. Like real boards, some ids are negative and some have two
+/// bytes.
 pub(super) fn command_id(command: Command) -> i64 {
     match command as i64 {
         0 => 1,
-        place @ 1..=12 => -place * 4,
-        place @ 13..=20 => place + 40,
-        place => place + 80,
+        index @ 1..=12 => -index * 4,
+        index @ 13..=20 => index + 40,
+        index => index + 80,
     }
 }
 
 pub(super) fn response_id(response: Response) -> i64 {
     match response as i64 {
         0 => 0,
-        place @ 1..=4 => place - 10,
-        place => place + 88,
+        index @ 1..=4 => index - 10,
+        index => index + 88,
     }
 }
 
-/// The command of an id, and how many parameters it has.
-pub(super) fn command(id: u32) -> Option<(Command, usize)> {
+/// Returns the command with an id and its number of parameters.
+pub(super) fn find_command(id: u32) -> Option<(Command, usize)> {
     let named = COMMANDS
         .iter()
         .find(|(name, _)| command_id(*name) as u32 == id);
     named.map(|(name, text)| (*name, text.matches('=').count()))
 }
 
-pub(super) fn text_id(text: &str) -> i64 {
-    let place = TEXTS.iter().position(|known| *known == text);
-    (FIRST_TEXT + place.unwrap_or(0)) as i64
+pub(super) fn static_string_id(text: &str) -> i64 {
+    let index = SHUTDOWN_REASONS.iter().position(|known| *known == text);
+    (FIRST_REASON_ID + index.unwrap_or(0)) as i64
 }
 
-/// The dictionary of an ATmega2560 board as it goes over the wire.
-pub(super) fn packed(rate: u32, window: u32, resets: bool) -> Vec<u8> {
+/// Returns the dictionary of an ATmega2560 board, compressed as it is sent to the host.
+pub(super) fn compressed_dictionary(rate: u32, window: u32, has_reset_command: bool) -> Vec<u8> {
     let mut text = String::from("{\"build_versions\":\"");
     let mut state = 12_345_u32;
-    for _ in 0..REST {
+    for _ in 0..FILLER_BYTES {
         state = state.wrapping_mul(1_103_515_245).wrapping_add(12_345);
         text.push(char::from(b'a' + (state >> 16 & 0x0F) as u8));
     }
-    // A `String` takes everything that is written to it.
+    // Writing to a `String` cannot fail.
     text.push_str("\",\"commands\":{");
-    let known = |name: &Command| resets || *name != Command::Reset;
-    for (place, (name, form)) in COMMANDS.iter().filter(|(name, _)| known(name)).enumerate() {
-        let comma = if place == 0 { "" } else { "," };
+    let known = |name: &Command| has_reset_command || *name != Command::Reset;
+    for (index, (name, form)) in COMMANDS.iter().filter(|(name, _)| known(name)).enumerate() {
+        let comma = if index == 0 { "" } else { "," };
         let _ = write!(text, "{comma}\"{form}\":{}", command_id(*name));
     }
     text.push_str("},\"responses\":{");
-    for (place, (name, form)) in RESPONSES.iter().enumerate() {
-        let comma = if place == 0 { "" } else { "," };
+    for (index, (name, form)) in RESPONSES.iter().enumerate() {
+        let comma = if index == 0 { "" } else { "," };
         let _ = write!(text, "{comma}\"{form}\":{}", response_id(*name));
     }
     text.push_str("},\"enumerations\":{\"pin\":{");
-    for (place, (port, first)) in PORTS.iter().enumerate() {
-        let comma = if place == 0 { "" } else { "," };
+    for (index, (port, first)) in PORTS.iter().enumerate() {
+        let comma = if index == 0 { "" } else { "," };
         let _ = write!(text, "{comma}\"{port}0\":[{first},8]");
     }
     text.push_str("},\"static_string_id\":{");
-    for (place, reason) in TEXTS.iter().enumerate() {
-        let comma = if place == 0 { "" } else { "," };
-        let _ = write!(text, "{comma}\"{reason}\":{}", place + FIRST_TEXT);
+    for (index, reason) in SHUTDOWN_REASONS.iter().enumerate() {
+        let comma = if index == 0 { "" } else { "," };
+        let _ = write!(text, "{comma}\"{reason}\":{}", index + FIRST_REASON_ID);
     }
     let _ = write!(
         text,

@@ -1,39 +1,39 @@
-//! What the host configures besides steppers.
+//! Objects that the host configures besides steppers.
 
 use std::collections::VecDeque;
 
-/// A switch.
+/// A switch that can trigger a stop during homing.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Endstop {
     pub(super) pin: u32,
-    /// Next look; none: nobody waits for it.
+    /// Clock of the next sample; `None` if homing is not active.
     pub(super) next: Option<i64>,
-    pub(super) sample: i64,
-    pub(super) samples: u32,
-    pub(super) rest: i64,
+    pub(super) sample_ticks: i64,
+    pub(super) sample_count: u32,
+    pub(super) rest_ticks: i64,
     pub(super) level: bool,
-    pub(super) group: u32,
+    pub(super) trsync: u32,
     pub(super) reason: u32,
-    /// Samples that agreed so far.
-    pub(super) agreed: u32,
+    /// Number of successive samples with the expected level.
+    pub(super) matching_samples: u32,
 }
 
 impl Endstop {
-    /// Looks at the pin; whether it has been operated long enough.
-    pub(super) fn look(&mut self, level: bool) -> bool {
+    /// Samples the pin and returns whether the switch has had its level long enough.
+    pub(super) fn sample_level(&mut self, level: bool) -> bool {
         let Some(now) = self.next else {
             return false;
         };
         if level != self.level {
-            // Back to the pace of slow looks.
-            let behind = i64::from(self.agreed) * self.sample;
-            self.next = Some(now - behind + self.rest);
-            self.agreed = 0;
+            // Return to the slow sampling interval.
+            let elapsed = i64::from(self.matching_samples) * self.sample_ticks;
+            self.next = Some(now - elapsed + self.rest_ticks);
+            self.matching_samples = 0;
             return false;
         }
-        self.agreed += 1;
-        self.next = Some(now + self.sample);
-        if self.agreed < self.samples {
+        self.matching_samples += 1;
+        self.next = Some(now + self.sample_ticks);
+        if self.matching_samples < self.sample_count {
             return false;
         }
         self.next = None;
@@ -41,9 +41,9 @@ impl Endstop {
     }
 }
 
-/// A stop group.
+/// A group of steppers that stop together (Klipper's `trsync`).
 #[derive(Clone, Debug, Default)]
-pub(super) struct Group {
+pub(super) struct Trsync {
     pub(super) can_trigger: bool,
     pub(super) reason: u32,
     pub(super) expire_reason: u32,
@@ -52,20 +52,20 @@ pub(super) struct Group {
     pub(super) report_ticks: i64,
 }
 
-/// An output, switched or of pulse width.
+/// A digital or PWM output.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Output {
     pub(super) pin: u32,
     pub(super) default: u32,
-    pub(super) longest: i64,
+    pub(super) max_duration: i64,
     pub(super) queue: VecDeque<(i64, u32)>,
-    /// When it must have been told again.
-    pub(super) until: Option<i64>,
+    /// Clock until which the host must renew the value.
+    pub(super) max_duration_end: Option<i64>,
     pub(super) pulse_width: bool,
 }
 
 impl Output {
-    pub(super) const fn missed(&self) -> &'static str {
+    pub(super) const fn missed_reason(&self) -> &'static str {
         if self.pulse_width {
             "Missed scheduling of next hard pwm event"
         } else {
@@ -73,7 +73,7 @@ impl Output {
         }
     }
 
-    pub(super) const fn exceeds(&self) -> &'static str {
+    pub(super) const fn exceeded_reason(&self) -> &'static str {
         if self.pulse_width {
             "Scheduled pwm event will exceed max_duration"
         } else {
@@ -82,13 +82,16 @@ impl Output {
     }
 
     pub(super) fn due(&self) -> Option<i64> {
-        self.queue.front().map(|(clock, _)| *clock).or(self.until)
+        self.queue
+            .front()
+            .map(|(clock, _)| *clock)
+            .or(self.max_duration_end)
     }
 }
 
-/// A counter of edges.
+/// A counter of edges at an input.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Counter {
+pub(super) struct EdgeCounter {
     pub(super) pin: u32,
     pub(super) next: Option<i64>,
     pub(super) poll: i64,

@@ -1,7 +1,7 @@
-//! What an ATmega2560 does with its pins: which there are, which give pulses of a
-//! width, and what the firmware says to the others.
+//! Pins of an ATmega2560 and the errors of the firmware for wrong pins.
 
-/// Eight pins a port; there is no port I, and the numbers leave its place out.
+/// Number of the first pin of each port. A port has eight pins; there is no port I, but its
+/// numbers are left free.
 pub(super) const PORTS: [(&str, u32); 11] = [
     ("PA", 0),
     ("PB", 8),
@@ -15,15 +15,15 @@ pub(super) const PORTS: [(&str, u32); 11] = [
     ("PK", 80),
     ("PL", 88),
 ];
-/// Pins with pulses of a width, but those of timer 1.
-const PULSE_WIDTHS: [&str; 13] = [
+/// PWM pins, except those of timer 1.
+const PWM_PINS: [&str; 13] = [
     "PB7", "PG5", "PB4", "PH6", "PE3", "PE4", "PE5", "PH3", "PH4", "PH5", "PL3", "PL4", "PL5",
 ];
-/// Those of timer 1, which makes the clock of the firmware.
+/// Pins of timer 1, which drives the clock of the firmware.
 const TIMER_1: [&str; 2] = ["PB5", "PB6"];
 
-/// The number of a pin.
-pub(super) fn number(name: &str) -> Option<u32> {
+/// Returns the number of a pin with a name such as `PB5`.
+pub(super) fn pin_number(name: &str) -> Option<u32> {
     let (port, bit) = name.split_at_checked(2)?;
     let (_, first) = PORTS.iter().find(|(known, _)| *known == port)?;
     let bit: u32 = bit.parse().ok().filter(|bit| *bit < 8)?;
@@ -36,29 +36,29 @@ fn exists(pin: u32) -> bool {
         .any(|(_, first)| (*first..first + 8).contains(&pin))
 }
 
-/// An output is set up.
-pub(super) fn output(pin: u32) -> Result<(), &'static str> {
+/// Checks a pin for use as an output.
+pub(super) fn check_output(pin: u32) -> Result<(), &'static str> {
     if exists(pin) {
         return Ok(());
     }
     Err("Not an output pin")
 }
 
-/// An input is set up.
-pub(super) fn input(pin: u32) -> Result<(), &'static str> {
+/// Checks a pin for use as an input.
+pub(super) fn check_input(pin: u32) -> Result<(), &'static str> {
     if exists(pin) {
         return Ok(());
     }
     Err("Not a valid input pin")
 }
 
-/// An output of pulses of a width is set up.
-pub(super) fn pulse_width(pin: u32) -> Result<(), &'static str> {
-    let among = |names: &[&str]| names.iter().any(|name| number(name) == Some(pin));
+/// Checks a pin for use as a PWM output.
+pub(super) fn check_pwm(pin: u32) -> Result<(), &'static str> {
+    let among = |names: &[&str]| names.iter().any(|name| pin_number(name) == Some(pin));
     if among(&TIMER_1) {
         return Err("Can not use timer1 for PWM; timer1 is used for timers");
     }
-    if among(&PULSE_WIDTHS) {
+    if among(&PWM_PINS) {
         return Ok(());
     }
     Err("Not a valid PWM pin")

@@ -1,10 +1,10 @@
-//! A stepper and its queue.
+//! A stepper and its queue of moves.
 
 use std::collections::VecDeque;
 
-/// Steps the host has queued as one.
+/// Several steps that the host has queued as one move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Move {
+pub(super) struct StepperMove {
     pub(super) interval: i64,
     pub(super) count: u32,
     pub(super) add: i64,
@@ -13,28 +13,28 @@ pub(super) struct Move {
 
 #[derive(Clone, Debug)]
 pub(super) struct Stepper {
-    queue: VecDeque<Move>,
-    /// The move under way, with the interval of its next step.
-    active: Option<Move>,
-    /// Clock of the next step, or of the last one when it stands.
+    queue: VecDeque<StepperMove>,
+    /// The current move, with the interval of its next step.
+    active: Option<StepperMove>,
+    /// Clock of the next step; for a stopped stepper that of the last step.
     next: i64,
     pub(super) position: i64,
-    /// Direction of what is queued next.
+    /// Direction of the moves queued next.
     pub(super) up: bool,
-    /// After a stop what is queued is dropped until the clock is set.
+    /// After a stop the stepper drops moves until the host resets its step clock.
     needs_clock: bool,
-    /// The stop group it belongs to.
-    pub(super) group: Option<u32>,
+    /// The trsync that stops the stepper.
+    pub(super) trsync: Option<u32>,
 }
 
-/// What a queued move leads to.
+/// The effect of queueing a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Queued {
-    /// It waits behind others.
-    Waits,
-    /// It starts at this clock.
-    Starts(i64),
-    /// It was dropped.
+pub(super) enum QueueResult {
+    /// The move waits in the queue.
+    Waiting,
+    /// The move has started; its first step is at this clock.
+    Started(i64),
+    /// The move was dropped.
     Dropped,
 }
 
@@ -47,21 +47,21 @@ impl Stepper {
             position: 0,
             up: false,
             needs_clock: true,
-            group: None,
+            trsync: None,
         }
     }
 
-    /// Clock of the next step.
+    /// Returns the clock of the next step.
     pub(super) fn due(&self) -> Option<i64> {
         self.active.map(|_| self.next)
     }
 
-    /// Entries it has in the common queue; the move under way has left it.
-    pub(super) fn waiting(&self) -> usize {
+    /// Returns the entries of the stepper in the shared queue, without the current move.
+    pub(super) fn queue_length(&self) -> usize {
         self.queue.len()
     }
 
-    pub(super) fn set_clock(&mut self, clock: i64) -> Result<(), &'static str> {
+    pub(super) fn reset_step_clock(&mut self, clock: i64) -> Result<(), &'static str> {
         if self.active.is_some() {
             return Err("Can't reset time when stepper active");
         }
@@ -70,8 +70,8 @@ impl Stepper {
         Ok(())
     }
 
-    pub(super) fn queue(&mut self, interval: u32, count: u32, add: i32) -> Queued {
-        let new = Move {
+    pub(super) fn queue(&mut self, interval: u32, count: u32, add: i32) -> QueueResult {
+        let new = StepperMove {
             interval: interval.into(),
             count,
             add: add.into(),
@@ -79,22 +79,22 @@ impl Stepper {
         };
         if self.active.is_some() {
             self.queue.push_back(new);
-            return Queued::Waits;
+            return QueueResult::Waiting;
         }
         if self.needs_clock {
-            return Queued::Dropped;
+            return QueueResult::Dropped;
         }
-        self.load(new);
-        Queued::Starts(self.next)
+        self.start_move(new);
+        QueueResult::Started(self.next)
     }
 
-    fn load(&mut self, new: Move) {
+    fn start_move(&mut self, new: StepperMove) {
         self.next += new.interval;
         self.active = Some(new);
     }
 
-    /// Makes the step that is due; the way it goes, and whether the next move of the
-    /// queue began.
+    /// Makes the due step. Returns its direction and whether the next move of the queue has
+    /// started.
     pub(super) fn step(&mut self) -> (bool, bool) {
         let Some(active) = &mut self.active else {
             return (false, false);
@@ -110,17 +110,17 @@ impl Stepper {
         self.active = None;
         let next = self.queue.pop_front();
         if let Some(next) = next {
-            self.load(next);
+            self.start_move(next);
         }
         (up, next.is_some())
     }
 
-    /// At once, whatever is queued; the direction pin falls back, too.
+    /// Stops at once, clears the queue and resets the direction pin.
     pub(super) fn stop(&mut self) {
         self.queue.clear();
         self.active = None;
         self.up = false;
         self.needs_clock = true;
-        self.group = None;
+        self.trsync = None;
     }
 }

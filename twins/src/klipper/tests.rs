@@ -3,22 +3,25 @@ use super::*;
 const MS: u64 = 1_000_000;
 
 fn booted() -> KlipperTwin {
-    let mut twin = KlipperTwin::new(Make::default());
+    let mut twin = KlipperTwin::new(KlipperHardware::default());
     twin.advance(100 * MS);
     twin.read();
     twin
 }
 
-/// Sends commands in one block; the contents that came back within 20 ms.
-fn ask(twin: &mut KlipperTwin, commands: &[(dictionary::Command, &[i64])]) -> Vec<Vec<u8>> {
+/// Sends commands in one block and returns the contents received within 20 ms.
+fn send_commands(
+    twin: &mut KlipperTwin,
+    commands: &[(dictionary::Command, &[i64])],
+) -> Vec<Vec<u8>> {
     let mut content = Vec::new();
     for (command, numbers) in commands {
-        block::put(&mut content, dictionary::command_id(*command));
+        block::encode_vlq(&mut content, dictionary::command_id(*command));
         for number in *numbers {
-            block::put(&mut content, *number);
+            block::encode_vlq(&mut content, *number);
         }
     }
-    let block = block(twin.expected, &content);
+    let block = encode_block(twin.next_sequence, &content);
     twin.write(&block);
     twin.advance(20 * MS);
     contents(&twin.read())
@@ -26,19 +29,19 @@ fn ask(twin: &mut KlipperTwin, commands: &[(dictionary::Command, &[i64])]) -> Ve
 
 fn contents(mut bytes: &[u8]) -> Vec<Vec<u8>> {
     let mut found = Vec::new();
-    while let Front::Block(length, _) = block::front(bytes) {
+    while let BufferFront::Block(length, _) = block::parse_front(bytes) {
         found.push(bytes[2..length - 3].to_vec());
         bytes = &bytes[length..];
     }
-    assert_eq!(block::front(bytes), Front::Incomplete);
+    assert_eq!(block::parse_front(bytes), BufferFront::Incomplete);
     found
 }
 
 use dictionary::Command as C;
 
-/// One stepper, oid 0, in group 1, clock at the given ms from now.
+/// Configures steppers 0 and 2 and trsync 1.
 fn stepper(twin: &mut KlipperTwin) {
-    ask(
+    send_commands(
         twin,
         &[
             (C::AllocateOids, &[3]),
@@ -50,45 +53,48 @@ fn stepper(twin: &mut KlipperTwin) {
     );
 }
 
-fn soon(twin: &KlipperTwin, ms: i64) -> i64 {
+fn clock_in(twin: &KlipperTwin, ms: i64) -> i64 {
     i64::from((twin.clock() + ms * 16_000) as u32)
 }
 
 #[test]
-fn blocks_as_in_the_fixtures() {
-    assert_eq!(block(0, &[]), [0x05, 0x10, 0x9e, 0x81, 0x7e]);
+fn encoded_blocks_match_the_fixtures() {
+    assert_eq!(encode_block(0, &[]), [0x05, 0x10, 0x9e, 0x81, 0x7e]);
     assert_eq!(
-        block(1, &[1, 0, 40]),
+        encode_block(1, &[1, 0, 40]),
         [0x08, 0x11, 0x01, 0x00, 0x28, 0x42, 0x24, 0x7e]
     );
 }
 
 #[test]
-fn the_dictionary_comes_in_91_pieces() {
-    assert_eq!(dictionary::packed(RATE, 192, true).len(), 3574);
+fn dictionary_has_91_chunks() {
+    assert_eq!(
+        dictionary::compressed_dictionary(CLOCK_HZ, 192, true).len(),
+        3574
+    );
     let mut twin = booted();
     let mut offset = 0;
     loop {
-        let replies = ask(&mut twin, &[(C::Identify, &[offset, 40])]);
+        let replies = send_commands(&mut twin, &[(C::Identify, &[offset, 40])]);
         let mut reply = replies[0].as_slice();
-        assert_eq!(block::take(&mut reply), Some(0));
-        assert_eq!(block::take(&mut reply), Some(offset as u32));
+        assert_eq!(block::decode_vlq(&mut reply), Some(0));
+        assert_eq!(block::decode_vlq(&mut reply), Some(offset as u32));
         if reply[0] == 0 {
             break;
         }
         offset += i64::from(reply[0]);
     }
-    assert_eq!((offset, twin.figures().identify), (3574, 91));
+    assert_eq!((offset, twin.statistics().identify_count), (3574, 91));
 }
 
 #[test]
-fn a_block_out_of_turn_is_not_carried_out() {
+fn block_with_wrong_sequence_number_is_not_executed() {
     let mut twin = booted();
-    let block = block(twin.expected + 3, &[1, 0, 40]);
+    let block = encode_block(twin.next_sequence + 3, &[1, 0, 40]);
     twin.write(&block);
     twin.advance(20 * MS);
     assert_eq!(contents(&twin.read()), [Vec::<u8>::new()]);
-    assert_eq!(twin.figures().commands, 0);
+    assert_eq!(twin.statistics().command_count, 0);
 }
 
 #[test]
@@ -96,7 +102,7 @@ fn steps_come_at_their_clocks() {
     let mut twin = booted();
     stepper(&mut twin);
     let from = twin.clock() + 50 * 16_000;
-    ask(
+    send_commands(
         &mut twin,
         &[
             (C::ResetStepClock, &[0, i64::from(from as u32)]),
@@ -107,12 +113,12 @@ fn steps_come_at_their_clocks() {
     twin.advance(60 * MS);
     assert_eq!(twin.pulses()[0], 10);
     // 10 intervals of 1 ms, and 45 times 10 µs.
-    let last = twin.moment(from + 10 * 16_000 + 45 * 160);
-    assert_eq!(twin.last_pulse(), last);
+    let last = twin.clock_to_ns(from + 10 * 16_000 + 45 * 160);
+    assert_eq!(twin.last_pulse_ns(), last);
 }
 
 #[test]
-fn what_cannot_be_done_ends_in_a_shutdown_that_says_why() {
+fn impossible_commands_cause_shutdown_with_reason() {
     type Commands = Vec<(C, Vec<i64>)>;
     let mut twin = booted();
     stepper(&mut twin);
@@ -144,39 +150,39 @@ fn what_cannot_be_done_ends_in_a_shutdown_that_says_why() {
     for (reason, commands) in table {
         let mut twin = twin.clone();
         if reason == "Invalid command" {
-            twin.write(&block(twin.expected, &[0x5f]));
+            twin.write(&encode_block(twin.next_sequence, &[0x5f]));
             twin.advance(20 * MS);
         } else {
             let commands: Vec<(C, &[i64])> = commands
                 .iter()
                 .map(|(name, numbers)| (*name, numbers.as_slice()))
                 .collect();
-            ask(&mut twin, &commands);
+            send_commands(&mut twin, &commands);
         }
-        assert_eq!(twin.state(), State::Shutdown(reason));
+        assert_eq!(twin.state(), KlipperState::Shutdown(reason));
     }
 }
 
 #[test]
-fn a_queue_that_is_full_overflows() {
+fn full_move_queue_overflows() {
     let mut twin = booted();
     stepper(&mut twin);
-    let clock = soon(&twin, 1000);
-    ask(&mut twin, &[(C::ResetStepClock, &[0, clock])]);
+    let clock = clock_in(&twin, 1000);
+    send_commands(&mut twin, &[(C::ResetStepClock, &[0, clock])]);
     for _ in 0..690 {
-        ask(&mut twin, &[(C::QueueStep, &[0, 16_000_000, 1, 0])]);
+        send_commands(&mut twin, &[(C::QueueStep, &[0, 16_000_000, 1, 0])]);
     }
-    assert_eq!(twin.state(), State::Shutdown("Move queue overflow"));
+    assert_eq!(twin.state(), KlipperState::Shutdown("Move queue overflow"));
 }
 
 #[test]
-fn forty_thousand_steps_on_both_axes_are_made_and_fifty_are_not() {
+fn step_rate_limit_is_between_40_and_50_kilohertz() {
     for (interval, made) in [(400, true), (320, false)] {
         let mut twin = booted();
         stepper(&mut twin);
-        let clock = soon(&twin, 100);
+        let clock = clock_in(&twin, 100);
         for oid in [0, 2] {
-            ask(
+            send_commands(
                 &mut twin,
                 &[
                     (C::ResetStepClock, &[oid, clock]),
@@ -185,17 +191,22 @@ fn forty_thousand_steps_on_both_axes_are_made_and_fifty_are_not() {
             );
         }
         twin.advance(1000 * MS);
-        assert_eq!(twin.state() == State::Runs, made, "{:?}", twin.state());
+        assert_eq!(
+            twin.state() == KlipperState::Running,
+            made,
+            "{:?}",
+            twin.state()
+        );
     }
 }
 
 #[test]
-fn a_group_that_is_not_renewed_stops_its_axes() {
+fn expired_trsync_stops_its_steppers() {
     let mut twin = booted();
     stepper(&mut twin);
-    let (clock, timeout) = (soon(&twin, 50), soon(&twin, 250));
+    let (clock, timeout) = (clock_in(&twin, 50), clock_in(&twin, 250));
     let from = twin.now();
-    ask(
+    send_commands(
         &mut twin,
         &[
             (C::TrsyncStart, &[1, clock, 1_600_000, 4]),
@@ -204,35 +215,38 @@ fn a_group_that_is_not_renewed_stops_its_axes() {
             (C::ResetStepClock, &[0, clock]),
         ],
     );
-    ask(&mut twin, &[(C::QueueStep, &[0, 1600, 60_000, 0])]);
+    send_commands(&mut twin, &[(C::QueueStep, &[0, 1600, 60_000, 0])]);
     twin.advance(1000 * MS);
-    let stood = twin.last_pulse() - from;
+    let stood = twin.last_pulse_ns() - from;
     assert!((249 * MS..=250 * MS).contains(&stood), "{stood}");
-    // Then nothing moves until the clock is set anew.
+    // The stepper does not move until its step clock is reset.
     let count = twin.pulses()[0];
-    ask(&mut twin, &[(C::QueueStep, &[0, 1600, 100, 0])]);
+    send_commands(&mut twin, &[(C::QueueStep, &[0, 1600, 100, 0])]);
     twin.advance(1000 * MS);
-    assert_eq!((twin.pulses()[0], twin.state()), (count, State::Runs));
-    // An axis of a group that can still trigger cannot join another.
-    let clock = soon(&twin, 50);
-    ask(
+    assert_eq!(
+        (twin.pulses()[0], twin.state()),
+        (count, KlipperState::Running)
+    );
+    // A stepper whose trsync can still trigger cannot join another trsync.
+    let clock = clock_in(&twin, 50);
+    send_commands(
         &mut twin,
         &[
             (C::TrsyncStart, &[1, clock, 0, 4]),
             (C::StepperStopOnTrigger, &[0, 1]),
         ],
     );
-    ask(&mut twin, &[(C::StepperStopOnTrigger, &[0, 1])]);
+    send_commands(&mut twin, &[(C::StepperStopOnTrigger, &[0, 1])]);
     assert_eq!(
         twin.state(),
-        State::Shutdown("Can't add signal that is already active")
+        KlipperState::Shutdown("Can't add signal that is already active")
     );
 }
 
 #[test]
-fn an_output_that_is_not_renewed_ends_it_all() {
+fn output_not_renewed_causes_shutdown() {
     let mut twin = booted();
-    ask(
+    send_commands(
         &mut twin,
         &[
             (C::AllocateOids, &[4]),
@@ -240,38 +254,38 @@ fn an_output_that_is_not_renewed_ends_it_all() {
             (C::FinalizeConfig, &[1]),
         ],
     );
-    let clock = soon(&twin, 100);
-    ask(&mut twin, &[(C::QueueDigitalOut, &[3, clock, 1])]);
+    let clock = clock_in(&twin, 100);
+    send_commands(&mut twin, &[(C::QueueDigitalOut, &[3, clock, 1])]);
     twin.advance(100 * MS);
     assert_eq!(twin.output("PL0"), Some(1));
     twin.advance(450 * MS);
-    assert_eq!(twin.state(), State::Runs);
+    assert_eq!(twin.state(), KlipperState::Running);
     twin.advance(60 * MS);
     assert_eq!(
         twin.state(),
-        State::Shutdown("Missed scheduling of next digital out event")
+        KlipperState::Shutdown("Missed scheduling of next digital out event")
     );
     assert_eq!(twin.output("PL0"), Some(0));
 }
 
 #[test]
-fn a_configuration_outlives_its_host_and_not_a_reset() {
+fn configuration_survives_the_host_but_not_a_reset() {
     let mut twin = booted();
     stepper(&mut twin);
     twin.advance(10_000 * MS);
     assert_eq!(twin.crc, Some(77));
-    ask(&mut twin, &[(C::Reset, &[])]);
+    send_commands(&mut twin, &[(C::Reset, &[])]);
     twin.advance(100 * MS);
     assert_eq!(
-        (twin.crc, twin.expected, twin.state()),
-        (None, 1, State::Runs)
+        (twin.crc, twin.next_sequence, twin.state()),
+        (None, 1, KlipperState::Running)
     );
 }
 
 #[test]
-fn turns_are_counted_twice() {
+fn edge_counter_counts_two_edges_per_turn() {
     let mut twin = booted();
-    ask(
+    send_commands(
         &mut twin,
         &[
             (C::AllocateOids, &[6]),
@@ -279,9 +293,9 @@ fn turns_are_counted_twice() {
             (C::FinalizeConfig, &[1]),
         ],
     );
-    twin.turn_spindle("PC3", 600.0);
-    let clock = soon(&twin, 10);
-    ask(&mut twin, &[(C::QueryCounter, &[5, clock, 1600, 320_000])]);
+    twin.run_spindle("PC3", 600.0);
+    let clock = clock_in(&twin, 10);
+    send_commands(&mut twin, &[(C::QueryCounter, &[5, clock, 1600, 320_000])]);
     twin.advance(1000 * MS);
     let last = contents(&twin.read())
         .into_iter()
@@ -289,25 +303,25 @@ fn turns_are_counted_twice() {
         .unwrap();
     let mut reply = last.as_slice();
     for _ in 0..3 {
-        block::take(&mut reply);
+        block::decode_vlq(&mut reply);
     }
-    let count = block::take(&mut reply).unwrap();
+    let count = block::decode_vlq(&mut reply).unwrap();
     assert!((19..=22).contains(&count), "{count}");
 }
 
 #[test]
 fn the_outputs_drive_the_spindle() {
     let mut twin = booted();
-    twin.fit_spindle(SpindleMake {
-        index: "PC3",
-        forward: "PB4",
-        reverse: "PB5",
-        speed: "PH6",
-        top: 2550.0,
-        inertia: 0.1,
+    twin.attach_spindle(SpindleWiring {
+        index_pin: "PC3",
+        forward_pin: "PB4",
+        reverse_pin: "PB5",
+        speed_pin: "PH6",
+        full_speed_rpm: 2550.0,
+        time_constant_s: 0.1,
     });
-    let pin = |name| i64::from(pins::number(name).unwrap());
-    ask(
+    let pin = |name| i64::from(pins::pin_number(name).unwrap());
+    send_commands(
         &mut twin,
         &[
             (C::AllocateOids, &[5]),
@@ -316,8 +330,8 @@ fn the_outputs_drive_the_spindle() {
             (C::FinalizeConfig, &[1]),
         ],
     );
-    let clock = soon(&twin, 100);
-    ask(
+    let clock = clock_in(&twin, 100);
+    send_commands(
         &mut twin,
         &[
             (C::QueueDigitalOut, &[3, clock, 1]),
@@ -326,7 +340,7 @@ fn the_outputs_drive_the_spindle() {
     );
     twin.advance(80 * MS);
     assert_eq!(twin.spindle_rpm(), 0.0);
-    // After its time constant it has two thirds of its speed, then all of it.
+    // After one time constant the spindle has two thirds of its speed.
     twin.advance(100 * MS);
     assert!(
         (twin.spindle_rpm() - 379.0).abs() < 5.0,
@@ -335,10 +349,10 @@ fn the_outputs_drive_the_spindle() {
     );
     twin.advance(2000 * MS);
     assert!((twin.spindle_rpm() - 600.0).abs() < 0.01);
-    // A ripple neither jumps nor changes the mean: 10 turns a second.
+    // Ripple causes no jump and does not change the mean speed of 10 r/s.
     let turns = |twin: &KlipperTwin| twin.spindle_turns(twin.now());
     let begin = turns(&twin);
-    twin.set_ripple(1.0, 0.5);
+    twin.set_speed_ripple(1.0, 0.5);
     assert!((turns(&twin) - begin).abs() < 1e-9);
     let (mut least, mut most) = (f64::MAX, 0.0_f64);
     for _ in 0..200 {
@@ -349,15 +363,15 @@ fn the_outputs_drive_the_spindle() {
     }
     assert!((turns(&twin) - begin - 20.0).abs() < 1e-6);
     assert!((least - 0.099).abs() < 1e-5 && (most - 0.101).abs() < 1e-5);
-    // A board that gives up lets it run out.
-    twin.shut_down_for("test");
+    // A shutdown lets the spindle run down.
+    twin.force_shutdown("test");
     twin.advance(2000 * MS);
     assert!(twin.spindle_rpm().abs() < 0.01);
 }
 
 #[test]
-fn what_the_processor_has_not_is_refused_as_the_firmware_does() {
-    let pin = |name| i64::from(pins::number(name).unwrap());
+fn wrong_pins_and_oids_cause_shutdown() {
+    let pin = |name| i64::from(pins::pin_number(name).unwrap());
     let (timer_1, plain, none) = (pin("PB6"), pin("PA4"), 64);
     for (command, numbers, reason) in [
         (
@@ -390,7 +404,7 @@ fn what_the_processor_has_not_is_refused_as_the_firmware_does() {
         let mut twin = booted();
         let (_, text) = dictionary::COMMANDS[command as usize];
         let numbers = &numbers[..text.matches('=').count()];
-        ask(
+        send_commands(
             &mut twin,
             &[
                 (C::AllocateOids, &[1]),
@@ -398,7 +412,7 @@ fn what_the_processor_has_not_is_refused_as_the_firmware_does() {
                 (C::FinalizeConfig, &[7]),
             ],
         );
-        assert_eq!(twin.state(), State::Shutdown(reason));
+        assert_eq!(twin.state(), KlipperState::Shutdown(reason));
         assert_eq!(twin.crc, None, "{reason}");
     }
 }

@@ -1,28 +1,28 @@
-//! What happens at its clock: steps, looks at switches, time-outs, outputs.
+//! Runs the timers: steps, switch samples, timeouts, outputs and counters.
 
 use super::dictionary::Response;
-use super::{KlipperTwin, Made, Object, RATE, STATS_S, STEP_NS, TOO_LATE_NS};
+use super::{CLOCK_HZ, ConfigObject, KlipperTwin, MadeStep, STATS_S, STEP_NS, TOO_LATE_NS};
 
 const fn ticks(ns: i64) -> i64 {
-    ns * (RATE as i64 / 1_000_000) / 1000
+    ns * (CLOCK_HZ as i64 / 1_000_000) / 1000
 }
 
-impl Object {
+impl ConfigObject {
     fn due(&self) -> Option<i64> {
         match self {
             Self::Stepper(stepper) => stepper.due(),
             Self::Endstop(endstop) => endstop.next,
-            Self::Group(group) => group.expires.into_iter().chain(group.report).min(),
+            Self::Trsync(trsync) => trsync.expires.into_iter().chain(trsync.report).min(),
             Self::Output(output, _) => output.due(),
-            Self::Counter(counter) => counter.next,
+            Self::EdgeCounter(counter) => counter.next,
         }
     }
 }
 
 impl KlipperTwin {
-    /// Clock of the next thing that happens by itself.
+    /// Returns the clock of the next timer.
     pub(super) fn next_timer(&self) -> Option<i64> {
-        let objects = self.oids.values().filter_map(Object::due);
+        let objects = self.oids.values().filter_map(ConfigObject::due);
         objects.chain([self.stats_at]).min()
     }
 
@@ -30,10 +30,10 @@ impl KlipperTwin {
         loop {
             let now = self.clock();
             if now >= self.stats_at {
-                self.stats_at += STATS_S * i64::from(RATE);
-                self.say(Response::Stats, &[1000, 50_000, 2_000_000]);
+                self.stats_at += STATS_S * i64::from(CLOCK_HZ);
+                self.send_response(Response::Stats, &[1000, 50_000, 2_000_000]);
             }
-            let due = |(oid, object): (&u32, &Object)| object.due().map(|at| (at, *oid));
+            let due = |(oid, object): (&u32, &ConfigObject)| object.due().map(|at| (at, *oid));
             let next = self.oids.iter().filter_map(due).min();
             let Some((at, oid)) = next.filter(|(at, _)| *at <= now) else {
                 return;
@@ -47,79 +47,83 @@ impl KlipperTwin {
             return;
         };
         match object {
-            Object::Stepper(stepper) => {
+            ConfigObject::Stepper(stepper) => {
                 // One processor makes all steps, one after the other.
-                let when = at.max(self.free_at);
-                self.free_at = when + ticks(STEP_NS);
+                let when = at.max(self.processor_free_at);
+                self.processor_free_at = when + ticks(STEP_NS);
                 if when - at > ticks(TOO_LATE_NS) {
                     self.shut_down("Rescheduled timer in the past");
                     return;
                 }
                 let (up, _) = stepper.step();
-                let place = self
+                let index = self
                     .oids
                     .range(..oid)
-                    .filter(|(_, object)| matches!(object, Object::Stepper(_)))
+                    .filter(|(_, object)| matches!(object, ConfigObject::Stepper(_)))
                     .count();
-                self.figures.steps += 1;
-                self.last_pulse = self.moment(when);
-                let due = self.moment(at);
-                if let Some(count) = self.pulses.get_mut(place) {
+                self.statistics.step_count += 1;
+                self.last_pulse_ns = self.clock_to_ns(when);
+                let due_ns = self.clock_to_ns(at);
+                if let Some(count) = self.pulses.get_mut(index) {
                     *count += if up { 1 } else { -1 };
-                    if let Some(recorded) = &mut self.recorded {
-                        recorded.push(Made {
-                            at: self.last_pulse,
-                            due,
-                            axis: place,
-                            place: *count,
+                    if let Some(recorded) = &mut self.recorded_steps {
+                        recorded.push(MadeStep {
+                            at_ns: self.last_pulse_ns,
+                            due_ns,
+                            stepper: index,
+                            position: *count,
                         });
                     }
                 }
             }
-            Object::Endstop(endstop) => {
+            ConfigObject::Endstop(endstop) => {
                 let pin = endstop.pin;
-                let level = self.level(pin);
-                if let Some(Object::Endstop(endstop)) = self.oids.get_mut(&oid)
-                    && endstop.look(level)
+                let level = self.pin_level(pin);
+                if let Some(ConfigObject::Endstop(endstop)) = self.oids.get_mut(&oid)
+                    && endstop.sample_level(level)
                 {
-                    let (group, reason) = (endstop.group, endstop.reason);
-                    self.trigger(group, reason);
+                    let (trsync, reason) = (endstop.trsync, endstop.reason);
+                    self.trigger_trsync(trsync, reason);
                 }
             }
-            Object::Group(group) => {
-                if group.expires == Some(at) {
-                    group.expires = None;
-                    let reason = group.expire_reason;
-                    self.trigger(oid, reason);
+            ConfigObject::Trsync(trsync) => {
+                if trsync.expires == Some(at) {
+                    trsync.expires = None;
+                    let reason = trsync.expire_reason;
+                    self.trigger_trsync(oid, reason);
                 } else {
-                    group.report = Some(at + group.report_ticks.max(1));
-                    self.report(oid);
+                    trsync.report = Some(at + trsync.report_ticks.max(1));
+                    self.report_trsync(oid);
                 }
             }
-            Object::Output(output, value) => {
+            ConfigObject::Output(output, value) => {
                 let Some((clock, new)) = output.queue.pop_front() else {
-                    let missed = output.missed();
+                    let missed = output.missed_reason();
                     self.shut_down(missed);
                     return;
                 };
                 *value = new;
-                output.until = None;
-                if new != output.default && output.longest > 0 {
-                    let until = clock + output.longest;
-                    if output.queue.front().is_some_and(|(next, _)| *next > until) {
-                        let exceeds = output.exceeds();
+                output.max_duration_end = None;
+                if new != output.default && output.max_duration > 0 {
+                    let max_duration_end = clock + output.max_duration;
+                    if output
+                        .queue
+                        .front()
+                        .is_some_and(|(next, _)| *next > max_duration_end)
+                    {
+                        let exceeds = output.exceeded_reason();
                         self.shut_down(exceeds);
                         return;
                     }
-                    output.until = output.queue.is_empty().then_some(until);
+                    output.max_duration_end = output.queue.is_empty().then_some(max_duration_end);
                 }
-                let moment = self.moment(clock).min(self.now);
+                let moment = self.clock_to_ns(clock).min(self.now);
                 self.drive_spindle(moment);
             }
-            Object::Counter(counter) => {
+            ConfigObject::EdgeCounter(counter) => {
                 let pin = counter.pin;
-                let level = self.level(pin);
-                let Some(Object::Counter(counter)) = self.oids.get_mut(&oid) else {
+                let level = self.pin_level(pin);
+                let Some(ConfigObject::EdgeCounter(counter)) = self.oids.get_mut(&oid) else {
                     return;
                 };
                 if level != counter.level {
@@ -132,7 +136,7 @@ impl KlipperTwin {
                     counter.report = at + counter.report_every;
                     let (count, clock) = (counter.count, counter.count_clock);
                     let next = at + counter.report_every;
-                    self.say(
+                    self.send_response(
                         Response::CounterState,
                         &[
                             oid.into(),
@@ -146,38 +150,38 @@ impl KlipperTwin {
         }
     }
 
-    /// Stops all steppers of a group, once.
-    pub(super) fn trigger(&mut self, oid: u32, reason: u32) {
-        let Some(Object::Group(group)) = self.oids.get_mut(&oid) else {
+    /// Stops all steppers of a trsync, unless it has already triggered.
+    pub(super) fn trigger_trsync(&mut self, oid: u32, reason: u32) {
+        let Some(ConfigObject::Trsync(trsync)) = self.oids.get_mut(&oid) else {
             return;
         };
-        if !group.can_trigger {
+        if !trsync.can_trigger {
             return;
         }
-        group.can_trigger = false;
-        group.reason = reason;
-        group.expires = None;
-        group.report = None;
+        trsync.can_trigger = false;
+        trsync.reason = reason;
+        trsync.expires = None;
+        trsync.report = None;
         for object in self.oids.values_mut() {
-            if let Object::Stepper(stepper) = object
-                && stepper.group == Some(oid)
+            if let ConfigObject::Stepper(stepper) = object
+                && stepper.trsync == Some(oid)
             {
                 stepper.stop();
             }
         }
-        self.report(oid);
+        self.report_trsync(oid);
     }
 
-    pub(super) fn report(&mut self, oid: u32) {
+    pub(super) fn report_trsync(&mut self, oid: u32) {
         let clock = self.clock();
-        if let Some(Object::Group(group)) = self.oids.get(&oid) {
+        if let Some(ConfigObject::Trsync(trsync)) = self.oids.get(&oid) {
             let numbers = [
                 oid.into(),
-                i64::from(group.can_trigger),
-                group.reason.into(),
+                i64::from(trsync.can_trigger),
+                trsync.reason.into(),
                 i64::from(clock as u32),
             ];
-            self.say(Response::TrsyncState, &numbers);
+            self.send_response(Response::TrsyncState, &numbers);
         }
     }
 }

@@ -1,181 +1,189 @@
-//! Lines as FluidNC's main task carries them out.
+//! Executes lines in FluidNC's main task.
 
-use super::super::config::Config;
-use super::super::{GrblTwin, State};
+use super::super::config::FluidConfig;
+use super::super::{GrblState, GrblTwin};
 
-/// The longest line, and the longest block of G code.
-pub(super) const LINE_BYTES: usize = 254;
-const BLOCK_BYTES: usize = 127;
+/// Maximum length of a line and of a G code block.
+pub(super) const MAX_LINE_BYTES: usize = 254;
+const MAX_BLOCK_BYTES: usize = 127;
 
-/// Commands that wait for the end of all motion, by name.
-const WAITING: [&str; 13] = [
+/// Commands that wait for the end of all motion.
+const SYNCHRONOUS_COMMANDS: [&str; 13] = [
     "", "$", "#", "I", "CD", "X", "C", "13", "H", "HX", "HY", "HZ", "SLP",
 ];
 
 impl GrblTwin {
-    /// The main task's turn, its events handled.
-    pub(super) fn fluid_work(&mut self) {
+    /// Runs the main task after its events.
+    pub(super) fn run_fluid_main(&mut self) {
         loop {
-            // It is kept by an alarm, or by a hold it waits in.
-            let held = self.state == State::Hold { complete: true };
+            // An alarm or a completed hold blocks the main task.
+            let held = self.state == GrblState::Hold { complete: true };
             if held || self.now < self.fluid.blocked_until.max(self.busy_until) {
                 return;
             }
-            if self.fluid.homes {
-                // An alarm that ends it comes first.
-                if self.state == State::Home || !self.fluid.events.is_empty() {
+            if self.fluid.is_homing {
+                // An alarm that ends homing comes first.
+                if self.state == GrblState::Home || !self.fluid.events.is_empty() {
                     return;
                 }
-                self.fluid.homes = false;
-                self.answer(Ok(()));
-            } else if let Some(until) = self.answers_at {
+                self.fluid.is_homing = false;
+                self.send_answer(Ok(()));
+            } else if let Some(until) = self.answer_at {
                 if self.now < until {
                     return;
                 }
-                self.answers_at = None;
-                self.answer(Ok(()));
-            } else if let Some(asked) = self.waiting.take() {
-                if !self.carry_out(asked) {
-                    self.waiting = Some(asked);
+                self.answer_at = None;
+                self.send_answer(Ok(()));
+            } else if let Some(block) = self.waiting_block.take() {
+                if !self.execute_block(block) {
+                    self.waiting_block = Some(block);
                     return;
                 }
             } else if let Some(command) = self.fluid.command.take() {
-                if !self.planner.is_empty() || self.state == State::Run {
+                if !self.planner.is_empty() || self.state == GrblState::Run {
                     self.fluid.command = Some(command);
                     return;
                 }
-                if let Some(result) = self.fluid_command(&command) {
-                    self.answer(result);
+                if let Some(result) = self.execute_fluid_command(&command) {
+                    self.send_answer(result);
                 }
             } else if let Some(line) = self.fluid.line.take() {
-                self.begin(line.trim_start());
+                self.execute_fluid_line(line.trim_start());
             } else {
                 return;
             }
         }
     }
 
-    fn begin(&mut self, line: &str) {
+    fn execute_fluid_line(&mut self, line: &str) {
         if let Some(command) = line.strip_prefix('$') {
             let name = command.split('=').next().unwrap_or_default();
-            let waits = WAITING.iter().any(|known| known.eq_ignore_ascii_case(name));
+            let waits = SYNCHRONOUS_COMMANDS
+                .iter()
+                .any(|known| known.eq_ignore_ascii_case(name));
             if waits {
                 self.fluid.command = Some(command.to_owned());
             } else {
-                let result = self.setting(command);
-                self.answer(result);
+                let result = self.execute_setting(command);
+                self.send_answer(result);
             }
             return;
         }
         if line.is_empty() {
-            return self.answer(Ok(()));
+            return self.send_answer(Ok(()));
         }
-        let result = self.block(line);
+        let result = self.execute_fluid_block(line);
         if let Some(result) = result {
             if result.is_err_and(|number| number != 9) {
-                self.say(&format!("[MSG:ERR: Bad GCode: {line}]\r\n"));
+                self.send_text(&format!("[MSG:ERR: Bad GCode: {line}]\r\n"));
             }
-            self.answer(result);
+            self.send_answer(result);
         }
     }
 
-    /// A block of G code; None where it is answered when it is carried out.
-    fn block(&mut self, line: &str) -> Option<Result<(), u8>> {
-        if self.state == State::Alarm {
+    /// Parses a G code block. Returns `None` if it is answered when executed.
+    fn execute_fluid_block(&mut self, line: &str) -> Option<Result<(), u8>> {
+        if self.state == GrblState::Alarm {
             return Some(Err(9));
         }
-        if line.len() > BLOCK_BYTES {
+        if line.len() > MAX_BLOCK_BYTES {
             return Some(Err(14));
         }
-        let text = collapsed(line);
-        match self.modal.read(&text, false, self.work_offset) {
-            Ok(_) if self.state == State::Check => Some(Ok(())),
-            Ok(asked) => {
-                self.waiting = Some(asked);
+        let text = normalize_block(line);
+        match self.modal.parse_block(&text, false, self.work_offset) {
+            Ok(_) if self.state == GrblState::Check => Some(Ok(())),
+            Ok(block) => {
+                self.waiting_block = Some(block);
                 None
             }
             Err(number) => Some(Err(number)),
         }
     }
 
-    /// A command that has waited for the end of all motion.
-    fn fluid_command(&mut self, command: &str) -> Option<Result<(), u8>> {
-        let calm = matches!(self.state, State::Idle | State::Alarm | State::Critical);
+    /// Executes a command after the end of all motion.
+    fn execute_fluid_command(&mut self, command: &str) -> Option<Result<(), u8>> {
+        let is_at_rest = matches!(
+            self.state,
+            GrblState::Idle | GrblState::Alarm | GrblState::Critical
+        );
         let command = command.to_ascii_uppercase();
-        let held = matches!(self.state, State::Hold { .. });
+        let held = matches!(self.state, GrblState::Hold { .. });
         match command.as_str() {
             "$" if held => return Some(Err(8)),
-            "I" | "#" | "H" | "HX" | "HY" | "HZ" | "13" if !calm => return Some(Err(8)),
-            "" => self.say("HLP:$$ $# $G $I $X $H\r\n"),
-            "$" => self.list_numbers(),
+            "I" | "#" | "H" | "HX" | "HY" | "HZ" | "13" if !is_at_rest => return Some(Err(8)),
+            "" => self.send_text("HLP:$$ $# $G $I $X $H\r\n"),
+            "$" => self.list_grbl_settings(),
             "#" => self.list_offsets(),
             "I" => {
-                let text = self.identity();
-                self.say(&text);
+                let text = self.build_info();
+                self.send_text(&text);
             }
             "CD" => {
-                let text = self.settings.tree().map(Config::dump);
-                self.say(&text.unwrap_or_default());
+                let text = self.settings.tree().map(FluidConfig::dump);
+                self.send_text(&text.unwrap_or_default());
             }
             "X" => self.unlock(),
-            "C" if self.state == State::Check => {
-                self.say("[MSG:INFO: Disabled]\r\n");
-                self.put(super::Event::Reset);
+            "C" if self.state == GrblState::Check => {
+                self.send_text("[MSG:INFO: Disabled]\r\n");
+                self.push_event(super::FluidEvent::Reset);
                 return None;
             }
-            "C" if self.state != State::Idle => return Some(Err(8)),
+            "C" if self.state != GrblState::Idle => return Some(Err(8)),
             "C" => {
-                self.state = State::Check;
-                self.say("[MSG:INFO: Enabled]\r\n");
+                self.state = GrblState::Check;
+                self.send_text("[MSG:INFO: Enabled]\r\n");
             }
             "13" => {
                 let inches = self.settings.value(13);
-                self.say(&format!("$13={inches:.0}\r\n"));
+                self.send_text(&format!("$13={inches:.0}\r\n"));
             }
             "13=0" => return Some(self.settings.set(13, 0.0)),
             "13=1" => return Some(self.settings.set(13, 1.0)),
-            "H" => return self.begin_cycles(None),
-            "HX" => return self.begin_cycles(Some(0)),
-            "HZ" => return self.begin_cycles(Some(1)),
+            "H" => return self.start_homing(None),
+            "HX" => return self.start_homing(Some(0)),
+            "HZ" => return self.start_homing(Some(1)),
             "HY" => return Some(Err(19)),
             _ => return Some(Err(3)),
         }
         Some(Ok(()))
     }
 
-    /// What is answered at once, in motion too.
-    fn setting(&mut self, command: &str) -> Result<(), u8> {
+    /// Executes a setting, which is answered at once, also in motion.
+    fn execute_setting(&mut self, command: &str) -> Result<(), u8> {
         let (name, value) = command.split_once('=').unwrap_or((command, ""));
         let (name, value) = (name.trim(), value.trim());
         if name.eq_ignore_ascii_case("G") {
-            let text = self.modal.text();
-            self.say(&format!("[{text}]\r\n"));
+            let text = self.modal.gc_report();
+            self.send_text(&format!("[{text}]\r\n"));
             return Ok(());
         }
         if name == "10" {
-            return self.report_fields(value);
+            return self.set_report_mask(value);
         }
         let path = name.strip_prefix('/').unwrap_or(name);
         let path = path.strip_suffix('/').unwrap_or(path);
         let tree = self.settings.tree_mut().ok_or(3_u8)?;
-        let told = if value.is_empty() {
+        let message = if value.is_empty() {
             Some(tree.show(path)?)
         } else {
             tree.set(path, value)?
         };
-        self.set_switches();
-        self.say(&told.unwrap_or_default());
+        self.update_switch_pulses();
+        self.send_text(&message.unwrap_or_default());
         Ok(())
     }
 
-    /// `$10`: kept for good.
-    fn report_fields(&mut self, value: &str) -> Result<(), u8> {
+    /// Sets or shows `$10`, the stored report mask.
+    fn set_report_mask(&mut self, value: &str) -> Result<(), u8> {
         if value.is_empty() {
             let fields = self.settings.value(10);
-            self.say(&format!("$10={fields:.0}\r\n"));
+            self.send_text(&format!("$10={fields:.0}\r\n"));
             return Ok(());
         }
-        if !matches!(self.state, State::Idle | State::Alarm | State::Critical) {
+        if !matches!(
+            self.state,
+            GrblState::Idle | GrblState::Alarm | GrblState::Critical
+        ) {
             return Err(8);
         }
         let fields: f64 = value.parse().map_err(|_| 2_u8)?;
@@ -185,39 +193,39 @@ impl GrblTwin {
         self.settings.set(10, fields)
     }
 
-    /// `$$`: what hosts of Grbl look for, and no more.
-    fn list_numbers(&mut self) {
+    /// Lists the settings of `$$` that Grbl hosts look for.
+    fn list_grbl_settings(&mut self) {
         let mut text = String::new();
         for number in [13, 10] {
             text.push_str(&format!("${number}={:.0}\r\n", self.settings.value(number)));
         }
         for group in [100, 110, 120, 130] {
-            for (number, value) in (group..).zip(self.settings.axes(group)) {
+            for (number, value) in (group..).zip(self.settings.axis_values(group)) {
                 text.push_str(&format!("${number}={value:.3}\r\n"));
             }
         }
-        self.say(&text);
+        self.send_text(&text);
     }
 
-    /// Out of an alarm all axes count as homed, and the motors of hard limits make pulses
-    /// again.
+    /// Unlocks after an alarm: all axes count as homed, and motors with hard limits are
+    /// released.
     fn unlock(&mut self) {
-        if self.state != State::Alarm {
+        if self.state != GrblState::Alarm {
             return;
         }
         self.fluid.unhomed = [false; 2];
         for (axis, letter) in ["x", "z"].iter().enumerate() {
-            if self.is_set(&format!("axes/{letter}/motor0/hard_limits")) {
-                self.fluid.limited[axis] = false;
+            if self.is_config_on(&format!("axes/{letter}/motor0/hard_limits")) {
+                self.fluid.blocked_motors[axis] = false;
             }
         }
-        self.state = State::Idle;
-        self.say("[MSG:INFO: Caution: Unlocked]\r\n");
+        self.state = GrblState::Idle;
+        self.send_text("[MSG:INFO: Caution: Unlocked]\r\n");
     }
 }
 
-/// A block without blanks and comments, in capitals.
-fn collapsed(line: &str) -> String {
+/// Removes blanks and comments from a block and converts it to capitals.
+fn normalize_block(line: &str) -> String {
     let mut text = String::new();
     let mut comment = false;
     for letter in line.chars() {

@@ -1,17 +1,16 @@
-//! What FluidNC's main task does at an event: a reset, a hold, an alarm, an edge of an
-//! input.
+//! Handles the events of FluidNC's main task: resets, holds, alarms and input edges.
 
-use super::super::{GrblTwin, State};
+use super::super::{GrblState, GrblTwin};
 use super::MS;
 
-/// How long every alarm keeps the main task.
-const ALARM_NS: u64 = 500 * MS;
-/// Events that find room.
-const EVENTS: usize = 50;
+/// Time for which each alarm blocks the main task, ns.
+const ALARM_DELAY_NS: u64 = 500 * MS;
+/// Capacity of the event queue.
+const MAX_EVENTS: usize = 50;
 
-/// What waits for the main task.
+/// An event in the queue of the main task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Event {
+pub(super) enum FluidEvent {
     Start,
     Restart,
     Reset,
@@ -19,19 +18,19 @@ pub(super) enum Event {
     Resume,
     Macro,
     Alarm(u8),
-    /// A limit switch, 0 X, 1 Z: operated, or let go.
+    /// A limit switch (0 for X, 1 for Z) was operated or released.
     Limit(usize, bool),
-    /// The emergency stop input.
+    /// The emergency stop input has changed.
     Emergency(bool),
-    /// An alarm only a reset ends has had its half second.
+    /// The delay of an alarm that needs a reset has elapsed.
     ResetToContinue,
-    /// The second half of a reset in motion, behind its alarm.
-    Cease,
+    /// Second part of a reset in motion, after its alarm.
+    FinishReset,
 }
 
 impl GrblTwin {
-    pub(super) fn put(&mut self, event: Event) {
-        if self.fluid.events.len() < EVENTS {
+    pub(super) fn push_event(&mut self, event: FluidEvent) {
+        if self.fluid.events.len() < MAX_EVENTS {
             self.fluid.events.push_back(event);
         }
     }
@@ -42,181 +41,187 @@ impl GrblTwin {
                 return;
             };
             match event {
-                Event::Start => self.start(),
-                Event::Restart => self.restart(),
-                Event::Reset => self.fluid_reset(),
-                Event::Hold => self.fluid_hold(),
-                Event::Resume => self.fluid_resume(),
-                Event::Macro => self.macros_run += 1,
-                Event::Alarm(number) => self.alarm(number),
-                Event::Limit(axis, operated) => self.limit(axis, operated),
-                Event::Emergency(operated) => self.emergency(operated),
-                Event::ResetToContinue => self.say("[MSG:ERR: Reset to continue]\r\n"),
-                Event::Cease => self.cease(),
+                FluidEvent::Start => self.handle_start(),
+                FluidEvent::Restart => self.handle_restart(),
+                FluidEvent::Reset => self.fluid_reset(),
+                FluidEvent::Hold => self.fluid_hold(),
+                FluidEvent::Resume => self.fluid_resume(),
+                FluidEvent::Macro => self.macro_count += 1,
+                FluidEvent::Alarm(number) => self.enter_alarm(number),
+                FluidEvent::Limit(axis, operated) => self.handle_limit(axis, operated),
+                FluidEvent::Emergency(operated) => self.handle_emergency(operated),
+                FluidEvent::ResetToContinue => self.send_text("[MSG:ERR: Reset to continue]\r\n"),
+                FluidEvent::FinishReset => self.finish_reset(),
             }
         }
     }
 
-    /// The first event after power-on.
-    fn start(&mut self) {
+    /// Handles the first event after power-on.
+    fn handle_start(&mut self) {
         let pins = self.pin_letters();
         if !pins.is_empty() {
-            self.say(&format!(
+            self.send_text(&format!(
                 "[MSG:WARN: Input pin(s) active on startup:{pins}]\r\n"
             ));
         }
-        self.put(Event::Restart);
-        self.state = State::Critical;
-        self.forget_homing();
+        self.push_event(FluidEvent::Restart);
+        self.state = GrblState::Critical;
+        self.mark_unhomed();
         if self.fluid.unhomed == [false; 2] {
-            self.state = State::Idle;
+            self.state = GrblState::Idle;
         } else {
-            self.put(Event::Alarm(14));
+            self.push_event(FluidEvent::Alarm(14));
         }
     }
 
-    /// Everything read and planned is gone; the place stays.
-    fn restart(&mut self) {
+    /// Clears received lines and planned motion; the position remains.
+    fn handle_restart(&mut self) {
         self.received.clear();
-        self.fluid.looked_at.clear();
+        self.fluid.polled_bytes.clear();
         self.fluid.after_cr = false;
-        self.fluid.brakes = false;
-        self.fluid.astray = [0; 3];
+        self.fluid.is_braking = false;
+        self.fluid.planner_error = [0; 3];
         self.fluid.cycle = None;
         self.reports = 0;
-        self.forget_work();
-        self.say(self.variant.banner());
+        self.clear_work();
+        self.send_text(self.variant.banner());
     }
 
     fn fluid_reset(&mut self) {
-        self.resets += 1;
+        self.reset_count += 1;
         let unhomed = self.fluid.unhomed != [false; 2];
         let alarm = match self.state {
-            State::Home => {
+            GrblState::Home => {
                 self.fluid.cycle = None;
-                self.put(Event::Alarm(6));
+                self.push_event(FluidEvent::Alarm(6));
                 None
             }
-            _ if self.state == State::Run || self.fluid.brakes => Some(3),
-            State::Critical if unhomed => Some(14),
-            State::Alarm => None,
+            _ if self.state == GrblState::Run || self.fluid.is_braking => Some(3),
+            GrblState::Critical if unhomed => Some(14),
+            GrblState::Alarm => None,
             _ => {
-                self.state = State::Idle;
+                self.state = GrblState::Idle;
                 None
             }
         };
         let Some(alarm) = alarm else {
-            return self.cease();
+            return self.finish_reset();
         };
-        self.alarm(alarm);
-        self.fluid.events.push_front(Event::Cease);
+        self.enter_alarm(alarm);
+        self.fluid.events.push_front(FluidEvent::FinishReset);
     }
 
-    /// Outputs off; the line under way ends without an answer.
-    fn cease(&mut self) {
-        self.spindle = 5;
+    /// Switches the outputs off; the current line ends without an answer.
+    fn finish_reset(&mut self) {
+        self.spindle_code = 5;
         self.coolant = false;
-        self.waiting = None;
-        self.answers_at = None;
+        self.waiting_block = None;
+        self.answer_at = None;
         self.fluid.command = None;
-        self.fluid.homes = false;
-        self.put(Event::Restart);
+        self.fluid.is_homing = false;
+        self.push_event(FluidEvent::Restart);
     }
 
     fn fluid_hold(&mut self) {
         match self.state {
-            State::Alarm | State::Check | State::Starting | State::Hold { .. } => {}
-            State::Home => self.say("[MSG:INFO: No hold while homing]\r\n"),
-            State::Idle => self.state = State::Hold { complete: true },
-            State::Run => {
-                self.state = State::Hold { complete: false };
-                self.fluid.brakes = true;
+            GrblState::Alarm | GrblState::Check | GrblState::Starting | GrblState::Hold { .. } => {}
+            GrblState::Home => self.send_text("[MSG:INFO: No hold while homing]\r\n"),
+            GrblState::Idle => self.state = GrblState::Hold { complete: true },
+            GrblState::Run => {
+                self.state = GrblState::Hold { complete: false };
+                self.fluid.is_braking = true;
             }
-            // It leaves the state a reset alone should end, and holds nothing.
-            State::Critical => self.state = State::Hold { complete: false },
+            // A firmware bug: a hold leaves the state that only a reset should end.
+            GrblState::Critical => self.state = GrblState::Hold { complete: false },
         }
     }
 
     fn fluid_resume(&mut self) {
-        if self.state == (State::Hold { complete: true }) {
+        if self.state == (GrblState::Hold { complete: true }) {
             self.state = if self.planner.is_empty() {
-                State::Idle
+                GrblState::Idle
             } else {
-                State::Run
+                GrblState::Run
             };
         }
     }
 
-    pub(in super::super) fn put_alarm(&mut self, number: u8) {
-        self.put(Event::Alarm(number));
+    pub(in super::super) fn push_alarm(&mut self, number: u8) {
+        self.push_event(FluidEvent::Alarm(number));
     }
 
-    fn alarm(&mut self, number: u8) {
-        if self.is_set("10V/off_on_alarm") {
-            self.spindle = 5;
-            self.modal.spindle = 5;
+    fn enter_alarm(&mut self, number: u8) {
+        if self.is_config_on("10V/off_on_alarm") {
+            self.spindle_code = 5;
+            self.modal.spindle_code = 5;
         }
         let critical = matches!(number, 1 | 2 | 13);
         if matches!(number, 1 | 13) {
-            self.forget_homing();
+            self.mark_unhomed();
         }
         self.state = if critical {
-            State::Critical
+            GrblState::Critical
         } else {
-            State::Alarm
+            GrblState::Alarm
         };
         let name = alarm_name(number);
-        self.say(&format!("[MSG:INFO: ALARM: {name}]\r\nALARM:{number}\r\n"));
-        self.fluid.blocked_until = self.now + ALARM_NS;
+        self.send_text(&format!("[MSG:INFO: ALARM: {name}]\r\nALARM:{number}\r\n"));
+        self.fluid.blocked_until = self.now + ALARM_DELAY_NS;
         if critical {
-            self.fluid.events.push_front(Event::ResetToContinue);
+            self.fluid.events.push_front(FluidEvent::ResetToContinue);
         }
     }
 
-    /// No axis is homed any more, where the configuration asks for it.
-    fn forget_homing(&mut self) {
-        if self.is_set("start/must_home") {
+    /// Marks all axes with homing as not homed if the configuration requires homing.
+    fn mark_unhomed(&mut self) {
+        if self.is_config_on("start/must_home") {
             self.fluid.unhomed = self.fluid.start.homing;
         }
     }
 
-    fn limit(&mut self, axis: usize, operated: bool) {
-        self.fluid.seen[axis] = operated;
+    fn handle_limit(&mut self, axis: usize, operated: bool) {
+        self.fluid.known_inputs[axis] = operated;
         if !operated {
-            self.fluid.limited[axis] = false;
+            self.fluid.blocked_motors[axis] = false;
             return;
         }
         let letter = ["x", "z"][axis];
-        let hard = self.is_set(&format!("axes/{letter}/motor0/hard_limits"));
+        let hard = self.is_config_on(&format!("axes/{letter}/motor0/hard_limits"));
         match self.state {
-            State::Home => return self.limit_while_homing(axis),
-            _ if hard => self.fluid.limited[axis] = true,
+            GrblState::Home => return self.stop_axis_at_switch(axis),
+            _ if hard => self.fluid.blocked_motors[axis] = true,
             _ => {}
         }
-        let acts = matches!(self.state, State::Run | State::Idle | State::Hold { .. });
-        // At the start a switch is an alarm whether it is a hard limit or not.
-        if self.state == State::Starting {
-            self.put(Event::Alarm(1));
+        let acts = matches!(
+            self.state,
+            GrblState::Run | GrblState::Idle | GrblState::Hold { .. }
+        );
+        // At startup an operated switch is an alarm, even without hard limits.
+        if self.state == GrblState::Starting {
+            self.push_event(FluidEvent::Alarm(1));
         } else if hard && acts {
-            self.planner.halt();
-            self.alarm(1);
+            self.planner.dead_stop();
+            self.enter_alarm(1);
         }
     }
 
-    fn emergency(&mut self, operated: bool) {
-        self.fluid.seen[2] = operated;
+    fn handle_emergency(&mut self, operated: bool) {
+        self.fluid.known_inputs[2] = operated;
         if !operated {
             return;
         }
-        let acts = !matches!(self.state, State::Alarm | State::Critical | State::Check);
-        if self.state == State::Starting {
-            self.put(Event::Alarm(11));
+        let acts = !matches!(
+            self.state,
+            GrblState::Alarm | GrblState::Critical | GrblState::Check
+        );
+        if self.state == GrblState::Starting {
+            self.push_event(FluidEvent::Alarm(11));
         } else {
-            self.say("[MSG:INFO: Stopped by estop_pin]\r\n");
+            self.send_text("[MSG:INFO: Stopped by estop_pin]\r\n");
             if acts {
-                self.planner.halt();
+                self.planner.dead_stop();
                 self.fluid.cycle = None;
-                self.alarm(13);
+                self.enter_alarm(13);
             }
         }
     }

@@ -1,107 +1,107 @@
-//! Homing as FluidNC does it: by cycles, the axes of a cycle together.
+//! Homing of FluidNC: in cycles; the axes of a cycle move together.
 //!
 //! ```text
-//!   ◄─ pulloff ─ switch operated at the beginning
+//!   ◄─ pulloff ─ switch operated at the start
 //!   seek ──────────────────────►|switch    at most seek_scaler x max_travel, or ALARM:9
 //!               ◄─ pulloff ─────|          still operated: ALARM:8
 //!        feed   ───────────────►|          at most feed_scaler x pulloff, or ALARM:9
-//!               ◄─ pulloff ─────|          homing_runs times; here the place is set
+//!               ◄─ pulloff ─────|          homing_runs times; here the position is set
 //! ```
 //!
-//! After an alarm the command is answered `ok` all the same.
+//! The command is answered `ok` even after an alarm.
 
 use std::collections::VecDeque;
 
-use super::super::{GrblTwin, State};
-use super::{Event, MS};
+use super::super::{GrblState, GrblTwin};
+use super::{FluidEvent, MS};
 
-/// Axes of the board and their names in the configuration.
+/// Axes of the board with their configuration paths and letters.
 const AXES: [(usize, &str, char); 2] = [(0, "axes/x", 'X'), (2, "axes/z", 'Z')];
-/// From the end of a way off the switch until the switch is looked at.
-const LOOKS_NS: u64 = 10 * MS;
-/// The highest number of a cycle.
-const CYCLES: i64 = 6;
+/// Delay from the end of a pull-off to the check of the switch, ns.
+const SWITCH_CHECK_DELAY_NS: u64 = 10 * MS;
+/// Highest number of a homing cycle.
+const MAX_CYCLE: i64 = 6;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Phase {
-    /// Off a switch that is operated at the beginning.
+enum HomingPhase {
+    /// Pull-off from a switch that is operated at the start.
     Clear,
     Seek,
-    Off,
+    PullOffAfterSeek,
     Feed,
-    OffAgain,
+    PullOffAfterFeed,
 }
 
-impl Phase {
-    const fn approaches(self) -> bool {
+impl HomingPhase {
+    const fn is_approach(self) -> bool {
         matches!(self, Self::Seek | Self::Feed)
     }
 }
 
-/// The way of one axis in a phase.
+/// The move of one axis in a phase.
 #[derive(Clone, Copy, Debug)]
-struct Leg {
-    /// mm, with sign.
-    way: f64,
-    /// mm/s.
-    rate: f64,
-    /// Pulses/mm.
-    scale: f64,
-    done: f64,
-    made: i64,
+struct AxisMove {
+    /// Signed distance, mm.
+    distance_mm: f64,
+    /// Speed, mm/s.
+    rate_mm_per_s: f64,
+    /// Pulses per mm.
+    pulses_per_mm: f64,
+    travelled_mm: f64,
+    pulses_made: i64,
 }
 
-/// Homing under way.
+/// The current homing cycle.
 #[derive(Clone, Debug)]
-pub(super) struct Cycle {
-    /// The count when homing began.
-    from: [i64; 3],
-    /// Cycles to come, the axes of each.
+pub(super) struct HomingCycle {
+    /// Position at the start of homing, pulses.
+    start_position: [i64; 3],
+    /// Axes of the cycles that follow.
     next: VecDeque<[bool; 2]>,
     axes: [bool; 2],
-    phase: Phase,
+    phase: HomingPhase,
     runs: u32,
-    legs: [Option<Leg>; 2],
-    /// The way off the switch is made; it is looked at then.
-    looks_at: Option<u64>,
+    moves: [Option<AxisMove>; 2],
+    /// Time at which the switch is checked after a pull-off, ns.
+    check_switch_at: Option<u64>,
 }
 
 impl GrblTwin {
     fn homing_item(&self, axis: usize, item: &str) -> f64 {
-        self.number(&format!("{}/homing/{item}", AXES[axis].1))
+        self.config_number(&format!("{}/homing/{item}", AXES[axis].1))
     }
 
-    fn cycle_of(&self, axis: usize) -> Option<i64> {
+    fn homing_cycle_number(&self, axis: usize) -> Option<i64> {
         let path = format!("{}/homing/cycle", AXES[axis].1);
-        self.item(&path)?.parse().ok()
+        self.config_item(&path)?.parse().ok()
     }
 
-    /// `$H`, or one axis; None where it is answered later.
-    pub(super) fn begin_cycles(&mut self, only: Option<usize>) -> Option<Result<(), u8>> {
-        if self.fluid.seen[2] {
+    /// Starts homing all axes or one axis. Returns `None` if the command is answered later.
+    pub(super) fn start_homing(&mut self, only: Option<usize>) -> Option<Result<(), u8>> {
+        if self.fluid.known_inputs[2] {
             return Some(Err(40));
         }
         if let Some(axis) = only
-            && !self.is_set(&format!("{}/homing/allow_single_axis", AXES[axis].1))
+            && !self.is_config_on(&format!("{}/homing/allow_single_axis", AXES[axis].1))
         {
             return Some(Err(19));
         }
         if self.fluid.start.homing == [false; 2] {
             return Some(Err(5));
         }
-        self.fluid.homes = true;
+        self.fluid.is_homing = true;
         if self.is_ambiguous() {
-            self.say("[MSG:ERR: A switch of both ends is operated]\r\n");
-            self.state = State::Alarm;
-            self.put(Event::Alarm(12));
+            self.send_text("[MSG:ERR: A switch of both ends is operated]\r\n");
+            self.state = GrblState::Alarm;
+            self.push_event(FluidEvent::Alarm(12));
             return None;
         }
         let mut next = VecDeque::new();
         for (axis, (number, ..)) in AXES.into_iter().enumerate() {
-            if self.cycle_of(axis) == Some(-1) && only.is_none_or(|only| only == axis) {
+            if self.homing_cycle_number(axis) == Some(-1) && only.is_none_or(|only| only == axis) {
                 let before = self.position[number];
-                self.set_place(axis);
-                self.fluid.astray[number] += before - self.position[number];
+                self.set_homed_position(axis);
+                self.fluid.planner_error[number] += before - self.position[number];
                 if only.is_some() {
                     return None;
                 }
@@ -110,22 +110,23 @@ impl GrblTwin {
         match only {
             Some(axis) => next.push_back([axis == 0, axis == 1]),
             None => {
-                let cycles =
-                    (1..=CYCLES).map(|cycle| [0, 1].map(|axis| self.cycle_of(axis) == Some(cycle)));
+                let cycles = (1..=MAX_CYCLE)
+                    .map(|cycle| [0, 1].map(|axis| self.homing_cycle_number(axis) == Some(cycle)));
                 next.extend(cycles.filter(|axes| *axes != [false; 2]));
             }
         }
         if next.is_empty() {
-            self.say("[MSG:ERR: No homing cycles defined]\r\n");
-            self.state = State::Alarm;
+            self.send_text("[MSG:ERR: No homing cycles defined]\r\n");
+            self.state = GrblState::Alarm;
             return None;
         }
-        self.state = State::Home;
-        self.next_cycle(self.position, next);
+        self.state = GrblState::Home;
+        self.start_next_cycle(self.position, next);
         None
     }
 
-    /// A switch wired to both ends does not tell from which one it is to be left.
+    /// Returns whether an operated switch serves both ends, so that its direction is
+    /// unknown.
     fn is_ambiguous(&self) -> bool {
         let all = |axis: usize| {
             let path = format!("{}/motor0/limit_all_pin", AXES[axis].1);
@@ -133,64 +134,69 @@ impl GrblTwin {
                 .tree()
                 .is_some_and(|tree| tree.is_wired(&path))
         };
-        (0..2).any(|axis| self.fluid.seen[axis] && all(axis))
+        (0..2).any(|axis| self.fluid.known_inputs[axis] && all(axis))
     }
 
-    fn next_cycle(&mut self, from: [i64; 3], mut next: VecDeque<[bool; 2]>) {
+    fn start_next_cycle(&mut self, from: [i64; 3], mut next: VecDeque<[bool; 2]>) {
         let Some(wanted) = next.pop_front() else {
             self.fluid.cycle = None;
-            self.fluid.astray = [0; 3];
-            self.modal.position = self.millimetres();
+            self.fluid.planner_error = [0; 3];
+            self.modal.position = self.position_mm();
             self.state = if self.fluid.unhomed == [false; 2] {
-                State::Idle
+                GrblState::Idle
             } else {
-                State::Alarm
+                GrblState::Alarm
             };
             return;
         };
         let start = &self.fluid.start;
         let axes = [0, 1].map(|axis| wanted[axis] && start.homing[axis]);
         let blind = (0..2).any(|axis| axes[axis] && !start.limit[axis]);
-        self.fluid.cycle = Some(Cycle {
-            from,
+        self.fluid.cycle = Some(HomingCycle {
+            start_position: from,
             next,
             axes,
-            phase: Phase::Clear,
-            runs: self.number("axes/homing_runs") as u32,
-            legs: [None; 2],
-            looks_at: None,
+            phase: HomingPhase::Clear,
+            runs: self.config_number("axes/homing_runs") as u32,
+            moves: [None; 2],
+            check_switch_at: None,
         });
         if blind {
-            self.say("[MSG:ERR: An axis without limit switch cannot be homed]\r\n");
-            return self.fail(9);
+            self.send_text("[MSG:ERR: An axis without limit switch cannot be homed]\r\n");
+            return self.fail_cycle(9);
         }
-        let operated = (0..2).any(|axis| axes[axis] && self.fluid.seen[axis]);
-        self.begin_phase(if operated { Phase::Clear } else { Phase::Seek });
+        let operated = (0..2).any(|axis| axes[axis] && self.fluid.known_inputs[axis]);
+        self.start_phase(if operated {
+            HomingPhase::Clear
+        } else {
+            HomingPhase::Seek
+        });
     }
 
-    fn begin_phase(&mut self, phase: Phase) {
+    fn start_phase(&mut self, phase: HomingPhase) {
         let Some(mut cycle) = self.fluid.cycle.take() else {
             return;
         };
-        // The longest search gives the way of all.
+        // The longest seek sets the distance of all axes.
         let longest = (0..2)
             .filter(|axis| cycle.axes[*axis])
             .map(|axis| {
-                self.settings.axes(130)[AXES[axis].0] / self.homing_item(axis, "seek_mm_per_min")
+                self.settings.axis_values(130)[AXES[axis].0]
+                    / self.homing_item(axis, "seek_mm_per_min")
             })
             .fold(0.0, f64::max);
-        let scale = self.settings.axes(100);
+        let scale = self.settings.axis_values(100);
         cycle.phase = phase;
-        cycle.looks_at = None;
+        cycle.check_switch_at = None;
         for axis in 0..2 {
-            cycle.legs[axis] = None;
+            cycle.moves[axis] = None;
             if !cycle.axes[axis] {
                 continue;
             }
-            self.fluid.limited[axis] = false;
+            self.fluid.blocked_motors[axis] = false;
             let (_, name, _) = AXES[axis];
-            let pull_off = self.number(&format!("{name}/motor0/pulloff_mm"));
-            let positive = self.is_set(&format!("{name}/homing/positive_direction"));
+            let pull_off = self.config_number(&format!("{name}/motor0/pulloff_mm"));
+            let positive = self.is_config_on(&format!("{name}/homing/positive_direction"));
             let feed = self.homing_item(axis, "feed_mm_per_min");
             let seek = self.homing_item(axis, "seek_mm_per_min");
             let towards = if positive { 1.0 } else { -1.0 };
@@ -199,75 +205,84 @@ impl GrblTwin {
             } else {
                 1.0
             };
-            let (way, rate) = match phase {
-                Phase::Clear if !self.fluid.seen[axis] => continue,
-                Phase::Clear => (off * pull_off, feed),
-                Phase::Seek => {
+            let (distance_mm, rate) = match phase {
+                HomingPhase::Clear if !self.fluid.known_inputs[axis] => continue,
+                HomingPhase::Clear => (off * pull_off, feed),
+                HomingPhase::Seek => {
                     let scaler = self.homing_item(axis, "seek_scaler");
                     (towards * longest * seek * scaler, seek)
                 }
-                Phase::Feed => {
+                HomingPhase::Feed => {
                     let scaler = self.homing_item(axis, "feed_scaler");
                     (towards * pull_off * scaler, feed)
                 }
-                Phase::Off | Phase::OffAgain => (-towards * pull_off, feed),
+                HomingPhase::PullOffAfterSeek | HomingPhase::PullOffAfterFeed => {
+                    (-towards * pull_off, feed)
+                }
             };
-            cycle.legs[axis] = Some(Leg {
-                way,
-                rate: rate / 60.0,
-                scale: scale[AXES[axis].0],
-                done: 0.0,
-                made: 0,
+            cycle.moves[axis] = Some(AxisMove {
+                distance_mm,
+                rate_mm_per_s: rate / 60.0,
+                pulses_per_mm: scale[AXES[axis].0],
+                travelled_mm: 0.0,
+                pulses_made: 0,
             });
         }
         self.fluid.cycle = Some(cycle);
     }
 
-    /// A step of the search.
-    pub(super) fn home_cycle(&mut self, seconds: f64) {
+    /// Advances homing by one time step.
+    pub(super) fn advance_homing_cycle(&mut self, seconds: f64) {
         let Some(mut cycle) = self.fluid.cycle.take() else {
             return;
         };
         let mut missed = false;
-        for (leg_of, (number, ..)) in cycle.legs.iter_mut().zip(AXES) {
-            let Some(leg) = leg_of else {
+        for (move_slot, (number, ..)) in cycle.moves.iter_mut().zip(AXES) {
+            let Some(axis_move) = move_slot else {
                 continue;
             };
-            leg.done = (leg.done + leg.rate * seconds).min(leg.way.abs());
-            let due = (leg.done * leg.way.signum() * leg.scale).round() as i64;
-            let count = due - leg.made;
-            leg.made = due;
-            self.count(number, count);
-            if leg.done >= leg.way.abs() {
-                *leg_of = None;
-                missed |= cycle.phase.approaches();
+            axis_move.travelled_mm = (axis_move.travelled_mm + axis_move.rate_mm_per_s * seconds)
+                .min(axis_move.distance_mm.abs());
+            let due =
+                (axis_move.travelled_mm * axis_move.distance_mm.signum() * axis_move.pulses_per_mm)
+                    .round() as i64;
+            let count = due - axis_move.pulses_made;
+            axis_move.pulses_made = due;
+            self.count_pulses(number, count);
+            if axis_move.travelled_mm >= axis_move.distance_mm.abs() {
+                *move_slot = None;
+                missed |= cycle.phase.is_approach();
             }
         }
-        let stands = cycle.legs.iter().all(Option::is_none);
+        let stands = cycle.moves.iter().all(Option::is_none);
         let (phase, axes) = (cycle.phase, cycle.axes);
-        if stands && !missed && cycle.looks_at.is_none() {
-            let wait = if phase.approaches() { 0 } else { LOOKS_NS };
-            cycle.looks_at = Some(self.now + wait);
+        if stands && !missed && cycle.check_switch_at.is_none() {
+            let wait = if phase.is_approach() {
+                0
+            } else {
+                SWITCH_CHECK_DELAY_NS
+            };
+            cycle.check_switch_at = Some(self.now + wait);
         }
-        let looks_at = cycle.looks_at;
+        let check_switch_at = cycle.check_switch_at;
         self.fluid.cycle = Some(cycle);
         if missed {
-            // It reports itself unasked.
-            let text = self.report();
-            self.fail(9);
-            return self.say(&text);
+            // The board reports without a request.
+            let text = self.status_report();
+            self.fail_cycle(9);
+            return self.send_text(&text);
         }
-        if looks_at.is_none_or(|at| self.now < at) {
+        if check_switch_at.is_none_or(|at| self.now < at) {
             return;
         }
-        let on_switch = (0..2).any(|axis| axes[axis] && self.fluid.seen[axis]);
-        if !phase.approaches() && on_switch {
-            return self.fail(8);
+        let on_switch = (0..2).any(|axis| axes[axis] && self.fluid.known_inputs[axis]);
+        if !phase.is_approach() && on_switch {
+            return self.fail_cycle(8);
         }
-        self.next_phase(phase, axes);
+        self.finish_phase(phase, axes);
     }
 
-    fn next_phase(&mut self, phase: Phase, axes: [bool; 2]) {
+    fn finish_phase(&mut self, phase: HomingPhase, axes: [bool; 2]) {
         let settle = (0..2)
             .filter(|axis| axes[*axis])
             .map(|axis| self.homing_item(axis, "settle_ms"))
@@ -277,58 +292,58 @@ impl GrblTwin {
             return;
         };
         let phase = match phase {
-            Phase::Clear => Some(Phase::Seek),
-            Phase::Seek => Some(Phase::Off),
-            Phase::Off if cycle.runs <= 1 => None,
-            Phase::Off => Some(Phase::Feed),
-            Phase::Feed => Some(Phase::OffAgain),
-            Phase::OffAgain => {
+            HomingPhase::Clear => Some(HomingPhase::Seek),
+            HomingPhase::Seek => Some(HomingPhase::PullOffAfterSeek),
+            HomingPhase::PullOffAfterSeek if cycle.runs <= 1 => None,
+            HomingPhase::PullOffAfterSeek => Some(HomingPhase::Feed),
+            HomingPhase::Feed => Some(HomingPhase::PullOffAfterFeed),
+            HomingPhase::PullOffAfterFeed => {
                 cycle.runs -= 1;
-                (cycle.runs > 1).then_some(Phase::Feed)
+                (cycle.runs > 1).then_some(HomingPhase::Feed)
             }
         };
         if let Some(phase) = phase {
-            return self.begin_phase(phase);
+            return self.start_phase(phase);
         }
-        let from = cycle.from;
+        let from = cycle.start_position;
         let next = core::mem::take(&mut cycle.next);
         let mut names = String::new();
         for axis in 0..2 {
             if axes[axis] {
-                self.set_place(axis);
+                self.set_homed_position(axis);
                 self.fluid.unhomed[axis] = false;
                 names.push(AXES[axis].2);
             }
         }
-        self.say(&format!("[MSG:Homed:{names}]\r\n"));
-        self.next_cycle(from, next);
+        self.send_text(&format!("[MSG:Homed:{names}]\r\n"));
+        self.start_next_cycle(from, next);
     }
 
-    fn set_place(&mut self, axis: usize) {
+    fn set_homed_position(&mut self, axis: usize) {
         let (number, ..) = AXES[axis];
-        let place = self.homing_item(axis, "mpos_mm") * self.settings.axes(100)[number];
-        self.position[number] = place.round() as i64;
-        self.miscounted[number] = 0;
+        let position = self.homing_item(axis, "mpos_mm") * self.settings.axis_values(100)[number];
+        self.position[number] = position.round() as i64;
+        self.position_error[number] = 0;
     }
 
-    /// The pulses stop; the command is answered when the alarm has had its time.
-    fn fail(&mut self, number: u8) {
+    /// Ends homing with an alarm; the command is answered after its delay.
+    fn fail_cycle(&mut self, number: u8) {
         if let Some(cycle) = self.fluid.cycle.take() {
-            for (axis, from) in cycle.from.into_iter().enumerate() {
-                self.fluid.astray[axis] += from - self.position[axis];
+            for (axis, from) in cycle.start_position.into_iter().enumerate() {
+                self.fluid.planner_error[axis] += from - self.position[axis];
             }
         }
-        self.put(Event::Alarm(number));
+        self.push_event(FluidEvent::Alarm(number));
     }
 
-    /// An edge into a switch.
-    pub(super) fn limit_while_homing(&mut self, axis: usize) {
+    /// Stops an axis at the edge of its switch.
+    pub(super) fn stop_axis_at_switch(&mut self, axis: usize) {
         let Some(cycle) = &mut self.fluid.cycle else {
             return;
         };
-        if cycle.phase.approaches() {
-            self.fluid.limited[axis] = true;
-            cycle.legs[axis] = None;
+        if cycle.phase.is_approach() {
+            self.fluid.blocked_motors[axis] = true;
+            cycle.moves[axis] = None;
         }
     }
 }

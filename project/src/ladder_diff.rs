@@ -1,30 +1,30 @@
-//! What has changed from one ladder to another.
+//! Compares two ladder programs by their meaning.
 
 use std::collections::BTreeMap;
 
 use gsk_core::plc::{Ladder, Mnemonic, Operand, Rung};
 use gsk_messages::{Message, say};
 
-/// What a rung does, without where its text stands.
+/// A rung without its source lines.
 #[derive(PartialEq)]
-struct Does {
+struct RungContent {
     title: Option<String>,
     statements: Vec<(Mnemonic, Vec<Operand>, Vec<i32>)>,
 }
 
-fn does(rung: Rung<'_>) -> Does {
+fn rung_content(rung: Rung<'_>) -> RungContent {
     let statements = rung.statements.iter();
     let statements = statements.map(|it| (it.mnemonic, it.operands.clone(), it.table.clone()));
-    Does {
+    RungContent {
         title: rung.title.map(str::to_owned),
         statements: statements.collect(),
     }
 }
 
-/// The changes by meaning: head, messages, comments, start values, M codes, rungs. A text
-/// that differs in its remarks alone is said to.
-pub(crate) fn changes(old: &str, new: &str) -> Vec<Message> {
-    // Both were compiled when they were read.
+/// Lists the changes between two ladders: header, messages, comments, start values, M codes,
+/// rungs. If only remarks differ, the list has one message for that.
+pub(crate) fn describe_ladder_changes(old: &str, new: &str) -> Vec<Message> {
+    // Both compile: the import has compiled them.
     let (Ok(old), Ok(new)) = (Ladder::compile(old), Ladder::compile(new)) else {
         return Vec::new();
     };
@@ -41,13 +41,13 @@ pub(crate) fn changes(old: &str, new: &str) -> Vec<Message> {
         ]
         .into()
     };
-    compare(&mut found, header(&old), header(&new));
+    compare_named(&mut found, header(&old), header(&new));
     let messages = |ladder: &Ladder| {
         let rows = ladder.messages().iter();
         let rows = rows.map(|it| (it.bit.to_string(), format!("{} {}", it.number, it.text)));
         rows.collect()
     };
-    compare(&mut found, messages(&old), messages(&new));
+    compare_named(&mut found, messages(&old), messages(&new));
     let comments = |ladder: &Ladder| {
         let rows = ladder.comments().iter();
         let rows = rows.map(|it| {
@@ -56,21 +56,21 @@ pub(crate) fn changes(old: &str, new: &str) -> Vec<Message> {
         });
         rows.collect()
     };
-    compare(&mut found, comments(&old), comments(&new));
-    let starts = |ladder: &Ladder| {
+    compare_named(&mut found, comments(&old), comments(&new));
+    let start_values = |ladder: &Ladder| {
         let rows = ladder.start_values().iter();
         let rows = rows.map(|it| (format!(".INIT {}", it.address), it.value.to_string()));
         rows.collect()
     };
-    compare(&mut found, starts(&old), starts(&new));
-    let codes = |ladder: &Ladder| {
+    compare_named(&mut found, start_values(&old), start_values(&new));
+    let m_codes = |ladder: &Ladder| {
         let rows = ladder.m_codes().iter();
         rows.map(|it| (format!("M{:02}", it.code), it.text.clone()))
             .collect()
     };
-    compare(&mut found, codes(&old), codes(&new));
-    let [before, after] = [&old, &new].map(|it| it.rungs().map(does).collect::<Vec<_>>());
-    let (first, old_count, new_count) = between(&before, &after);
+    compare_named(&mut found, m_codes(&old), m_codes(&new));
+    let [before, after] = [&old, &new].map(|it| it.rungs().map(rung_content).collect::<Vec<_>>());
+    let (first, old_count, new_count) = changed_range(&before, &after);
     if old_count + new_count > 0 {
         found.push(say::project_rungs(first + 1, old_count, new_count));
     }
@@ -80,7 +80,7 @@ pub(crate) fn changes(old: &str, new: &str) -> Vec<Message> {
     found
 }
 
-fn compare(
+fn compare_named(
     found: &mut Vec<Message>,
     old: BTreeMap<String, String>,
     mut new: BTreeMap<String, String>,
@@ -99,10 +99,10 @@ fn compare(
     }
 }
 
-/// Where two lists begin to differ, and how many each has from there to where they are the
-/// same again up to their end.
-pub(crate) fn between<T: PartialEq>(old: &[T], new: &[T]) -> (usize, usize, usize) {
-    let same = |pairs: &mut dyn Iterator<Item = (&T, &T)>| {
+/// Finds the range that differs between two lists: the index of the first difference, and the
+/// number of differing items in `old` and in `new`. The items after the range are equal.
+pub(crate) fn changed_range<T: PartialEq>(old: &[T], new: &[T]) -> (usize, usize, usize) {
+    let count_equal = |pairs: &mut dyn Iterator<Item = (&T, &T)>| {
         let mut count = 0;
         for (one, other) in pairs {
             if one != other {
@@ -112,7 +112,16 @@ pub(crate) fn between<T: PartialEq>(old: &[T], new: &[T]) -> (usize, usize, usiz
         }
         count
     };
-    let first = same(&mut old.iter().zip(new));
-    let last = same(&mut old[first..].iter().rev().zip(new[first..].iter().rev()));
-    (first, old.len() - first - last, new.len() - first - last)
+    let first_changed = count_equal(&mut old.iter().zip(new));
+    let equal_at_end = count_equal(
+        &mut old[first_changed..]
+            .iter()
+            .rev()
+            .zip(new[first_changed..].iter().rev()),
+    );
+    (
+        first_changed,
+        old.len() - first_changed - equal_at_end,
+        new.len() - first_changed - equal_at_end,
+    )
 }

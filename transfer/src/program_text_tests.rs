@@ -4,13 +4,13 @@ use super::*;
 
 const BAUD: u32 = 9600;
 
-/// What a reader makes of bytes, with all the time it wants.
+/// Reads bytes without time limits.
 fn read(bytes: &[u8]) -> Vec<TextEvent> {
     let mut reader = TextReader::new(BAUD);
     let mut events = Vec::new();
     let mut now = HostTime::ZERO;
     for chunk in bytes.chunks(7) {
-        reader.hear(chunk, now);
+        reader.receive(chunk, now);
         now += HostTime::from_millis(10);
         while let Some(event) = reader.advance(now) {
             events.push(event);
@@ -26,11 +26,11 @@ fn read(bytes: &[u8]) -> Vec<TextEvent> {
 }
 
 fn whole(text: &str) -> Vec<TextEvent> {
-    vec![TextEvent::Begun, TextEvent::Whole(text.to_owned())]
+    vec![TextEvent::Started, TextEvent::Complete(text.to_owned())]
 }
 
 #[test]
-fn line_ends_leader_and_parity_of_every_kind_are_read() {
+fn all_line_ends_leaders_and_parities_are_read() {
     let lines = "O0001\nG00 X10\n\nM30\n";
     for end in ["\r\n", "\n", "\r", "\n\r", "\n\r\r"] {
         let text = lines.replace('\n', end);
@@ -50,80 +50,83 @@ fn line_ends_leader_and_parity_of_every_kind_are_read() {
 }
 
 #[test]
-fn several_programs_of_one_text_and_texts_in_a_row_are_told_apart() {
+fn programs_and_consecutive_texts_are_separated() {
     let text = "O0001 (A)\nM30\nO0002\nM99\n";
-    assert_eq!(programs(text), ["O0001 (A)\nM30\n", "O0002\nM99\n"]);
-    assert_eq!(programs("G0 X1\n"), ["G0 X1\n"]);
-    assert_eq!(program_number("O0012 (A)\n"), Some(12));
-    assert_eq!(program_number("\n:7\n"), Some(7));
-    assert_eq!(program_number("G0\nO1\n"), None);
-    assert_eq!(program_number("O99999\n"), None);
+    assert_eq!(split_programs(text), ["O0001 (A)\nM30\n", "O0002\nM99\n"]);
+    assert_eq!(split_programs("G0 X1\n"), ["G0 X1\n"]);
+    assert_eq!(parse_program_number("O0012 (A)\n"), Some(12));
+    assert_eq!(parse_program_number("\n:7\n"), Some(7));
+    assert_eq!(parse_program_number("G0\nO1\n"), None);
+    assert_eq!(parse_program_number("O99999\n"), None);
     let two = read(b"%\nO1\nM30\n%\n%\nO2\nM30\n%\n");
     assert_eq!(two, [whole("O1\nM30\n"), whole("O2\nM30\n")].concat());
 }
 
 #[test]
-fn a_text_without_its_end_is_nothing() {
+fn incomplete_text_is_not_delivered() {
     let long = [b"%\nO0001\n".to_vec(), b"G00 X1.\n".repeat(50)].concat();
-    assert_eq!(read(&long), [TextEvent::Begun, TextEvent::Broken]);
-    assert_eq!(read(b"%\nO1\n"), [TextEvent::Begun, TextEvent::Noise]);
-    // A control character is no text, whatever came before it.
+    assert_eq!(read(&long), [TextEvent::Started, TextEvent::Interrupted]);
+    assert_eq!(read(b"%\nO1\n"), [TextEvent::Started, TextEvent::Noise]);
+    // A control character ends any text with an error.
     let noise = [long, b"\x05M30\n%\n".to_vec()].concat();
     let events = read(&noise);
-    assert_eq!(events[..2], [TextEvent::Begun, TextEvent::Broken]);
+    assert_eq!(events[..2], [TextEvent::Started, TextEvent::Interrupted]);
     assert!(
         !events
             .iter()
-            .any(|event| matches!(event, TextEvent::Whole(text) if text.contains("G00")))
+            .any(|event| matches!(event, TextEvent::Complete(text) if text.contains("G00")))
     );
 }
 
 #[test]
-fn a_partner_that_is_too_fast_is_stopped_and_nothing_is_lost() {
+fn fast_sender_is_stopped_without_loss() {
     let text: String = (1..2000).map(|n| format!("N{n} G01 X{n}\n")).collect();
     let text = format!("O0001\n{text}");
-    let mut writer = TextWriter::new(&text, LineEnd::CrLf, 115_200).unwrap();
+    let mut writer = TextWriter::new(&text, TextLineEnd::CrLf, 115_200).unwrap();
     let mut reader = TextReader::new(BAUD);
     let (mut stops, mut found) = (0, None);
     let mut now = HostTime::ZERO;
     while found.is_none() {
         now += HostTime::from_millis(1);
         assert!(now < HostTime::from_secs(120));
-        let due = writer.due(now).to_vec();
-        writer.sent(due.len(), now);
-        reader.hear(&due, now);
-        let replies = reader.take_replies();
-        stops += replies.iter().filter(|reply| **reply == STOP).count();
-        writer.hear(&replies);
+        let due = writer.pending_bytes(now).to_vec();
+        writer.mark_sent(due.len(), now);
+        reader.receive(&due, now);
+        let replies = reader.take_flow_control();
+        stops += replies.iter().filter(|reply| **reply == XOFF).count();
+        writer.receive(&replies);
         while let Some(event) = reader.advance(now) {
-            found = Some(event).filter(|event| *event != TextEvent::Begun);
+            found = Some(event).filter(|event| *event != TextEvent::Started);
         }
     }
-    assert_eq!(found, Some(TextEvent::Whole(text)));
+    assert_eq!(found, Some(TextEvent::Complete(text)));
     assert!(stops > 10, "{stops}");
-    // One that does not stop is told.
-    reader.hear(&b"%\nG00\n".repeat(20_000), now);
-    let told = core::iter::from_fn(|| reader.advance(now + HostTime::from_secs(1))).last();
+    // A sender that ignores XOFF is reported.
+    reader.receive(&b"%\nG00\n".repeat(20_000), now);
+    let last_event = core::iter::from_fn(|| reader.advance(now + HostTime::from_secs(1))).last();
     assert!(
-        matches!(told, Some(TextEvent::Noise | TextEvent::Broken)),
-        "{told:?}"
+        matches!(last_event, Some(TextEvent::Noise | TextEvent::Interrupted)),
+        "{last_event:?}"
     );
 }
 
 #[test]
-fn what_is_written_stands_between_percents() {
+fn written_text_is_enclosed_in_percent_signs() {
     let bytes = |text, end| TextWriter::new(text, end, BAUD).unwrap().bytes;
     for text in [
         "O0001\nM30\n",
         "%\nO0001\r\nM30\r\n%\r\n",
         "\nO0001\nM30\n%",
     ] {
-        assert_eq!(bytes(text, LineEnd::CrLf), b"%\r\nO0001\r\nM30\r\n%\r\n");
         assert_eq!(
-            bytes(text, LineEnd::LfCrCr),
+            bytes(text, TextLineEnd::CrLf),
+            b"%\r\nO0001\r\nM30\r\n%\r\n"
+        );
+        assert_eq!(
+            bytes(text, TextLineEnd::LfCrCr),
             b"%\n\r\rO0001\n\r\rM30\n\r\r%\n\r\r"
         );
     }
-    let refused = TextWriter::new("O0001\n(轴)\n", LineEnd::Lf, BAUD).unwrap_err();
+    let refused = TextWriter::new("O0001\n(轴)\n", TextLineEnd::Lf, BAUD).unwrap_err();
     assert_eq!((refused.line, refused.character), (2, '轴'));
 }

@@ -1,8 +1,8 @@
-//! The scan leaves out rungs of which nothing has changed: what it leaves must be what a
-//! scan of every rung leaves, slot by slot.
+//! Tests that a scan that skips rungs leaves the same memory, slot by slot, as a scan of
+//! every rung.
 //!
-//! The oracle is the same PLC with a bit held by hand that nothing uses: it runs every
-//! rung, one operation after the other.
+//! The reference is the same PLC with an unused bit forced: it runs every rung, one
+//! operation after the other.
 
 #![allow(
     clippy::unwrap_used,
@@ -16,63 +16,66 @@ use proptest::prelude::*;
 
 const STANDARD: &str = include_str!("../../assets/ladder/standard.il");
 
-/// A change of memory from outside before a slot.
+/// A write to memory from outside before a slot.
 #[derive(Clone, Debug)]
-struct Poke {
+struct MemoryWrite {
     byte: String,
     value: u8,
 }
 
-fn same_slots(ladder: &Arc<Ladder>, slots: &[Vec<Poke>]) -> Result<(), TestCaseError> {
-    same_slots_with_forces(ladder, slots, usize::MAX)
+fn compare_with_full_scan(
+    ladder: &Arc<Ladder>,
+    slots: &[Vec<MemoryWrite>],
+) -> Result<(), TestCaseError> {
+    compare_with_full_scan_and_forces(ladder, slots, usize::MAX)
 }
 
-/// In the last of every so many slots a bit is held, so that every rung runs.
-fn same_slots_with_forces(
+/// Forces a bit in every `every`-th slot, so that all rungs run in it.
+fn compare_with_full_scan_and_forces(
     ladder: &Arc<Ladder>,
-    slots: &[Vec<Poke>],
+    slots: &[Vec<MemoryWrite>],
     every: usize,
 ) -> Result<(), TestCaseError> {
     let mut plc = Plc::new(Arc::clone(ladder));
     let mut whole = plc.clone();
     whole.force("R999.7".parse().unwrap(), Some(false));
-    for (slot, pokes) in slots.iter().enumerate() {
-        for Poke { byte, value } in pokes {
+    for (slot, writes) in slots.iter().enumerate() {
+        for MemoryWrite { byte, value } in writes {
             let address: ByteAddress = byte.parse().unwrap();
             plc.memory_mut().set_byte(address, *value);
             whole.memory_mut().set_byte(address, *value);
         }
-        // Told only where it changes: after each change all is looked at anew.
+        // Forcing a bit invalidates the cache, so the bit is forced only in these slots.
         let held = slot % every == every - 1;
         if held {
             plc.force("R999.6".parse().unwrap(), Some(false));
         }
-        plc.slot();
+        plc.run_slot();
         if held {
             plc.force("R999.6".parse().unwrap(), None);
         }
-        whole.slot();
+        whole.run_slot();
         prop_assert_eq!(plc.memory(), whole.memory(), "slot {}", slot);
     }
     Ok(())
 }
 
-fn poke(byte: impl Strategy<Value = String>) -> impl Strategy<Value = Poke> {
+fn memory_write(byte: impl Strategy<Value = String>) -> impl Strategy<Value = MemoryWrite> {
     let value = prop_oneof![any::<u8>(), 0..3u8];
-    (byte, value).prop_map(|(byte, value)| Poke { byte, value })
+    (byte, value).prop_map(|(byte, value)| MemoryWrite { byte, value })
 }
 
-/// Slots in most of which nothing changes.
+/// Generates slots; most of them have no write.
 fn slots(
     byte: impl Strategy<Value = String>,
     most: usize,
-) -> impl Strategy<Value = Vec<Vec<Poke>>> {
-    let pokes = prop::collection::vec(poke(byte), 1..4);
-    let slot = prop_oneof![6 => Just(Vec::new()), 1 => pokes];
+) -> impl Strategy<Value = Vec<Vec<MemoryWrite>>> {
+    let writes = prop::collection::vec(memory_write(byte), 1..4);
+    let slot = prop_oneof![6 => Just(Vec::new()), 1 => writes];
     prop::collection::vec(slot, 1..most)
 }
 
-/// Few bytes, so that the rungs of a small ladder meet.
+/// Generates few different bytes, so that the rungs of a small ladder share them.
 fn byte() -> impl Strategy<Value = String> {
     prop_oneof![
         (0..2u8).prop_map(|n| format!("X{n}")),
@@ -130,7 +133,7 @@ fn coils() -> impl Strategy<Value = String> {
     ]
 }
 
-/// `result`: some rungs read R900.
+/// With `result`, some rungs read R900.
 fn output(result: bool) -> BoxedStrategy<String> {
     let copied = if result { "R900" } else { "R3" };
     prop_oneof![
@@ -139,7 +142,7 @@ fn output(result: bool) -> BoxedStrategy<String> {
         2 => written_bit().prop_map(|bit| format!("RST {bit}\n")),
         3 => (value(), value(), coils())
             .prop_map(|(a, b, to)| format!("CMP 1 {a} {b} {to}.0\n")),
-        // The number of the timer is put in afterwards: each stands but once.
+        // `ladder` replaces `#` by a unique timer number.
         2 => (0..2u8, written_bit()).prop_map(|(time, bit)| format!("TMRB T# DT{time} {bit}\n")),
         1 => (0..2u8, 0..2u8, read_bit(), 0..2u8, 0..2u8, written_bit()).prop_map(
             |(first, down, reset, counter, preset, bit)|
@@ -180,10 +183,10 @@ fn ladder() -> impl Strategy<Value = String> {
     })
 }
 
-/// A rung that clears what its counter, in the scan of its edge, sets again: it leaves its
-/// bytes as they were, and the next time it does not.
+/// A rung clears a bit that its counter sets again in the scan with the counter's edge. Its
+/// bytes are unchanged after that scan, but not after the next.
 #[test]
-fn a_counter_that_has_seen_its_edge() {
+fn counter_after_its_edge_runs_again() {
     let text = "\
         .INIT DC0 1\n\
         LD R1.0\nSET R1.1\nEND1\n\
@@ -192,38 +195,42 @@ fn a_counter_that_has_seen_its_edge() {
         LDI R0.0\nANI R1.0\nMOVN 1 D0 R1\nCTRC 0010 R2.0 C1 DC0 R1.1\n\
         LDI X0.0\nSET R0.1\nEND2\n";
     let ladder = Arc::new(Ladder::compile(text).unwrap());
-    same_slots(&ladder, &[const { Vec::new() }; 6]).unwrap();
+    compare_with_full_scan(&ladder, &[const { Vec::new() }; 6]).unwrap();
 }
 
-/// The counter's ACT falls in a slot that runs whole, and rises in the next one.
+/// The ACT of the counter falls in a slot that runs all rungs and rises in the next slot.
 #[test]
-fn an_edge_after_a_slot_that_ran_whole() {
+fn counter_edge_after_full_slot_counts() {
     let text = "\
         .INIT DC0 1\n\
         LD X0.0\nMOVN 1 D0 R1\nCTRC 0010 R2.0 C1 DC0 R1.1\nEND1\n\
         LD X1.0\nOUT G0.0\nEND2\n";
     let ladder = Arc::new(Ladder::compile(text).unwrap());
-    let poke = |byte: &str, value| Poke {
+    let memory_write = |byte: &str, value| MemoryWrite {
         byte: byte.into(),
         value,
     };
     let slots = [
-        vec![poke("X0", 1)],
+        vec![memory_write("X0", 1)],
         Vec::new(),
         Vec::new(),
-        // Runs whole.
-        vec![poke("X0", 0)],
-        vec![poke("X0", 1), poke("R1", 2), poke("C1", 1)],
+        // A slot that runs all rungs.
+        vec![memory_write("X0", 0)],
+        vec![
+            memory_write("X0", 1),
+            memory_write("R1", 2),
+            memory_write("C1", 1),
+        ],
         Vec::new(),
         Vec::new(),
     ];
-    same_slots_with_forces(&ladder, &slots, 4).unwrap();
+    compare_with_full_scan_and_forces(&ladder, &slots, 4).unwrap();
 }
 
-/// A number that is cleared and set again in every scan, and read in between: the rungs
-/// rest until one of them, or another one of their pass, has to run.
+/// Every scan clears a number, reads it and sets it again. The rungs rest until one rung of
+/// their pass must run.
 #[test]
-fn rungs_that_write_one_anothers_bytes() {
+fn rungs_sharing_written_bytes_match_full_scan() {
     let text = "\
         LD X0.0\nOUT R0.0\nEND1\n\
         LDI X0.7\nMOVN 1 0 R5\n\
@@ -236,34 +243,34 @@ fn rungs_that_write_one_anothers_bytes() {
     let ladder = Arc::new(Ladder::compile(text).unwrap());
     let mut slots = Vec::new();
     for round in 0..256u32 {
-        slots.push(vec![Poke {
+        slots.push(vec![MemoryWrite {
             byte: "X0".into(),
             value: (round * 37 % 251) as u8,
         }]);
         slots.extend((0..6).map(|_| Vec::new()));
     }
-    same_slots(&ladder, &slots).unwrap();
+    compare_with_full_scan(&ladder, &slots).unwrap();
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(600))]
 
     #[test]
-    fn any_small_ladder(text in ladder(), slots in slots(byte(), 60)) {
+    fn random_ladder_matches_full_scan(text in ladder(), slots in slots(byte(), 60)) {
         match Ladder::compile(&text) {
-            Ok(ladder) => same_slots(&Arc::new(ladder), &slots)?,
+            Ok(ladder) => compare_with_full_scan(&Arc::new(ladder), &slots)?,
             Err(errors) => prop_assert!(false, "{}\n{}", text, errors),
         }
     }
 
     #[test]
-    fn any_small_ladder_some_slots_of_which_run_whole(
+    fn random_ladder_with_some_full_slots_matches_full_scan(
         text in ladder(),
         slots in slots(byte(), 60),
         every in 2..9usize,
     ) {
         match Ladder::compile(&text) {
-            Ok(ladder) => same_slots_with_forces(&Arc::new(ladder), &slots, every)?,
+            Ok(ladder) => compare_with_full_scan_and_forces(&Arc::new(ladder), &slots, every)?,
             Err(errors) => prop_assert!(false, "{}\n{}", text, errors),
         }
     }
@@ -273,7 +280,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
     #[test]
-    fn the_standard_ladder(
+    fn standard_ladder_matches_full_scan(
         slots in slots(
             prop_oneof![
                 (0..30u8).prop_map(|n| format!("X{n}")),
@@ -284,6 +291,6 @@ proptest! {
             1500,
         ),
     ) {
-        same_slots(&Arc::new(Ladder::compile(STANDARD).unwrap()), &slots)?;
+        compare_with_full_scan(&Arc::new(Ladder::compile(STANDARD).unwrap()), &slots)?;
     }
 }

@@ -1,4 +1,4 @@
-//! The text of a calibration (REN): lines of a key and a value, then rows (decision
+//! Parses and writes calibration files (REN): lines with a key and a value, then rows (decision
 //! COMMISSION-1).
 //!
 //! ```text
@@ -13,46 +13,46 @@
 use gsk_core::units::Axis;
 use gsk_messages::say;
 
-use crate::line::{self as line_of, FileFault, MOST_READINGS, lines};
-use crate::measurement::{Deviation, Direction, Measurement, Reading, Travel};
+use crate::file_line::{self, FileFault, MAX_READINGS, lines};
+use crate::measurement::{ApproachDirection, AxisDeviation, AxisReading, Measurement, SlideTravel};
 
-/// A row of a table.
+/// A row of a pitch error table file.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
-    /// The line of the file.
+pub struct PitchTableRow {
+    /// Line in the file, from 1.
     pub line: u32,
-    /// The point, where the file has it.
+    /// Point of the table; `None` if the row has only two fields.
     pub point: Option<u16>,
-    /// The far end of its interval, seen from the machine zero, mm.
-    pub end: Travel,
-    /// What is to be added to the value of the point, µm.
-    pub value: Deviation,
+    /// End of the interval that is farther from the machine zero, mm.
+    pub end: SlideTravel,
+    /// Value to add to the point, µm.
+    pub value: AxisDeviation,
 }
 
-/// Values for the pitch error table.
+/// Values for the pitch error table, from a file.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table {
-    /// The letter of the axis that the file names, if it does.
+pub struct PitchTableFile {
+    /// Axis letter from the file; `None` if the file names none.
     pub axis: Option<char>,
-    /// Slide travel from point to point, with its line.
-    pub spacing: Option<(u32, Travel)>,
-    /// The backlash, µm, with its line.
-    pub backlash: Option<(u32, Deviation)>,
-    /// The rows.
-    pub rows: Vec<Row>,
+    /// Line number, and slide travel between two points.
+    pub spacing: Option<(u32, SlideTravel)>,
+    /// Line number, and backlash.
+    pub backlash: Option<(u32, AxisDeviation)>,
+    /// The rows in the order of the file.
+    pub rows: Vec<PitchTableRow>,
 }
 
-/// What a file holds.
+/// Content of a measurement file.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Imported {
+pub enum ImportedFile {
     /// Values for the pitch error table.
-    Table(Table),
-    /// Readings to be fitted.
+    Table(PitchTableFile),
+    /// Readings to fit.
     Measured(Measurement),
 }
 
-impl Imported {
-    /// The axis of the lathe that the file names, if it does.
+impl ImportedFile {
+    /// Returns the axis that the file names; `None` for no axis or one that a lathe does not have.
     pub const fn axis(&self) -> Option<Axis> {
         match self {
             Self::Table(table) => match table.axis {
@@ -65,20 +65,19 @@ impl Imported {
     }
 }
 
-/// What was read so far.
-struct Reader<'a> {
-    /// The axes of the machine.
+struct RenReader<'a> {
+    /// Axis letters of the machine.
     axes: &'a [char],
-    table: Table,
+    table: PitchTableFile,
     start: Option<f64>,
     end: Option<f64>,
     points: Option<(u32, usize)>,
-    run: Option<(u16, Direction)>,
-    readings: Vec<Reading>,
+    run: Option<(u16, ApproachDirection)>,
+    readings: Vec<AxisReading>,
 }
 
-/// A line that begins with a word: the word in small letters, and what follows it.
-fn key_of(line: &str) -> Option<(String, &str)> {
+/// Splits a line that begins with a word into the word, in lower case, and the rest.
+fn split_key(line: &str) -> Option<(String, &str)> {
     if !line.starts_with(char::is_alphabetic) {
         return None;
     }
@@ -90,11 +89,11 @@ fn key_of(line: &str) -> Option<(String, &str)> {
     Some((key.trim().to_lowercase(), value))
 }
 
-impl<'a> Reader<'a> {
+impl<'a> RenReader<'a> {
     fn new(axes: &'a [char]) -> Self {
         Self {
             axes,
-            table: Table::default(),
+            table: PitchTableFile::default(),
             start: None,
             end: None,
             points: None,
@@ -103,17 +102,17 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn key(&mut self, line: u32, key: &str, value: &str) -> Result<(), FileFault> {
+    fn read_key(&mut self, line: u32, key: &str, value: &str) -> Result<(), FileFault> {
         match key {
-            "axis" => self.table.axis = Some(line_of::axis(line, value, self.axes)?),
+            "axis" => self.table.axis = Some(file_line::parse_axis(line, value, self.axes)?),
             "type" if value.eq_ignore_ascii_case("rotary") => {
                 return Err(FileFault::new(line, say::pitch_ren_rotary()));
             }
-            "start" => self.start = Some(line_of::position(line, value)?),
-            "end" => self.end = Some(line_of::position(line, value)?),
+            "start" => self.start = Some(file_line::parse_position(line, value)?),
+            "end" => self.end = Some(file_line::parse_position(line, value)?),
             "spacing" => {
-                let spacing = line_of::position(line, value)?.abs();
-                self.table.spacing = Some((line, Travel(spacing)));
+                let spacing = file_line::parse_position(line, value)?.abs();
+                self.table.spacing = Some((line, SlideTravel(spacing)));
             }
             "points" => {
                 let points = value.parse().ok();
@@ -122,26 +121,27 @@ impl<'a> Reader<'a> {
                 self.points = Some((line, points));
             }
             "backlash" => {
-                let backlash = line_of::microns(line, line_of::number(line, value)?)?;
-                self.table.backlash = Some((line, Deviation(backlash)));
+                let backlash =
+                    file_line::check_microns(line, file_line::parse_number(line, value)?)?;
+                self.table.backlash = Some((line, AxisDeviation(backlash)));
             }
             "run" => {
                 let mut words = value.split_whitespace();
                 let run = words.next().and_then(|word| word.parse().ok());
                 let run = run.filter(|run| *run > 0);
                 let run = run.ok_or_else(|| FileFault::new(line, say::pitch_run_wrong()))?;
-                let direction = line_of::direction(line, words.next().unwrap_or_default())?;
+                let direction = file_line::parse_direction(line, words.next().unwrap_or_default())?;
                 self.run = Some((run, direction));
             }
-            // Whatever else a calibration says of itself.
+            // Calibration files have other keys, which carry no values for the control.
             _ => {}
         }
         Ok(())
     }
 
-    fn row(&mut self, line: u32, row: &str) -> Result<(), FileFault> {
-        if self.table.rows.len() + self.readings.len() == MOST_READINGS {
-            let rule = say::pitch_too_many_readings(MOST_READINGS);
+    fn read_row(&mut self, line: u32, row: &str) -> Result<(), FileFault> {
+        if self.table.rows.len() + self.readings.len() == MAX_READINGS {
+            let rule = say::pitch_too_many_readings(MAX_READINGS);
             return Err(FileFault::new(line, rule));
         }
         let fields: Vec<&str> = row
@@ -153,31 +153,31 @@ impl<'a> Reader<'a> {
             [position, value] => (None, position, value),
             _ => return Err(FileFault::new(line, say::pitch_ren_row())),
         };
-        let position = line_of::position(line, position)?;
-        let value = line_of::microns(line, line_of::number(line, value)?)?;
+        let position = file_line::parse_position(line, position)?;
+        let value = file_line::check_microns(line, file_line::parse_number(line, value)?)?;
         match self.run {
-            Some((run, direction)) => self.readings.push(Reading {
+            Some((run, direction)) => self.readings.push(AxisReading {
                 run,
                 direction,
-                target: Travel(position),
-                deviation: Deviation(value),
+                target: SlideTravel(position),
+                deviation: AxisDeviation(value),
             }),
             None => {
-                let known = |point: &str| point.parse::<u16>();
-                let point = point.map(known).transpose();
+                let parse_point = |point: &str| point.parse::<u16>();
+                let point = point.map(parse_point).transpose();
                 let point = point.map_err(|_| FileFault::new(line, say::pitch_ren_point()))?;
-                self.table.rows.push(Row {
+                self.table.rows.push(PitchTableRow {
                     line,
                     point,
-                    end: Travel(position),
-                    value: Deviation(value),
+                    end: SlideTravel(position),
+                    value: AxisDeviation(value),
                 });
             }
         }
         Ok(())
     }
 
-    fn finish(self, last: u32) -> Result<Imported, FileFault> {
+    fn finish(self, last: u32) -> Result<ImportedFile, FileFault> {
         let Self {
             table, readings, ..
         } = self;
@@ -188,12 +188,12 @@ impl<'a> Reader<'a> {
         if !table.rows.is_empty() && !readings.is_empty() {
             return Err(FileFault::new(last, say::pitch_ren_both()));
         }
-        let places = table.rows.iter().map(|row| (row.line, row.end.0));
+        let row_ends = table.rows.iter().map(|row| (row.line, row.end.0));
         let (start, end) = (self.start.unwrap_or(-1e9), self.end.unwrap_or(1e9));
         let (low, high) = (start.min(end), start.max(end));
-        for (line, place) in places {
-            if place < low - 1e-6 || place > high + 1e-6 {
-                let rule = say::pitch_ren_outside(place, low, high);
+        for (line, row_end) in row_ends {
+            if row_end < low - 1e-6 || row_end > high + 1e-6 {
+                let rule = say::pitch_ren_outside(row_end, low, high);
                 return Err(FileFault::new(line, rule));
             }
         }
@@ -202,39 +202,39 @@ impl<'a> Reader<'a> {
         {
             return Err(FileFault::new(line, say::pitch_ren_points(points, rows)));
         }
-        let table = Imported::Table(table);
+        let table = ImportedFile::Table(table);
         Ok(if readings.is_empty() {
             table
         } else {
             let axis = table.axis();
-            Imported::Measured(Measurement { axis, readings })
+            ImportedFile::Measured(Measurement { axis, readings })
         })
     }
 }
 
-/// Reads a text about an axis of a machine that has these.
+/// Parses a REN file for a machine with these axes.
 ///
 /// # Errors
-/// The first line that cannot be.
-pub(crate) fn read(text: &str, axes: &[char]) -> Result<Imported, FileFault> {
-    let mut reader = Reader::new(axes);
+/// The first line that is malformed or contradicts the others.
+pub(crate) fn read(text: &str, axes: &[char]) -> Result<ImportedFile, FileFault> {
+    let mut reader = RenReader::new(axes);
     let mut last = 1;
     for (line, content) in lines(text) {
         last = line;
-        match key_of(content) {
-            Some((key, value)) => reader.key(line, &key, value)?,
-            None => reader.row(line, content)?,
+        match split_key(content) {
+            Some((key, value)) => reader.read_key(line, &key, value)?,
+            None => reader.read_row(line, content)?,
         }
     }
     reader.finish(last)
 }
 
-/// Writes a table as such a text.
+/// Writes a pitch error table as a REN file. `rows` are point, end of the interval and value.
 pub fn write(
     axis: Axis,
-    spacing: Travel,
-    backlash: Deviation,
-    rows: &[(u8, Travel, Deviation)],
+    spacing: SlideTravel,
+    backlash: AxisDeviation,
+    rows: &[(u8, SlideTravel, AxisDeviation)],
 ) -> String {
     let name = match axis {
         Axis::X => 'X',
@@ -259,16 +259,16 @@ pub fn write(
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<Imported, FileFault> {
+    fn read(text: &str) -> Result<ImportedFile, FileFault> {
         super::read(text, &['X', 'Z'])
     }
 
     #[test]
-    fn axes_are_those_of_the_machine() {
+    fn axis_must_exist_on_machine() {
         let five = ['X', 'Y', 'Z', 'A', 'C'];
         let axis = |text: &str| match super::read(text, &five) {
-            Ok(Imported::Table(table)) => Ok(table.axis),
-            Ok(Imported::Measured(measured)) => panic!("{measured:?}"),
+            Ok(ImportedFile::Table(table)) => Ok(table.axis),
+            Ok(ImportedFile::Measured(measured)) => panic!("{measured:?}"),
             Err(fault) => Err(fault.line),
         };
         assert_eq!(axis("Axis: y\n10 2\n"), Ok(Some('Y')));
@@ -280,15 +280,15 @@ mod tests {
     }
 
     #[test]
-    fn keys_end_with_a_colon_an_equals_sign_or_a_blank() {
+    fn key_ends_with_colon_equals_sign_or_blank() {
         let text = "Renishaw 10\n AXIS = z\nStart: -20\nEND 20\nspacing:10\nPoints=4\nbacklash 8\n\
                     Date: 1.2.2008\n124 -20 -7\n-10 6\n10, 4\n20;-1\n";
-        let Imported::Table(table) = read(text).unwrap() else {
+        let ImportedFile::Table(table) = read(text).unwrap() else {
             panic!("a table");
         };
         assert_eq!(table.axis, Some('Z'));
-        assert_eq!(table.spacing, Some((5, Travel(10.0))));
-        assert_eq!(table.backlash, Some((7, Deviation(8.0))));
+        assert_eq!(table.spacing, Some((5, SlideTravel(10.0))));
+        assert_eq!(table.backlash, Some((7, AxisDeviation(8.0))));
         let rows: Vec<_> = table
             .rows
             .iter()
@@ -304,21 +304,21 @@ mod tests {
     }
 
     #[test]
-    fn runs_are_readings() {
+    fn rows_after_run_are_readings() {
         let text = "axis X\nrun: 1 +\n-10 1.5\n0 0\nrun: 1 -\n1 -10 4\n";
-        let Imported::Measured(measured) = read(text).unwrap() else {
+        let ImportedFile::Measured(measured) = read(text).unwrap() else {
             panic!("readings");
         };
         assert_eq!(measured.axis, Some(Axis::X));
         let last = measured.readings[2];
         assert_eq!(
             (last.direction, last.target.0, last.deviation.0),
-            (Direction::Minus, -10.0, 4.0)
+            (ApproachDirection::Minus, -10.0, 4.0)
         );
     }
 
     #[test]
-    fn what_is_wrong_is_named_with_its_line() {
+    fn errors_name_their_line() {
         for (text, line) in [
             ("axis: Y\n", 1),
             ("type: rotary\n", 1),
@@ -338,13 +338,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read_again() {
+    fn written_file_parses_to_same_rows() {
         let rows: [(u8, _, _); 2] = [
-            (255, Travel(-10.0), Deviation(2.0)),
-            (254, Travel(-20.0), Deviation(-7.0)),
+            (255, SlideTravel(-10.0), AxisDeviation(2.0)),
+            (254, SlideTravel(-20.0), AxisDeviation(-7.0)),
         ];
-        let text = write(Axis::Z, Travel(10.0), Deviation(12.0), &rows);
-        let Imported::Table(table) = read(&text).unwrap() else {
+        let text = write(Axis::Z, SlideTravel(10.0), AxisDeviation(12.0), &rows);
+        let ImportedFile::Table(table) = read(&text).unwrap() else {
             panic!("a table");
         };
         let again: Vec<_> = table

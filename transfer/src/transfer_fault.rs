@@ -1,35 +1,35 @@
-//! Why a side refuses what the other one asks for.
+//! Reasons for refused requests of a file transfer.
 
 use gsk_messages::{Message, say};
 
-/// Why something is refused, as it goes over the wire.
+/// Reason for a refusal, with a code on the wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
-pub enum Fault {
-    /// There is a file of this name already.
+pub enum TransferFault {
+    /// A file of this name exists.
     Exists,
-    /// There is no file of this name.
+    /// No file of this name exists.
     NotFound,
-    /// A name that the control cannot have.
+    /// The control cannot have a file of this name.
     BadName,
-    /// The level of the password, or a lock, stands against it.
+    /// The password level or a lock forbids the request.
     NoRight,
-    /// 程序开关 or 参数开关 is off.
+    /// 程序开关 (program switch) or 参数开关 (parameter switch) is off.
     SwitchOff,
-    /// No room for it.
+    /// The memory is full.
     Full,
-    /// The control machines, moves, or is busy with another transfer.
+    /// The control is machining, moving, or busy with another transfer.
     Busy,
-    /// What has arrived is damaged: to be sent once more.
+    /// The frame is damaged; the sender retransmits it.
     Damaged,
-    /// Not what comes now: no connection, or no file that this belongs to.
+    /// The request is out of sequence: no connection, or no file that it belongs to.
     Sequence,
-    /// What the file holds is not what its name promises.
+    /// The content does not match the announcement or the name.
     Content,
 }
 
-impl Fault {
-    /// All of them, with their codes.
+impl TransferFault {
+    /// All faults with their codes on the wire.
     const ALL: [(u8, Self); 10] = [
         (1, Self::Exists),
         (2, Self::NotFound),
@@ -43,19 +43,19 @@ impl Fault {
         (10, Self::Content),
     ];
 
-    /// Its code on the wire, 1–10.
+    /// Returns the code on the wire, 1 to 10.
     pub fn code(self) -> u8 {
         let row = Self::ALL.iter().find(|(_, fault)| *fault == self);
         row.map_or(0, |(code, _)| *code)
     }
 
-    /// From its code; none for one that nobody knows.
-    pub fn of(code: u8) -> Option<Self> {
+    /// Finds the fault of a code; `None` for an unknown code.
+    pub fn from_code(code: u8) -> Option<Self> {
         let row = Self::ALL.iter().find(|(known, _)| *known == code);
         row.map(|(_, fault)| *fault)
     }
 
-    /// What is said of it.
+    /// Returns the reason as a message.
     pub fn message(self) -> Message {
         match self {
             Self::Exists => say::transfer_fault_exists(),

@@ -1,15 +1,14 @@
-//! A ladder as text again, in the one form that listings use.
+//! Writes a ladder as text in the standard form of a listing.
 
 use std::fmt;
 
-use crate::directive::Subject;
+use crate::directive::PlcAddress;
 use crate::instruction::{Operand, Statement};
 use crate::ladder::Ladder;
 
 impl Ladder {
-    /// The program as an instruction list with four-digit addresses, rung and
-    /// step numbers and the names of bits as comments. Compiling it gives the
-    /// same program.
+    /// Returns the program as an instruction list with four-digit addresses, rung and step
+    /// numbers, and address names as comments. The list compiles to the same program.
     #[must_use]
     pub fn to_source(&self) -> String {
         let mut text = String::new();
@@ -63,14 +62,14 @@ impl Ladder {
         }
     }
 
-    /// The statement, with the English name of its last named operand behind it.
+    /// Returns the statement with the English name of its last named operand as a comment.
     fn annotated(&self, statement: &Statement) -> String {
         let line = statement.to_string();
         let names = statement.operands.iter().rev();
         let name = names
             .filter_map(|operand| match operand {
-                Operand::Bit(bit) => self.comment(Subject::Bit(*bit)),
-                Operand::Byte(byte) => self.comment(Subject::Byte(*byte)),
+                Operand::Bit(bit) => self.comment(PlcAddress::Bit(*bit)),
+                Operand::Byte(byte) => self.comment(PlcAddress::Byte(*byte)),
                 _ => None,
             })
             .map(|comment| comment.english.as_str())
@@ -82,11 +81,11 @@ impl Ladder {
     }
 }
 
-impl fmt::Display for Subject {
+impl fmt::Display for PlcAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Subject::Bit(bit) => bit.fmt(f),
-            Subject::Byte(byte) => byte.fmt(f),
+            PlcAddress::Bit(bit) => bit.fmt(f),
+            PlcAddress::Byte(byte) => byte.fmt(f),
         }
     }
 }

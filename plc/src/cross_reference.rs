@@ -1,110 +1,110 @@
-//! The cross reference: which instructions read and write an address.
+//! Cross reference: lists the instructions that read or write an address.
 
 use std::collections::BTreeSet;
 
 use crate::address::{Area, ByteAddress};
-use crate::directive::Subject;
-use crate::instruction::{Kind, Mnemonic, Operand, Statement};
+use crate::directive::PlcAddress;
+use crate::instruction::{Mnemonic, Operand, OperandKind, Statement};
 use crate::ladder::Ladder;
 
-/// What an instruction does with an address.
+/// How an instruction accesses an address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Access {
-    /// It looks at it.
+    /// The instruction reads the address.
     Read,
-    /// It changes it.
+    /// The instruction writes the address.
     Write,
-    /// Both: timers and counters.
+    /// The instruction reads and writes the address, as timers and counters do.
     ReadWrite,
 }
 
 impl Access {
-    /// Whether the instruction looks at the address.
+    /// Returns whether the instruction reads the address.
     #[must_use]
-    pub const fn reads(self) -> bool {
+    pub const fn is_read(self) -> bool {
         !matches!(self, Access::Write)
     }
 
-    /// Whether the instruction changes the address.
+    /// Returns whether the instruction writes the address.
     #[must_use]
-    pub const fn writes(self) -> bool {
+    pub const fn is_write(self) -> bool {
         !matches!(self, Access::Read)
     }
 }
 
-/// One place where an address is used.
+/// One use of an address by an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Reference {
+pub struct CrossReference {
     /// Index of the statement in the program.
     pub statement: usize,
-    /// Its rung.
+    /// Number of the rung, from 1.
     pub rung: u32,
-    /// Its line.
+    /// Line of the source text, from 1.
     pub line: u32,
-    /// The instruction.
+    /// The instruction that uses the address.
     pub mnemonic: Mnemonic,
-    /// What it does.
+    /// Whether the instruction reads or writes the address.
     pub access: Access,
 }
 
-/// A stretch of memory that an operand covers.
-struct Extent {
+/// The bytes, or the bits of one byte, that an operand covers.
+struct OperandExtent {
     first: ByteAddress,
     bytes: u16,
-    /// Bits of the first byte; all of them for whole bytes.
+    /// Mask of the covered bits in the first byte.
     mask: u8,
     access: Access,
 }
 
-/// R900, which every CMP writes: zero, negative, overflow.
-const RESULT: Extent = Extent {
+/// Every CMP writes its result flags to R900: zero, negative and overflow.
+const RESULT_FLAGS_WRITE: OperandExtent = OperandExtent {
     first: ByteAddress::new(Area::R, 900),
     bytes: 1,
     mask: 0b10_0011,
     access: Access::Write,
 };
 
-impl Extent {
-    fn touches(&self, subject: Subject) -> bool {
+impl OperandExtent {
+    fn overlaps(&self, subject: PlcAddress) -> bool {
         let (address, mask) = match subject {
-            Subject::Bit(bit) => (bit.byte_address(), 1 << (bit.bit & 7)),
-            Subject::Byte(byte) => (byte, u8::MAX),
+            PlcAddress::Bit(bit) => (bit.byte_address(), 1 << (bit.bit & 7)),
+            PlcAddress::Byte(byte) => (byte, u8::MAX),
         };
         let inside = self.first.byte..self.first.byte.saturating_add(self.bytes);
         address.area == self.first.area && inside.contains(&address.byte) && self.mask & mask != 0
     }
 }
 
-fn extents(statement: &Statement) -> impl Iterator<Item = Extent> + '_ {
+fn operand_extents(statement: &Statement) -> impl Iterator<Item = OperandExtent> + '_ {
     let kinds = statement.mnemonic.row().operands;
     let length = kinds.iter().zip(&statement.operands);
     let length = length
-        .filter(|(kind, _)| **kind == Kind::Length)
+        .filter(|(kind, _)| **kind == OperandKind::Length)
         .find_map(|(_, operand)| match operand {
             Operand::Number(length) => u16::try_from(*length).ok(),
             _ => None,
         })
         .unwrap_or(1);
-    let result = (statement.mnemonic == Mnemonic::Cmp).then_some(RESULT);
+    let result = (statement.mnemonic == Mnemonic::Cmp).then_some(RESULT_FLAGS_WRITE);
     let operands = kinds.iter().zip(&statement.operands);
     let named = operands.filter_map(move |(kind, operand)| {
         let access = match kind {
-            Kind::Timer | Kind::Counter => Access::ReadWrite,
+            OperandKind::Timer | OperandKind::Counter => Access::ReadWrite,
             kind if kind.is_written() => Access::Write,
             _ => Access::Read,
         };
         let (first, bytes, mask) = match operand {
-            Operand::Bit(bit) if *kind == Kind::ThreeCoils => {
+            Operand::Bit(bit) if *kind == OperandKind::ThreeCoils => {
                 (bit.byte_address(), 1, 0b111 << (bit.bit & 7))
             }
             Operand::Bit(bit) => (bit.byte_address(), 1, 1 << (bit.bit & 7)),
-            Operand::Byte(byte) if kind.is_wide() && !byte.area.is_entry() => {
+            Operand::Byte(byte) if kind.has_instruction_length() && !byte.area.is_entry() => {
                 (*byte, length, u8::MAX)
             }
             Operand::Byte(byte) => (*byte, 1, u8::MAX),
             _ => return None,
         };
-        Some(Extent {
+        Some(OperandExtent {
             first,
             bytes,
             mask,
@@ -115,18 +115,21 @@ fn extents(statement: &Statement) -> impl Iterator<Item = Extent> + '_ {
 }
 
 impl Ladder {
-    /// Every instruction that reads or writes a bit, byte or entry, in program
-    /// order; a byte also through its bits and through values of several bytes.
+    /// Returns every instruction that reads or writes a bit, byte or entry, in program
+    /// order.
+    ///
+    /// For a byte this includes instructions that use one of its bits or a wider value that
+    /// contains it.
     #[must_use]
-    pub fn references(&self, subject: Subject) -> Vec<Reference> {
-        let mut found: Vec<Reference> = Vec::new();
+    pub fn references(&self, subject: PlcAddress) -> Vec<CrossReference> {
+        let mut found: Vec<CrossReference> = Vec::new();
         for (at, statement) in self.statements().iter().enumerate() {
-            let touching = extents(statement).filter(|extent| extent.touches(subject));
+            let touching = operand_extents(statement).filter(|extent| extent.overlaps(subject));
             let access = touching
                 .map(|extent| extent.access)
                 .reduce(|a, b| if a == b { a } else { Access::ReadWrite });
             if let Some(access) = access {
-                found.push(Reference {
+                found.push(CrossReference {
                     statement: at,
                     rung: statement.rung,
                     line: statement.line,
@@ -138,14 +141,14 @@ impl Ladder {
         found
     }
 
-    /// Every address that the program names, in address order.
+    /// Returns every address that the program uses, in address order.
     #[must_use]
-    pub fn addresses(&self) -> BTreeSet<Subject> {
+    pub fn addresses(&self) -> BTreeSet<PlcAddress> {
         let operands = self.statements().iter().flat_map(|s| &s.operands);
         operands
             .filter_map(|operand| match operand {
-                Operand::Bit(bit) => Some(Subject::Bit(*bit)),
-                Operand::Byte(byte) => Some(Subject::Byte(*byte)),
+                Operand::Bit(bit) => Some(PlcAddress::Bit(*bit)),
+                Operand::Byte(byte) => Some(PlcAddress::Byte(*byte)),
                 _ => None,
             })
             .collect()

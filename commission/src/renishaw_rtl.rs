@@ -1,5 +1,5 @@
-//! The file of a linear measurement that Renishaw's laser software saves (`.rtl`): targets
-//! once, then a reading a line (decision COMMISSION-6).
+//! Parses linear measurements of Renishaw laser software (`.rtl`): targets once, then one reading
+//! per line (decision COMMISSION-6).
 //!
 //! ```text
 //!   TARGET DATA::
@@ -12,107 +12,106 @@
 //!   1   1      0.00
 //! ```
 //!
-//! Targets are in mm, deviations in µm. Within a run the targets are met one after the
-//! other, which says from where each was approached.
+//! Targets are in mm, deviations in µm. The order of targets within a run gives the direction
+//! of the approach.
 
 use gsk_core::units::Axis;
 use gsk_messages::say;
 
-use crate::line::{self as line_of, FileFault, MOST_READINGS, lines};
-use crate::measurement::{Deviation, Direction, Measurement, Reading, Travel};
+use crate::file_line::{self, FileFault, MAX_READINGS, lines};
+use crate::measurement::{ApproachDirection, AxisDeviation, AxisReading, Measurement, SlideTravel};
 
-/// What the lines after a heading are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Part {
+enum RtlBlock {
     Other,
     Targets,
     Readings,
 }
 
-/// A row of `DEVIATIONS::`.
+/// A row after `DEVIATIONS::`.
 #[derive(Clone, Copy, Debug)]
-struct Row {
+struct RtlRow {
     run: u16,
-    target: Travel,
-    deviation: Deviation,
+    target: SlideTravel,
+    deviation: AxisDeviation,
 }
 
-/// Whether a text is such a file.
+/// Whether a text is an RTL file.
 pub(crate) fn is_rtl(text: &str) -> bool {
     let mut lines = lines(text).take(20);
     lines.any(|(_, line)| line.eq_ignore_ascii_case("TARGET DATA::"))
 }
 
-/// Reads a text.
+/// Parses an RTL file.
 ///
 /// # Errors
-/// The first line that cannot be.
+/// The first line that is malformed.
 pub(crate) fn read(text: &str) -> Result<Measurement, FileFault> {
-    let mut part = Part::Other;
+    let mut block = RtlBlock::Other;
     let mut measured = Measurement::default();
     let mut targets: Vec<f64> = Vec::new();
     let mut count = None;
-    let mut one_way = false;
-    let mut rows: Vec<Row> = Vec::new();
+    let mut is_one_way = false;
+    let mut rows: Vec<RtlRow> = Vec::new();
     let mut last = 1;
     for (line, text) in lines(text) {
         last = line;
         if let Some((key, value)) = text.split_once(':') {
             let key = key.trim().to_ascii_lowercase();
             let value = value.trim();
-            part = match key.as_str() {
-                "targets" => Part::Targets,
-                "run target data" => Part::Readings,
-                _ => Part::Other,
+            block = match key.as_str() {
+                "targets" => RtlBlock::Targets,
+                "run target data" => RtlBlock::Readings,
+                _ => RtlBlock::Other,
             };
             match key.as_str() {
-                "target-count" => count = Some((line, line_of::number(line, value)?)),
-                "flags" => one_way = value.split_whitespace().nth(1) == Some("1"),
-                // What its operator wrote: often the letter alone.
-                "axis" => measured.axis = axis_of(value),
+                "target-count" => count = Some((line, file_line::parse_number(line, value)?)),
+                "flags" => is_one_way = value.split_whitespace().nth(1) == Some("1"),
+                // The operator types this field freely, often as the letter alone.
+                "axis" => measured.axis = parse_axis(value),
                 "eof" => break,
                 _ => {}
             }
-            if part != Part::Targets || value.is_empty() {
+            if block != RtlBlock::Targets || value.is_empty() {
                 continue;
             }
         }
         let numbers = text.split_once(':').map_or(text, |(_, value)| value);
-        match part {
-            Part::Other => {}
-            Part::Targets => {
+        match block {
+            RtlBlock::Other => {}
+            RtlBlock::Targets => {
                 for field in numbers.split_whitespace() {
-                    enough(line, targets.len())?;
-                    targets.push(line_of::position(line, field)?);
+                    check_reading_count(line, targets.len())?;
+                    targets.push(file_line::parse_position(line, field)?);
                 }
             }
-            Part::Readings => {
-                enough(line, rows.len())?;
-                rows.push(row(line, numbers, &targets)?);
+            RtlBlock::Readings => {
+                check_reading_count(line, rows.len())?;
+                rows.push(parse_row(line, numbers, &targets)?);
             }
         }
     }
-    if let Some((line, said)) = count
-        && said != targets.len() as f64
+    if let Some((line, stated)) = count
+        && stated != targets.len() as f64
     {
         return Err(FileFault::new(
             line,
-            say::pitch_rtl_targets(said, targets.len()),
+            say::pitch_rtl_targets(stated, targets.len()),
         ));
     }
     if rows.is_empty() {
         return Err(FileFault::new(last, say::pitch_rtl_row(targets.len())));
     }
     let first = targets.first().zip(targets.last());
-    let forwards = first.is_none_or(|(first, last)| last >= first);
+    let targets_rise = first.is_none_or(|(first, last)| last >= first);
     for run in rows.chunk_by(|one, other| one.run == other.run) {
-        let zero = run.iter().all(|it| it.deviation.0 == 0.0);
-        if one_way && zero && run.iter().all(|it| it.run % 2 == 0) {
-            // The way back of a measurement in one direction: nothing was read on it.
+        let is_all_zero = run.iter().all(|it| it.deviation.0 == 0.0);
+        if is_one_way && is_all_zero && run.iter().all(|it| it.run % 2 == 0) {
+            // The return run of a measurement in one direction has no readings.
             continue;
         }
-        let direction = direction(run, forwards);
-        measured.readings.extend(run.iter().map(|it| Reading {
+        let direction = run_direction(run, targets_rise);
+        measured.readings.extend(run.iter().map(|it| AxisReading {
             run: it.run,
             target: it.target,
             direction,
@@ -122,16 +121,16 @@ pub(crate) fn read(text: &str) -> Result<Measurement, FileFault> {
     Ok(measured)
 }
 
-fn enough(line: u32, count: usize) -> Result<(), FileFault> {
-    if count >= MOST_READINGS {
-        let rule = say::pitch_too_many_readings(MOST_READINGS);
+fn check_reading_count(line: u32, count: usize) -> Result<(), FileFault> {
+    if count >= MAX_READINGS {
+        let rule = say::pitch_too_many_readings(MAX_READINGS);
         return Err(FileFault::new(line, rule));
     }
     Ok(())
 }
 
-/// Run, target from 1, deviation.
-fn row(line: u32, text: &str, targets: &[f64]) -> Result<Row, FileFault> {
+/// Parses run, target number (from 1) and deviation.
+fn parse_row(line: u32, text: &str, targets: &[f64]) -> Result<RtlRow, FileFault> {
     let wrong = || FileFault::new(line, say::pitch_rtl_row(targets.len()));
     let fields: Vec<&str> = text.split_whitespace().collect();
     let [run, target, deviation] = fields[..] else {
@@ -143,34 +142,33 @@ fn row(line: u32, text: &str, targets: &[f64]) -> Result<Row, FileFault> {
         .ok()
         .and_then(|it| it.checked_sub(1));
     let target = index.and_then(|it| targets.get(it)).copied();
-    let deviation = line_of::microns(line, line_of::number(line, deviation)?)?;
-    Ok(Row {
+    let deviation = file_line::check_microns(line, file_line::parse_number(line, deviation)?)?;
+    Ok(RtlRow {
         run: run.ok_or_else(wrong)?,
-        target: Travel(target.ok_or_else(wrong)?),
-        deviation: Deviation(deviation),
+        target: SlideTravel(target.ok_or_else(wrong)?),
+        deviation: AxisDeviation(deviation),
     })
 }
 
-/// Which way a run went; of one with a single target odd ones go as the targets stand,
-/// even ones back. `forwards`: the targets go towards plus.
-fn direction(run: &[Row], forwards: bool) -> Direction {
+/// Returns the direction of a run. In a run with a single target, odd runs follow the order of
+/// the targets and even runs reverse it. `targets_rise`: that order is towards plus.
+fn run_direction(run: &[RtlRow], targets_rise: bool) -> ApproachDirection {
     let (Some(first), Some(last)) = (run.first(), run.last()) else {
-        return Direction::Plus;
+        return ApproachDirection::Plus;
     };
     let plus = match last.target.partial_cmp(&first.target) {
         Some(core::cmp::Ordering::Greater) => true,
         Some(core::cmp::Ordering::Less) => false,
-        _ => forwards != (first.run % 2 == 0),
+        _ => targets_rise != (first.run % 2 == 0),
     };
     if plus {
-        Direction::Plus
+        ApproachDirection::Plus
     } else {
-        Direction::Minus
+        ApproachDirection::Minus
     }
 }
 
-/// The axis where its operator wrote that of a lathe.
-fn axis_of(value: &str) -> Option<Axis> {
+fn parse_axis(value: &str) -> Option<Axis> {
     match value {
         "X" | "x" => Some(Axis::X),
         "Z" | "z" => Some(Axis::Z),
@@ -193,7 +191,7 @@ mod tests {
         2   2      6.9\n2   1      8\n\nENVIRONMENT::\nAir temp   : 20.1\n\nEOF::\n\n";
 
     #[test]
-    fn runs_go_there_and_back() {
+    fn runs_alternate_direction() {
         assert!(is_rtl(FILE));
         let measured = read(FILE).unwrap();
         assert_eq!((measured.axis, measured.runs()), (Some(Axis::Z), 2));
@@ -202,13 +200,13 @@ mod tests {
             let reading = measured.readings[at];
             (reading.target.0, reading.direction, reading.deviation.0)
         };
-        assert_eq!(of(5), (-250.0, Direction::Minus, -6.0));
-        assert_eq!(of(6), (-250.0, Direction::Plus, 2.0));
-        assert_eq!(of(11), (0.0, Direction::Plus, 8.0));
+        assert_eq!(of(5), (-250.0, ApproachDirection::Minus, -6.0));
+        assert_eq!(of(6), (-250.0, ApproachDirection::Plus, 2.0));
+        assert_eq!(of(11), (0.0, ApproachDirection::Plus, 8.0));
     }
 
     #[test]
-    fn the_way_back_of_one_direction_is_none() {
+    fn return_run_of_one_way_measurement_is_skipped() {
         let zeros = FILE
             .replace("Flags: 0 0", "Flags: 0 1")
             .replace("6      2", "6      0")
@@ -222,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named_with_its_line() {
+    fn errors_name_their_line() {
         for (from, to, line) in [
             ("Target-count: 6", "Target-count: 7", 8),
             ("-150.0000", "-150.0x", 10),

@@ -1,43 +1,43 @@
-//! What is to be written, and what was there before.
+//! Parameter changes that commissioning proposes.
 
 use gsk_core::cnc::Request;
 use gsk_core::memory::{Parameters, PitchTable};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
-/// A value of the control that becomes another.
+/// A new value for a parameter or a point of the pitch error table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Change {
+pub enum ParameterChange {
     /// A data parameter, or a state parameter as a byte.
     Value {
-        /// Number.
+        /// Parameter number.
         number: u16,
-        /// Value, in the unit of the parameter.
+        /// New value in the unit of the parameter.
         value: i32,
     },
     /// A bit of a state parameter.
     Bit {
-        /// Number.
+        /// Parameter number.
         number: u16,
         /// Bit, 0 to 7.
         bit: u8,
-        /// Value.
+        /// New state of the bit.
         on: bool,
     },
     /// A point of the pitch error table.
     Pitch {
-        /// Axis.
+        /// Axis of the table column.
         axis: Axis,
         /// Point, 0 to 255.
         point: u8,
-        /// −255 to 255, 0.001 mm before the factor 013.
+        /// New value, −255 to 255, in 0.001 mm before multiplication by parameter 013.
         value: i16,
     },
 }
 
-impl Change {
-    /// What is asked of the control.
-    pub const fn request(self) -> Request {
+impl ParameterChange {
+    /// Converts the change to a request to the control.
+    pub const fn to_request(self) -> Request {
         match self {
             Self::Value { number, value } => Request::SetParameter { number, value },
             Self::Bit { number, bit, on } => Request::SetParameterBit { number, bit, on },
@@ -45,9 +45,9 @@ impl Change {
         }
     }
 
-    /// The same with the value that stands there now.
+    /// Returns the same change with the current value: applying it undoes this one.
     #[must_use]
-    pub fn now(self, parameters: &Parameters, pitch: &PitchTable) -> Self {
+    pub fn current(self, parameters: &Parameters, pitch: &PitchTable) -> Self {
         match self {
             Self::Value { number, .. } => Self::Value {
                 number,
@@ -66,10 +66,10 @@ impl Change {
         }
     }
 
-    /// Writes it.
+    /// Writes the new value.
     ///
     /// # Errors
-    /// A value that the control does not take (alarm 043).
+    /// The control does not accept the value (alarm 043).
     pub fn apply(self, parameters: &mut Parameters, pitch: &mut PitchTable) -> Result<(), Message> {
         match self {
             Self::Value { number, value } => parameters
@@ -85,48 +85,48 @@ impl Change {
         }
     }
 
-    /// What stands where, as `No.035 = 12`.
+    /// Formats the new value: `No.035 = 12`.
     pub fn message(self) -> Message {
         match self {
             Self::Value { number, value } => say::commission_value(number, value),
             Self::Bit { number, bit, on } => say::commission_bit(number, bit, u8::from(on)),
-            Self::Pitch { axis, point, value } => say::commission_point(name(axis), point, value),
+            Self::Pitch { axis, point, value } => {
+                say::commission_point(axis_letter(axis), point, value)
+            }
         }
     }
 }
 
-/// The letter of an axis.
-pub(crate) const fn name(axis: Axis) -> char {
+pub(crate) const fn axis_letter(axis: Axis) -> char {
     match axis {
         Axis::X => 'X',
         Axis::Z => 'Z',
     }
 }
 
-/// The number of the two that belongs to an axis.
-pub(crate) const fn of(axis: Axis, x: u16, z: u16) -> u16 {
+pub(crate) const fn select_by_axis(axis: Axis, x: u16, z: u16) -> u16 {
     match axis {
         Axis::X => x,
         Axis::Z => z,
     }
 }
 
-/// What a step proposes.
+/// The changes that a commissioning step proposes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Proposal {
-    /// What is to be written.
-    pub changes: Vec<Change>,
-    /// What should be known about it.
+    /// Values to write, in this order.
+    pub changes: Vec<ParameterChange>,
+    /// Remarks for the operator.
     pub notes: Vec<Message>,
 }
 
 impl Proposal {
-    /// Only what differs from what stands there.
+    /// Keeps only the changes that differ from the current values.
     ///
     /// # Errors
-    /// A value that the control does not take.
-    pub(crate) fn of(
-        changes: Vec<Change>,
+    /// A value that the control does not accept (alarm 043).
+    pub(crate) fn from_changes(
+        changes: Vec<ParameterChange>,
         notes: Vec<Message>,
         parameters: &Parameters,
         pitch: &PitchTable,
@@ -136,7 +136,7 @@ impl Proposal {
             change.apply(&mut new, &mut table)?;
         }
         let mut changes = changes;
-        changes.retain(|change| change.now(parameters, pitch) != *change);
+        changes.retain(|change| change.current(parameters, pitch) != *change);
         Ok(Self { changes, notes })
     }
 }

@@ -1,0 +1,381 @@
+//! Programs as plain text, as DNC software sends them: `%`, lines, `%`, with XON/XOFF flow control
+//! and no acknowledgement.
+
+use std::collections::VecDeque;
+
+use gsk_messages::{Message, say};
+
+use crate::HostTime;
+use crate::wire_time::WireTime;
+
+/// DC1: the sender may continue.
+const XON: u8 = 0x11;
+/// DC3: the sender must stop.
+const XOFF: u8 = 0x13;
+/// Backlog levels, in characters: XOFF is sent above the first, XON below the second. Beyond the
+/// third the sender ignores XOFF.
+const XOFF_LEVEL: usize = 2048;
+const XON_LEVEL: usize = 512;
+const MAX_BACKLOG_CHARS: usize = 65_536;
+/// Largest text, more than the program memory holds.
+const MAX_TEXT_BYTES: usize = 1 << 22;
+/// Pause after which a text is incomplete.
+const SILENCE_TIMEOUT: HostTime = HostTime::from_secs(15);
+/// Longest time that the reader catches up.
+const MAX_CATCH_UP_TIME: HostTime = HostTime::from_millis(100);
+/// A shorter text before an error is noise.
+const MIN_TEXT_CHARS: usize = 16;
+
+/// Line end of a sent text.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TextLineEnd {
+    /// CR LF.
+    #[default]
+    CrLf,
+    /// LF.
+    Lf,
+    /// CR.
+    Cr,
+    /// LF CR CR, as on punched tape.
+    LfCrCr,
+}
+
+impl TextLineEnd {
+    const fn bytes(self) -> &'static [u8] {
+        match self {
+            Self::CrLf => b"\r\n",
+            Self::Lf => b"\n",
+            Self::Cr => b"\r",
+            Self::LfCrCr => b"\n\r\r",
+        }
+    }
+}
+
+/// A character that plain text cannot carry.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.message())]
+pub struct InvalidCharacter {
+    /// Line in the program, from 1.
+    pub line: usize,
+    /// The character.
+    pub character: char,
+}
+
+impl InvalidCharacter {
+    /// Returns the error as a message.
+    pub fn message(&self) -> Message {
+        say::in_line(self.line, say::transfer_not_ascii(self.character))
+    }
+}
+
+/// Event of a text reader.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum TextEvent {
+    /// The start of a text was received.
+    Started,
+    /// A complete text, with `\n` line ends and without `%`.
+    Complete(String),
+    /// The received bytes are no text: wrong rate or noise.
+    Noise,
+    /// A text is incomplete: silence, noise, or a sender that ignores XOFF.
+    Interrupted,
+}
+
+/// Receives a text at the speed of the line.
+#[derive(Clone, Debug)]
+pub struct TextReader {
+    wire: WireTime,
+    backlog: VecDeque<u8>,
+    /// Time up to which received bytes are processed.
+    read_until: HostTime,
+    last_byte_at: HostTime,
+    /// XOFF was sent.
+    is_stopped: bool,
+    /// XON and XOFF to send.
+    flow_control: Vec<u8>,
+    /// Text so far; `None` before its start.
+    text: Option<String>,
+    /// Previous character.
+    previous: u8,
+}
+
+impl TextReader {
+    /// Creates the reader for a line of `baud` bits per second.
+    pub fn new(baud: u32) -> Self {
+        Self {
+            wire: WireTime::new(baud),
+            backlog: VecDeque::new(),
+            read_until: HostTime::ZERO,
+            last_byte_at: HostTime::ZERO,
+            is_stopped: false,
+            flow_control: Vec::new(),
+            text: None,
+            previous: 0,
+        }
+    }
+
+    /// Whether a text has started and is not complete.
+    pub const fn is_in_text(&self) -> bool {
+        self.text.is_some()
+    }
+
+    /// Whether a text has started or received bytes are not processed yet.
+    pub fn is_busy(&self) -> bool {
+        self.is_in_text() || !self.backlog.is_empty()
+    }
+
+    /// Returns the length of the text so far, in characters.
+    pub fn received_chars(&self) -> usize {
+        self.text.as_ref().map_or(0, String::len)
+    }
+
+    /// Takes received bytes.
+    pub fn receive(&mut self, bytes: &[u8], now: HostTime) {
+        if bytes.is_empty() {
+            return;
+        }
+        self.last_byte_at = now;
+        let free = MAX_BACKLOG_CHARS + 1 - self.backlog.len();
+        self.backlog.extend(&bytes[..bytes.len().min(free)]);
+        if self.backlog.len() > XOFF_LEVEL && !self.is_stopped {
+            self.is_stopped = true;
+            self.flow_control.push(XOFF);
+        }
+    }
+
+    /// Takes the XON and XOFF characters to send.
+    pub fn take_flow_control(&mut self) -> Vec<u8> {
+        core::mem::take(&mut self.flow_control)
+    }
+
+    /// Drops the text and lets the sender continue.
+    pub fn reset(&mut self) {
+        self.text = None;
+        self.previous = 0;
+        self.backlog.clear();
+        self.resume_partner();
+    }
+
+    /// Processes received bytes up to `now`.
+    pub fn advance(&mut self, now: HostTime) -> Option<TextEvent> {
+        if self.backlog.len() > MAX_BACKLOG_CHARS {
+            return Some(self.interrupt());
+        }
+        self.read_until = self.read_until.max(now.saturating_sub(MAX_CATCH_UP_TIME));
+        while self.read_until < now {
+            let Some(byte) = self.backlog.pop_front() else {
+                break;
+            };
+            self.read_until += self.wire.transmission_time(1);
+            if self.backlog.len() < XON_LEVEL {
+                self.resume_partner();
+            }
+            // Bit 7 may be a parity bit.
+            if let Some(event) = self.accept(byte & 0x7F) {
+                return Some(event);
+            }
+        }
+        if self.backlog.is_empty()
+            && self.is_in_text()
+            && now.saturating_sub(self.last_byte_at) > SILENCE_TIMEOUT
+        {
+            return Some(self.interrupt());
+        }
+        None
+    }
+
+    fn resume_partner(&mut self) {
+        if core::mem::take(&mut self.is_stopped) {
+            self.flow_control.push(XON);
+        }
+    }
+
+    fn interrupt(&mut self) -> TextEvent {
+        let is_noise = self.received_chars() < MIN_TEXT_CHARS;
+        self.reset();
+        match is_noise {
+            true => TextEvent::Noise,
+            false => TextEvent::Interrupted,
+        }
+    }
+
+    fn accept(&mut self, byte: u8) -> Option<TextEvent> {
+        // Leader, rubout, DC1 to DC4 of a tape reader or punch.
+        if matches!(byte, 0 | 0x7F | 0x11..=0x14) {
+            return None;
+        }
+        let previous = core::mem::replace(&mut self.previous, byte);
+        let Some(text) = &mut self.text else {
+            let is_program_name = byte.is_ascii_digit() && matches!(previous, b'O' | b'o');
+            if byte != b'%' && !is_program_name {
+                return None;
+            }
+            let beginning = match is_program_name {
+                true => format!("O{}", char::from(byte)),
+                false => String::new(),
+            };
+            self.text = Some(beginning);
+            return Some(TextEvent::Started);
+        };
+        match byte {
+            b'%' if text.trim().is_empty() => {}
+            b'%' => {
+                let text = self
+                    .text
+                    .take()
+                    .map_or_else(String::new, |text| finish_text(&text));
+                self.previous = 0;
+                return Some(TextEvent::Complete(text));
+            }
+            b'\n' if previous == b'\r' => {}
+            // LF CR and LF CR CR.
+            b'\r' if previous == b'\n' => self.previous = b'\n',
+            b'\n' | b'\r' => text.push('\n'),
+            b'\t' | b' '..=b'~' => text.push(char::from(byte)),
+            _ => return Some(self.interrupt()),
+        }
+        if is_text_too_long(self.text.as_ref()) {
+            return Some(self.interrupt());
+        }
+        None
+    }
+}
+
+fn is_text_too_long(text: Option<&String>) -> bool {
+    text.is_some_and(|text| text.len() > MAX_TEXT_BYTES)
+}
+
+/// Removes the line end after the first `%` and ends the text with one. Other characters in the
+/// line of that `%` are a leader, unless they are the program number.
+fn finish_text(text: &str) -> String {
+    let leader = !text.starts_with(['\n', 'O', 'o', ':']);
+    let percent = if leader { "%" } else { "" };
+    let text = text.trim_start_matches('\n').trim_end();
+    format!("{percent}{text}\n")
+}
+
+/// Parses the program number: the first word after a leader, 0 to 9999.
+pub fn parse_program_number(text: &str) -> Option<u16> {
+    let mut lines = text.lines().map(str::trim);
+    let first = lines.find(|line| !line.is_empty() && !line.starts_with('%'))?;
+    let digits = first.strip_prefix(['O', 'o', ':'])?;
+    let end = digits.find(|next: char| !next.is_ascii_digit());
+    let digits = &digits[..end.unwrap_or(digits.len())];
+    digits.parse().ok().filter(|number| *number <= 9999)
+}
+
+/// Splits a text into programs at the lines that begin with an O number.
+pub fn split_programs(text: &str) -> Vec<&str> {
+    let mut begins = Vec::new();
+    let mut at = 0;
+    for line in text.split_inclusive('\n') {
+        let digits = line.trim_start().strip_prefix(['O', 'o', ':']);
+        if digits.is_some_and(|rest| rest.starts_with(|next: char| next.is_ascii_digit())) {
+            begins.push(at);
+        }
+        at += line.len();
+    }
+    if begins.len() < 2 {
+        return vec![text];
+    }
+    begins[0] = 0;
+    let ends = begins[1..].iter().copied().chain([text.len()]);
+    begins
+        .iter()
+        .zip(ends)
+        .map(|(&begin, end)| &text[begin..end])
+        .collect()
+}
+
+/// Sends a text at the speed of the line and obeys XON and XOFF.
+#[derive(Clone, Debug)]
+pub struct TextWriter {
+    wire: WireTime,
+    bytes: Vec<u8>,
+    sent_bytes: usize,
+    is_stopped: bool,
+}
+
+impl TextWriter {
+    /// Creates the writer for a line of `baud` bits per second. It adds `%` before and after the
+    /// text.
+    ///
+    /// # Errors
+    /// The first character that is not printable ASCII or a tab, with its line.
+    pub fn new(text: &str, end: TextLineEnd, baud: u32) -> Result<Self, InvalidCharacter> {
+        let mut bytes = b"%".to_vec();
+        bytes.extend(end.bytes());
+        let inner = text.trim_end().trim_end_matches('%').trim_end();
+        let mut within = false;
+        for (at, line) in inner.lines().enumerate() {
+            let line = line.trim_end_matches('\r');
+            // Skip the `%` that the text already has.
+            if !within && matches!(line.trim(), "" | "%") {
+                continue;
+            }
+            within = true;
+            let other = line.chars().find(|c| !matches!(c, '\t' | ' '..='~'));
+            if let Some(character) = other {
+                return Err(InvalidCharacter {
+                    line: at + 1,
+                    character,
+                });
+            }
+            bytes.extend(line.as_bytes());
+            bytes.extend(end.bytes());
+        }
+        bytes.push(b'%');
+        bytes.extend(end.bytes());
+        Ok(Self {
+            wire: WireTime::new(baud),
+            bytes,
+            sent_bytes: 0,
+            is_stopped: false,
+        })
+    }
+
+    /// Returns the number of bytes to send in total.
+    pub fn total_bytes(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// Returns the number of bytes that the port has taken.
+    pub const fn sent_bytes(&self) -> usize {
+        self.sent_bytes
+    }
+
+    /// Takes received bytes: XOFF stops sending, XON continues it.
+    pub fn receive(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            match byte & 0x7F {
+                XOFF => self.is_stopped = true,
+                XON => self.is_stopped = false,
+                _ => {}
+            }
+        }
+    }
+
+    /// Returns the bytes to send now; [`Self::mark_sent`] confirms how many the port has taken.
+    pub fn pending_bytes(&self, now: HostTime) -> &[u8] {
+        let rest = &self.bytes[self.sent_bytes..];
+        if self.is_stopped {
+            return &[];
+        }
+        &rest[..rest.len().min(self.wire.free_bytes(now))]
+    }
+
+    /// Counts bytes that the port has taken.
+    pub fn mark_sent(&mut self, count: usize, now: HostTime) {
+        self.sent_bytes += count;
+        self.wire.queue(count, now);
+    }
+
+    /// Whether the last bit has left the line.
+    pub fn is_finished(&self, now: HostTime) -> bool {
+        self.sent_bytes == self.bytes.len() && self.wire.idle_at() <= now
+    }
+}
+
+#[cfg(test)]
+#[path = "program_text_tests.rs"]
+mod tests;
