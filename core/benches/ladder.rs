@@ -72,7 +72,7 @@ fn scan(ladder: &Arc<Ladder>) {
                 plc.memory_mut().set_x(byte, (slot >> byte) as u8);
             }
             let start = Instant::now();
-            plc.slot();
+            plc.run_slot();
             start.elapsed()
         })
         .collect();
@@ -80,7 +80,7 @@ fn scan(ladder: &Arc<Ladder>) {
         &format!(
             "slot, {} of {MAX_STEPS} steps in {} part",
             ladder.steps(),
-            ladder.parts()
+            ladder.part_count()
         ),
         times,
     );
@@ -121,7 +121,7 @@ fn bench(criterion: &mut Criterion) {
     ticks("5000 steps undivided", &longest);
     let mut plc = Plc::new(longest);
     criterion.bench_function("slot of 5000 steps", |bencher| {
-        bencher.iter(|| plc.slot());
+        bencher.iter(|| plc.run_slot());
     });
 }
 

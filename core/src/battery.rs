@@ -36,6 +36,13 @@ pub struct Memory {
 }
 
 impl Memory {
+    /// Becomes that of a model: parameters of the control have the values that it is
+    /// delivered with, where these are its own.
+    pub fn set_model(&mut self, model: ControlModel) {
+        self.parameters.take_delivered(model.record());
+        self.model = model;
+    }
+
     /// What power-on does to it: values that never outlast it go, the operation level
     /// falls back.
     pub fn power_on(&mut self) {

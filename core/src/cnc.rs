@@ -67,8 +67,10 @@ pub enum Event {
     PartFinished,
     /// A program came to its end; `m30` tells M30 from the end of the text.
     ProgramEnded {
-        /// By M30.
+        /// By M30 or M02.
         m30: bool,
+        /// By M02.
+        m02: bool,
     },
 }
 
@@ -134,6 +136,7 @@ impl Cnc {
         self.return_tick(inputs);
         self.spindle_tick(inputs);
         self.motion_tick();
+        self.note_motion();
         self.watch_travel();
         self.watch_limit_signals();
         self.watch_reference();

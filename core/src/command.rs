@@ -10,7 +10,7 @@ use core::num::NonZeroU32;
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-use crate::units::{Axis, Feed, Point, round};
+use crate::units::{Axis, Feed, PerAxis, Point, round};
 
 /// Which program a block stands in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -285,12 +285,11 @@ pub enum Action {
         /// Whether the relative coordinates follow the absolute ones (005.1 PPD).
         relative: bool,
     },
-    /// M function given to the PLC.
+    /// M function given to the PLC: begins together with what follows it in its block,
+    /// which ends when both are finished.
     Miscellaneous {
         /// M number.
         code: u8,
-        /// When it runs against the motion of its block.
-        timing: Timing,
     },
     /// Outputs that a program switches by itself (NC-B08: M10, M11, M21 and on): Y0 in
     /// bit 0, which is F54.0 for the ladder; there are 24.
@@ -317,6 +316,8 @@ pub enum Action {
         tool: u8,
         /// Offset number, 0 = cancelled.
         offset: u8,
+        /// Nothing that takes time follows it in its block.
+        is_last: bool,
     },
     /// M00: stop after everything before it is finished.
     ProgramStop,
@@ -324,8 +325,12 @@ pub enum Action {
     End {
         /// Whether the part counter counts it (M30, main-program M99).
         counts: bool,
-        /// Whether M30 was programmed (its decode signals go to the PLC).
+        /// Whether M30 was programmed (its decode signals go to the PLC), or M02 on models
+        /// that have it.
         m30: bool,
+        /// It was M02.
+        #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+        m02: bool,
     },
     /// M99 in the main program: the part counter counts, the run goes on.
     Repeat,
@@ -404,16 +409,6 @@ impl BeyondPass {
             Self::Start => say::pass_start_beside_index(),
         }
     }
-}
-
-/// How an auxiliary function runs against the motion of its block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Timing {
-    /// Started together with the next motion of the block; the block ends when
-    /// both are finished.
-    WithMotion,
-    /// Started and finished before anything else of the block begins.
-    BeforeMotion,
 }
 
 /// What an S word (with G96, G97, G50) asks of the spindle.
@@ -515,6 +510,26 @@ pub struct Conditions {
     pub rpm: f64,
     /// How a thread follows the angle of the spindle.
     pub thread: Option<ThreadPhase>,
+    /// Which of its coordinates are not known.
+    #[serde(default, skip_serializing_if = "Unplaced::is_none")]
+    pub unplaced: Unplaced,
+}
+
+/// Coordinates of a move that lead to or from a machine zero whose position to the work
+/// is unknown: numbers are computed for them, but they say nothing about the part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Unplaced {
+    /// Axes of the start point.
+    pub from: PerAxis<bool>,
+    /// Axes of the end point.
+    pub to: PerAxis<bool>,
+}
+
+impl Unplaced {
+    /// Whether all coordinates are known.
+    pub const fn is_none(&self) -> bool {
+        !(self.from.x || self.from.z || self.to.x || self.to.z)
+    }
 }
 
 /// How a thread follows the angle of the spindle.
@@ -551,6 +566,7 @@ impl Conditions {
             frame: *frame,
             rpm,
             thread,
+            unplaced: Unplaced::default(),
         }
     }
 }

@@ -38,7 +38,7 @@ use crate::units::{PerAxis, Point, Pulses};
 pub use drives::drives;
 use gsk_link::{
     BoardInfo, BoardOutputs, FINE, HostTime, Input, Link, LinkConfig, LinkState, Output, Pins,
-    Protocol, Refused, Sample, SpindleView, Stop, Traffic,
+    Protocol, Refused, Sample, SpindleDirection, SpindleView, Stop, Traffic,
 };
 use gsk_messages::Message;
 use log::Log;
@@ -64,6 +64,8 @@ struct Connection {
     state: LinkState,
     /// RESET was pressed while the board was lost.
     reopen: bool,
+    /// The holder of the port has stopped the board that is lost.
+    stopped: bool,
     /// Spindle and coolant were on when the board was lost, or before it was there: they
     /// stay off until they have been switched off.
     withheld: bool,
@@ -133,6 +135,7 @@ impl Linked {
             connection: Connection {
                 state: LinkState::Opening,
                 reopen: false,
+                stopped: false,
                 withheld: true,
             },
             clock: Clock::new(now),
@@ -170,14 +173,11 @@ impl Linked {
     /// before [`may_tick`](Self::may_tick) is asked.
     pub fn pump(&mut self, bytes: &[u8], now: HostTime) {
         let gap = self.clock.passes(now);
-        let starved = self.has_starved(gap);
+        self.judge_absence(gap);
         self.link.rx(bytes, self.clock.now);
         self.link.tick(self.clock.now);
         for event in self.link.events() {
             self.hear(event);
-        }
-        if starved && self.link.takes_motion() {
-            self.samples_late();
         }
         self.adopt_count();
         self.report_late();
@@ -193,6 +193,23 @@ impl Linked {
         }
         self.adopt_count();
         self.report_standstill();
+    }
+
+    /// The process that held the port has stopped the board, and this is what the board
+    /// answered: whether its outputs are off is known then, although the link is lost.
+    pub fn stopped_by_holder(&mut self, answered: &[u8]) {
+        self.connection.stopped = self.link.has_answered_stop(answered);
+    }
+
+    /// Whether the board has to be stopped when this program falls silent. One of timed
+    /// steps stops by itself then.
+    pub fn needs_guard(&self) -> bool {
+        let on =
+            |outputs: BoardOutputs| outputs.spindle != SpindleDirection::Stop || outputs.coolant;
+        self.config.protocol == Protocol::Line
+            && (self.is_behind()
+                || self.thread.pass.is_some()
+                || self.link.switched().is_none_or(on))
     }
 
     /// Bytes to be written to the port.

@@ -3,6 +3,8 @@
 //! means which code, and the parameters that only it has. What a code does is written
 //! once, for all models that have it.
 
+mod calls;
+mod conventions;
 mod meaning;
 mod record;
 
@@ -11,8 +13,9 @@ use std::collections::BTreeMap;
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
+pub use conventions::{Conventions, Increments, MacroForm, ToolForm, WorkPlane, XMeasure};
 pub use meaning::{GCode, MCode};
-pub(crate) use record::{Edge, MFunction};
+pub(crate) use record::{Edge, LadderOutput, MFunction, Side, Wire};
 pub use record::{ModelParameter, Record};
 
 /// A control model.
@@ -156,6 +159,11 @@ pub(crate) mod code_calls {
     pub(crate) const T_OF_MILL: u16 = 40;
     /// That bit.
     pub(crate) const T_BIT: u8 = 5;
+    /// What the first code of each kind calls.
+    pub(crate) const OF_G: u16 = 9010;
+    pub(crate) const OF_M: u16 = 9020;
+    pub(crate) const OF_PLAIN_M: u16 = 9001;
+    pub(crate) const OF_T: u16 = 9000;
 }
 
 /// Numbers of the Huaxing lathes.

@@ -14,6 +14,7 @@ mod spindle;
 mod tests;
 mod thread;
 mod travel;
+mod work_budget;
 mod written;
 
 use core::cell::LazyCell;
@@ -44,6 +45,7 @@ use preset::SetPlace;
 use spindle::Spindle;
 pub use spindle::Turning;
 use travel::Shown;
+pub use work_budget::WorkBudget;
 
 /// Blocks without motion after which [`preview`] gives up.
 const MOTIONLESS_BLOCKS: u64 = 1_500_000;
@@ -59,6 +61,8 @@ const LONGEST_S: f64 = 3.6e6;
 pub enum End {
     /// M30.
     M30,
+    /// M02, on models that have it.
+    M02,
     /// M99 of the main program.
     M99,
     /// The end of the text without either.
@@ -140,6 +144,9 @@ pub struct Progress {
     pub blocks: u64,
     /// Moves so far.
     pub moves: u64,
+    /// Blocks read so far, those of loops and subprograms each time, and one more for each
+    /// 64 bytes of their texts.
+    pub work: u64,
     /// Commands since the last move.
     pub motionless: u64,
     /// Machine time so far, s.
@@ -239,11 +246,13 @@ fn interpret(
     interpreter.set_tool(setup.tool_in_position());
     interpreter.set_machine_codes(MachineCodes::of(setup.ladder.m_codes()));
     interpreter.set_frame(frame, &host);
+    interpreter.audit_words();
     let mut walk = Walk::new(setup, programs, *interpreter.modal(), on_move);
     walk.explains = wanted.explanations;
     let met = match programs.current() {
         Some(program) => {
             interpreter.start(program, 1, &host);
+            walk.look_at_text(program);
             walk.run(&mut interpreter, &mut host, go_on)
         }
         None => {
@@ -251,13 +260,14 @@ fn interpret(
             Some((alarm, Raised::Reading))
         }
     };
+    walk.show_return(None);
     if let Some((alarm, _)) = &met {
         walk.fail(alarm.clone());
     }
     walk.look_at_end();
     let mut preview = walk.result(&host.parameters);
     preview.modal = *interpreter.modal();
-    if matches!(preview.end, End::M30 | End::Text) {
+    if matches!(preview.end, End::M30 | End::M02 | End::Text) {
         // The end of a program is a reset.
         preview.modal.nose_compensation = 40;
     }
@@ -320,6 +330,8 @@ struct Walk<'a> {
     /// time is known when the next command is.
     sequel: Sequel,
     unsettled: Option<(ExecutedMove, Option<Explanation>)>,
+    /// A rapid that may lead to a machine zero, until the next command says so.
+    returning: Option<(ExecutedMove, Option<Explanation>)>,
     shown: Option<Shown>,
     /// Time the spindle needs for a new speed, s.
     settle_s: f64,
@@ -353,6 +365,7 @@ impl<'a> Walk<'a> {
             owed: 0.0,
             sequel: Sequel::default(),
             unsettled: None,
+            returning: None,
             shown: None,
             settle_s: f64::from(setup.lathe.spindle.settle_ms) / 1000.0,
             so_far: Preview {
@@ -396,11 +409,15 @@ impl<'a> Walk<'a> {
             until_look -= 1;
             if until_look == 0 {
                 until_look = COMMANDS_A_LOOK;
-                if !go_on(&self.progress()) {
+                if !go_on(&self.progress(interpreter)) {
                     return None;
                 }
             }
-            match interpreter.advance(host) {
+            let advance = interpreter.advance(host);
+            if interpreter.has_remarks() {
+                self.take_remarks(interpreter);
+            }
+            match advance {
                 Ok(Advance::Command(command)) => {
                     if self.explains {
                         self.explanation = interpreter.explanation();
@@ -427,11 +444,12 @@ impl<'a> Walk<'a> {
         None
     }
 
-    fn progress(&self) -> Progress {
+    fn progress(&self, interpreter: &Interpreter) -> Progress {
         Progress {
             line: self.source.map_or(0, |source| source.line),
             blocks: self.so_far.blocks,
             moves: self.so_far.moves,
+            work: interpreter.work(),
             motionless: self.motionless,
             time_s: self.clock.now(),
         }

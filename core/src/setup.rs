@@ -2,7 +2,7 @@
 
 mod ladder;
 
-use gsk_plc::Retained;
+use gsk_plc::RetainedMemory;
 use gsk_plc::address::BitAddress;
 
 pub use ladder::{MachineLadder, STANDARD_LADDER, dnc_teach_ladder, standard_ladder};
@@ -24,7 +24,7 @@ pub struct Setup {
     /// The machine's ladder.
     pub ladder: MachineLadder,
     /// What the PLC kept over power-off; `None`: its initial values.
-    pub plc_retained: Option<Retained>,
+    pub plc_retained: Option<RetainedMemory>,
     /// The simulated lathe.
     pub lathe: LatheConfig,
     /// The parameters it was wired for; `None`: those found now.

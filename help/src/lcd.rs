@@ -3,6 +3,7 @@
 mod field;
 mod program;
 
+use gsk_core::model::ModelId;
 use gsk_panel::lcd::COLUMNS;
 use gsk_panel::pages::PageId;
 use gsk_panel::screen::Screen;
@@ -13,9 +14,10 @@ use crate::table::{Topic, topic};
 /// Bits of a byte, and digits of a state parameter.
 const BITS: usize = 8;
 
-/// The topic about what a page shows in a row and column; of the page itself where it
+/// The topic of a model about what a page shows in a row and column; of the page itself where it
 /// shows nothing that has one of its own.
 pub fn on_screen(
+    model: ModelId,
     page: PageId,
     screen: &Screen,
     row: usize,
@@ -30,7 +32,7 @@ pub fn on_screen(
         _ => None,
     };
     pointed
-        .or_else(|| program::word(page, screen, row, column))
+        .or_else(|| program::word(model, page, screen, row, column))
         .or_else(|| field::pointed(page, screen, row, column))
         .or_else(|| topic(Subject::Page(page.name())))
 }

@@ -1,9 +1,11 @@
 //! From what somebody asks to the topics he may mean.
 
+use gsk_core::model::ModelId;
 use gsk_messages::Language;
 
 use crate::article;
 use crate::facts::{facts, name};
+use crate::models::topics_of;
 use crate::subject::Subject;
 use crate::table::{Topic, topics};
 
@@ -15,15 +17,28 @@ pub fn ask(question: &str) -> Vec<&'static Topic> {
     ask_among(question, |_| true)
 }
 
+/// The same of a model.
+pub fn ask_of(model: ModelId, question: &str) -> Vec<&'static Topic> {
+    find(topics_of(model), question, |_| true)
+}
+
 /// The same among some subjects.
 pub fn ask_among(question: &str, among: impl Fn(Subject<'_>) -> bool) -> Vec<&'static Topic> {
+    find(topics(), question, among)
+}
+
+fn find(
+    all: &'static [Topic],
+    question: &str,
+    among: impl Fn(Subject<'_>) -> bool,
+) -> Vec<&'static Topic> {
     let words: Vec<String> = question.split_whitespace().map(folded).collect();
     if words.is_empty() {
         return Vec::new();
     }
     let asked = words.join(" ");
     let number = asked.parse().ok();
-    let mut found: Vec<(u8, &Topic)> = topics()
+    let mut found: Vec<(u8, &Topic)> = all
         .iter()
         .filter(|topic| among(topic.subject))
         .filter_map(|topic| Some((distance(topic, &asked, number, &words)?, topic)))

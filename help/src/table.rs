@@ -2,6 +2,7 @@
 
 use std::sync::LazyLock;
 
+use gsk_core::model::ModelId;
 use gsk_core::{alarm, memory};
 use gsk_messages::Language;
 use gsk_panel::keys::{KEYS, STRIP};
@@ -14,7 +15,7 @@ use crate::subject::Subject;
 const FIELDS: usize = 6;
 
 /// How a table of texts writes its subjects.
-type Read = fn(&'static str) -> Option<Subject<'static>>;
+pub(crate) type Read = fn(&'static str) -> Option<Subject<'static>>;
 
 /// The tables of texts.
 const TEXTS: [(&str, Read); 6] = [
@@ -76,7 +77,7 @@ fn of_tables() -> impl Iterator<Item = Subject<'static>> {
 }
 
 /// The lines of a table of texts.
-fn texts(table: &'static str, read: Read) -> impl Iterator<Item = Topic> {
+pub(crate) fn texts(table: &'static str, read: Read) -> impl Iterator<Item = Topic> {
     let lines = table.lines().skip(1);
     lines.filter_map(move |line| Topic::read(line, read))
 }
@@ -90,6 +91,9 @@ pub struct Topic {
     example: [&'static str; 2],
     /// The section of the manual; empty where no text gives one.
     pub source: &'static str,
+    /// The model whose own it is; none: it is of the GSK980TD, and of others where it
+    /// holds.
+    pub model: Option<ModelId>,
 }
 
 impl Topic {
@@ -99,6 +103,23 @@ impl Topic {
             rule: [""; 2],
             example: [""; 2],
             source: "",
+            model: None,
+        }
+    }
+
+    /// A topic with a rule in Chinese and English.
+    pub(crate) const fn of_text(subject: Subject<'static>, rule: [&'static str; 2]) -> Self {
+        Self {
+            rule,
+            ..Self::without_text(subject)
+        }
+    }
+
+    /// The same as one that is a model's own.
+    pub(crate) const fn of(self, model: ModelId) -> Self {
+        Self {
+            model: Some(model),
+            ..self
         }
     }
 
@@ -112,6 +133,7 @@ impl Topic {
             rule: [rule_zh, rule_en],
             example: [example_zh, example_en].map(present),
             source: present(source),
+            model: None,
         })
     }
 

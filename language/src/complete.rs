@@ -154,8 +154,7 @@ impl Site<'_> {
                 continue;
             };
             let detail = said.text(self.reader.language);
-            // The articles are those of lathes.
-            let topic = code_topic(address, number.into()).filter(|_| !self.reader.model.is_mill());
+            let topic = code_topic(self.reader.model, address, number.into());
             let about = topic.map_or("", |topic| topic.rule(self.reader.language));
             let (label, about) = (format!("{address}{number:02}"), escaped(about));
             self.push(

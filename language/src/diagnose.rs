@@ -2,7 +2,7 @@
 //! looks.
 
 use gsk_core::alarm::Alarm;
-use gsk_core::command::{ExecutedMove, ProgramId};
+use gsk_core::command::{ExecutedMove, ProgramId, Source};
 use gsk_core::preview::{Bounds, Caution, End, Progress, preview_beyond_alarms};
 use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
@@ -11,7 +11,7 @@ use gsk_milling::{MillSetup, Move, preview_while};
 use gsk_runner::report::AlarmReport;
 
 use crate::line_times::LineTimes;
-use crate::locate::{Located, locate, whole};
+use crate::locate::{Located, bytes_at, locate, whole};
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,6 +114,11 @@ pub fn analyse_mill(
     let alarms = preview.alarm.iter().chain(&preview.further);
     let mut findings: Vec<Finding> = alarms.map(|it| of_alarm(it, programs, language)).collect();
     findings.extend(given_up(preview.end, language));
+    let slips = preview.cautions.iter();
+    findings.extend(slips.map(|it| {
+        let text = it.slip.message().text(language);
+        warning(it.slip.id(), text, it.source, None, programs)
+    }));
     Analysis {
         findings,
         end: preview.end,
@@ -164,7 +169,25 @@ fn of_alarm(alarm: &Alarm, programs: &ProgramMemory, language: Language) -> Find
 }
 
 fn of_caution(caution: &Caution, programs: &ProgramMemory, language: Language) -> Finding {
-    let source = caution.source;
+    let text = caution.slip.message().text(language);
+    let first_column = caution.columns().map(|(first, _)| first);
+    warning(
+        caution.slip.id(),
+        text,
+        caution.source,
+        first_column,
+        programs,
+    )
+}
+
+/// A warning at its block, or at the word in `first_column` (characters from 1).
+fn warning(
+    code: &str,
+    text: String,
+    source: Source,
+    first_column: Option<u32>,
+    programs: &ProgramMemory,
+) -> Finding {
     let line = programs
         .get(source.program)
         .map_or("", |it| it.line(source.line));
@@ -172,11 +195,14 @@ fn of_caution(caution: &Caution, programs: &ProgramMemory, language: Language) -
         program: source.program,
         at: Some(Located {
             line: source.line,
-            bytes: whole(line),
+            bytes: match first_column {
+                Some(first) => bytes_at(line, Some(first as usize)),
+                None => whole(line),
+            },
         }),
         level: Level::Warning,
-        code: caution.slip.id().to_owned(),
-        text: caution.slip.message().text(language),
+        code: code.to_owned(),
+        text,
     }
 }
 

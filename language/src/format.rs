@@ -184,8 +184,10 @@ fn renumbered(
                     place.line == index && from <= at && at < to
                 };
                 let own = blocks.next_if(|it| here(&it.digits));
-                // An N elsewhere in its block is its number, too, and O names a program.
-                let named = block.iter().any(|it| it.kind == Kind::Name);
+                // An N elsewhere in its block is its number, too; O, or `:` of other controls,
+                // names a program.
+                let named =
+                    block.iter().any(|it| it.kind == Kind::Name) || line[word..].starts_with(':');
                 match own {
                     Some(own) => {
                         anew.insert(&own.digits, next);
@@ -271,14 +273,17 @@ fn rewritten(index: u32, line: &str, style: Style, numbers: &Numbers) -> String 
     for span in &spans {
         let from = before.map_or(0, |(_, end)| end);
         let gap = line.get(from..span.range.start).unwrap_or("");
+        let added = numbers.added.get(&(index, span.range.start as u32));
+        // What is no word may be part of the one beside it, but not of a number.
+        let foreign = |it: &Span| it.kind == Kind::Foreign;
+        let stays = style.spacing == Spacing::AsTheyAre || (added.is_none() && foreign(span));
         out.push_str(match before {
-            None if style.spacing == Spacing::AsTheyAre => gap,
-            // What is no word may be part of the one beside it.
-            None if span.kind == Kind::Foreign => gap,
+            _ if stays => gap,
             None => "",
-            Some((before, _)) => between(line, before, gap, span, style.spacing),
+            Some((before, _)) if foreign(before) => gap,
+            Some((before, _)) => between(line, before, span, style.spacing),
         });
-        if let Some(number) = numbers.added.get(&(index, span.range.start as u32)) {
+        if let Some(number) = added {
             let blank = if style.spacing == Spacing::None {
                 ""
             } else {
@@ -296,12 +301,8 @@ fn rewritten(index: u32, line: &str, style: Style, numbers: &Numbers) -> String 
     out
 }
 
-/// What stands between two pieces.
-fn between<'a>(line: &str, before: &Span, gap: &'a str, span: &Span, spacing: Spacing) -> &'a str {
-    let foreign = before.kind == Kind::Foreign || span.kind == Kind::Foreign;
-    if spacing == Spacing::AsTheyAre || foreign {
-        return gap;
-    }
+/// What stands between two pieces that the control reads.
+fn between(line: &str, before: &Span, span: &Span, spacing: Spacing) -> &'static str {
     if is_mark(line, span, &[";", "*", "%"]) || is_mark(line, before, &["/"]) {
         return "";
     }

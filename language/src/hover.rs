@@ -1,8 +1,9 @@
 //! What is said of the word under the pointer.
 
 use gsk_core::memory::Variables;
+use gsk_core::model::ModelId;
 use gsk_core::program::limits;
-use gsk_help::{Subject, Topic, article, topic};
+use gsk_help::{Subject, Topic, article, topic_of};
 use gsk_messages::{Language, say};
 
 use crate::Reader;
@@ -65,18 +66,15 @@ fn of_word(line: &str, spans: &[Span], word: &Word<'_>, reader: Reader) -> Optio
                 return Some(say::hover_no_code(word_text(word), model).text(language));
             };
             let said = said.text(language);
-            // The articles are those of the model whose manual they come from.
-            let own = of_model(address, number, gsk_core::model::ModelId::default());
-            let same = own.is_some_and(|own| own.text(language) == said);
-            let topic = code_topic(address, number).filter(|_| same);
-            Some(match topic {
+            Some(match code_topic(reader.model, address, number) {
                 Some(topic) => shown(topic, Some(&said), language),
                 None => escaped(&said),
             })
         }
         ('H', Some(number)) if has(line, spans, 'G', 65) => {
             let name = format!("G65 H{number:02}");
-            let topic = topic(Subject::Code(&name)).or_else(|| code_topic('G', 65))?;
+            let topic = topic_of(reader.model, Subject::Code(&name));
+            let topic = topic.or_else(|| code_topic(reader.model, 'G', 65))?;
             Some(shown(topic, None, language))
         }
         // Ranges and articles are those of lathes.
@@ -90,7 +88,8 @@ fn of_word(line: &str, spans: &[Span], word: &Word<'_>, reader: Reader) -> Optio
         (address @ ('S' | 'T' | 'F'), _) => {
             let name = address.to_string();
             let said = letter(address, reader.model)?.text(language);
-            let article = topic(Subject::Code(&name)).map(|it| shown(it, Some(&said), language));
+            let topic = topic_of(reader.model, Subject::Code(&name));
+            let article = topic.map(|it| shown(it, Some(&said), language));
             Some(format!(
                 "{}\n\n{}",
                 article.unwrap_or(said),
@@ -117,9 +116,9 @@ fn has(line: &str, spans: &[Span], address: char, number: u32) -> bool {
     words.any(|word| word.address == address && word.number() == Some(number))
 }
 
-/// The topic of a G or M code.
-pub(crate) fn code_topic(address: char, number: u32) -> Option<&'static Topic> {
-    topic(Subject::Code(&format!("{address}{number:02}")))
+/// The topic of a G or M code of a model.
+pub(crate) fn code_topic(model: ModelId, address: char, number: u32) -> Option<&'static Topic> {
+    topic_of(model, Subject::Code(&format!("{address}{number:02}")))
 }
 
 /// The range of a letter's numbers.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use gsk_core::alarm::Alarm;
 
-use crate::words::{Kind, spans};
+use crate::words::spans;
 
 /// The message of an alarm that a cycle raises in a block of its profile.
 const IN_PROFILE: &str = "in_profile";
@@ -39,13 +39,7 @@ pub fn locate<'a>(alarm: &Alarm, line_of: impl Fn(u32) -> &'a str) -> Option<Loc
 /// or the whole line without blanks around it.
 pub(crate) fn bytes_at(line: &str, column: Option<usize>) -> Range<usize> {
     let pieces = spans(line);
-    // A column counts from the beginning of its block, and nobody says which it is.
-    let ends = |at: &usize| {
-        let span = pieces.get(*at).filter(|it| it.kind == Kind::Mark);
-        span.is_some_and(|it| line.get(it.range.clone()) != Some("/"))
-    };
-    let several = (0..pieces.len().saturating_sub(1)).any(|at| ends(&at));
-    let Some(column) = column.filter(|_| !several) else {
+    let Some(column) = column else {
         return whole(line);
     };
     let mut characters = line.char_indices().skip(column.saturating_sub(1));
@@ -79,6 +73,6 @@ mod tests {
         assert_eq!(bytes_at("G00 X", Some(40)), 4..5);
         assert_eq!(bytes_at("", Some(3)), 0..0);
         assert_eq!(bytes_at("   ", None), 0..0);
-        assert_eq!(bytes_at("G00 X1; G1 ?", Some(4)), 0..12);
+        assert_eq!(bytes_at("G00 X1; G1 ?", Some(12)), 11..12);
     }
 }

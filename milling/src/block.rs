@@ -304,26 +304,9 @@ fn follow_m(state: &mut State, words: &Words, scene: &Scene<'_, '_>) -> Result<(
     Ok(())
 }
 
-/// M codes that keep their function whatever 6044 to 6046 say.
-const RESERVED: [i64; 7] = [0, 1, 2, 29, 30, 98, 99];
-/// M codes that call the program of their own number.
-const MACRO_CODES: core::ops::RangeInclusive<i64> = 9000..=9999;
-
-/// The program that 6044 to 6046 let an M code call.
-pub(crate) fn called_by(code: i64, memory: &MillMemory) -> Option<i64> {
-    let value = |number| i64::from(memory.value(number));
-    let first = value(parameter::CALL_FIRST);
-    let program = value(parameter::CALL_PROGRAM);
-    let count = value(parameter::CALL_COUNT);
-    let off = count == 0 || program + count - 1 > 9999;
-    let index = code - first;
-    let calls = !off && !RESERVED.contains(&code) && (0..count).contains(&index);
-    calls.then_some(program + index)
-}
-
-/// What an M code does; none for one that calls.
+/// What an M code does; none for one that calls, and for one of the ladder.
 fn does(code: i64, memory: &MillMemory) -> Result<Option<MCode>, Alarm> {
-    if MACRO_CODES.contains(&code) || called_by(code, memory).is_some() {
+    if memory.model.is_macro_of_m(code) || memory.model.subprogram_of_m(code).is_some() {
         return Ok(None);
     }
     let known = u8::try_from(code)
@@ -331,8 +314,20 @@ fn does(code: i64, memory: &MillMemory) -> Result<Option<MCode>, Alarm> {
         .and_then(|it| memory.model.record().m_function(it));
     match known {
         Some(function) => Ok(Some(function.does)),
+        None if is_of_ladder(code, memory) => Ok(None),
         None => Err(alarm(number::BAD_M, say::mill_m_unknown(code))),
     }
+}
+
+/// Whether only the ladder knows an M code: nothing is known of what it does.
+pub(crate) fn is_of_ladder(code: i64, memory: &MillMemory) -> bool {
+    let record = memory.model.record();
+    let Ok(code) = u8::try_from(code) else {
+        return false;
+    };
+    let left = |(first, last): (u8, u8)| (first..=last).contains(&code);
+    let calls = memory.model.subprogram_of_m(code.into()).is_some();
+    !calls && record.m_function(code).is_none() && record.ladder_m.is_some_and(left)
 }
 
 /// Runs of a call: L, or the digits before the last four of P.
@@ -359,7 +354,7 @@ pub(crate) fn flow(words: &Words, memory: &MillMemory) -> Result<Flow, Alarm> {
         .filter(|_| words.one_shot != Some(OneShot::Dwell));
     let p = p.map(Number::integer);
     let name = format!("M{code}");
-    if let Some(program) = called_by(code, memory) {
+    if let Some(program) = memory.model.subprogram_of_m(code) {
         let runs = runs(words, 1)?;
         return Ok(Flow::Call {
             program,
@@ -367,7 +362,7 @@ pub(crate) fn flow(words: &Words, memory: &MillMemory) -> Result<Flow, Alarm> {
             name,
         });
     }
-    if MACRO_CODES.contains(&code) {
+    if memory.model.is_macro_of_m(code) {
         let runs = runs(words, 1)?;
         return Ok(Flow::Macro {
             program: code,

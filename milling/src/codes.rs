@@ -180,14 +180,15 @@ fn offset_input(state: &State, words: &Words, scene: &mut Scene<'_, '_>) -> Resu
         return Err(alarm(number::OUT_OF_RANGE, say::mill_offset_input_words()));
     };
     let p = p.integer();
-    let mut value = length(r, state.modal.inch);
+    let inch = state.modal.inch;
+    let mut value = length(r, inch);
     if state.modal.incremental {
         let mut before = u16::try_from(p)
             .map(|it| scene.memory.offset(it))
             .unwrap_or_default();
         value = value + *before.column(column);
     }
-    scene.memory.set_offset(p, column, value)
+    scene.memory.set_offset(p, column, value, inch)
 }
 
 /// G28, G30: by the intermediate point to a reference point.
@@ -242,6 +243,13 @@ fn measure(state: &mut State, words: &Words, scene: &mut Scene<'_, '_>) -> Resul
     scene.go(state, to, Way::CutAt(feed.into()), true)
 }
 
+/// The greatest P of G51, as that of 5411.
+const SCALE_OF_ALL: i64 = 99_999_999;
+/// The greatest I, J, K: 9.999, or 9.99999 where they count in 0.00001.
+const AXIS_SCALE: [i64; 2] = [9999, 999_999];
+/// The greatest angle of G68, degrees.
+const GREATEST_ANGLE: f64 = 360.0;
+
 /// G51.
 pub(crate) fn scale(
     state: &mut State,
@@ -262,6 +270,8 @@ pub(crate) fn scale(
     }
     let fine = scene.memory.bit(parameter::SCALE_UNIT, 7);
     let factor = |units: i64| units as f64 * if fine { 0.000_01 } else { 0.001 };
+    // 562.0 to 562.2: X, Y and Z are scaled.
+    let is_scaled = |axis: Axis| scene.memory.bit(parameter::TRANSFORM, axis as u8);
     let units = |axis: Axis| {
         let own = || {
             scene
@@ -269,23 +279,36 @@ pub(crate) fn scale(
                 .value(parameter::of(parameter::AXIS_SCALE, axis))
                 .into()
         };
-        let word = letters.center.get(axis).map(Number::integer);
-        // 562.0 to 562.2: X, Y and Z are scaled.
-        let scaled = scene.memory.bit(parameter::TRANSFORM, axis as u8);
-        if scaled {
-            factor(word.unwrap_or_else(own))
-        } else {
-            1.0
+        letters.center.get(axis).map_or_else(own, Number::integer)
+    };
+    let of_all = match letters.p {
+        Some(p) if !by_axis => Some(p.integer()),
+        None if !each => Some(scene.memory.value(parameter::SCALE).into()),
+        _ => None,
+    };
+    let written = match of_all {
+        Some(units) => [units; 3],
+        None => Axis::BASIC.map(units),
+    };
+    let greatest = match of_all {
+        Some(_) => SCALE_OF_ALL,
+        None => AXIS_SCALE[usize::from(fine)],
+    };
+    let scaled = Axis::BASIC.into_iter().zip(written);
+    for (_, units) in scaled.filter(|(axis, _)| is_scaled(*axis)) {
+        if units == 0 {
+            return Err(alarm(number::OUT_OF_RANGE, say::mill_scale_nothing()));
         }
-    };
-    let factors = match letters.p {
-        Some(p) if !by_axis => [factor(p.integer()); 3],
-        None if !each => [factor(scene.memory.value(parameter::SCALE).into()); 3],
-        _ => Axis::BASIC.map(units),
-    };
-    if factors.contains(&0.0) {
-        return Err(alarm(number::OUT_OF_RANGE, say::mill_scale_nothing()));
+        let negative = of_all.is_some() && units < 0;
+        if negative || units.abs() > greatest {
+            let detail = say::mill_scale_out_of_range(units, greatest);
+            return Err(alarm(number::OUT_OF_RANGE, detail));
+        }
     }
+    let factors = Axis::BASIC.map(|axis| match is_scaled(axis) {
+        true => factor(written[axis as usize]),
+        false => 1.0,
+    });
     let mut center = state.work(scene.memory);
     for axis in named(words) {
         let value = words
@@ -327,6 +350,10 @@ pub(crate) fn rotate(state: &mut State, words: &Words, scene: &Scene<'_, '_>) ->
         Some(r) => r.value(),
         None => f64::from(scene.memory.value(parameter::ANGLE)) / 1000.0,
     };
+    if angle.abs() > GREATEST_ANGLE {
+        let detail = say::mill_angle_out_of_range(angle);
+        return Err(alarm(number::OUT_OF_RANGE, detail));
+    }
     let adds = scene.memory.bit(parameter::TRANSFORM, 7) && state.modal.incremental;
     let programmed = match before {
         Some(before) if adds => before.programmed + angle,

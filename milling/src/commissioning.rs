@@ -146,10 +146,17 @@ impl PitchTable {
         })
     }
 
+    /// Whether the negative side of the reference point is compensated. If the reference
+    /// point is the least number of the table, its value has no interval: the interval
+    /// below it lies outside the table (part on installation, 6.6).
+    pub const fn has_negative_side(&self) -> bool {
+        self.origin > self.window.0
+    }
+
     /// The number of the way that ends at a position, seen from the reference point, 0.001
     /// mm; none where no way ends.
     pub const fn number_at(&self, position: i64) -> Option<i64> {
-        if position % self.interval != 0 {
+        if position % self.interval != 0 || (position < 0 && !self.has_negative_side()) {
             return None;
         }
         match position / self.interval {
@@ -195,6 +202,9 @@ impl PitchTable {
     /// What is commanded at a position, both in 0.001 mm from the reference point; within
     /// an interval its share of the error.
     pub fn commanded(&self, position: i64) -> i64 {
+        if position < 0 && !self.has_negative_side() {
+            return position;
+        }
         let whole = position.abs() / self.interval;
         let rest = position.abs() % self.interval;
         let (first, sign) = if position < 0 {
@@ -299,6 +309,14 @@ mod tests {
         let three = table(255, 10_000, (0, 255), &values);
         let found = [-10_000, -20_000, -30_000, -40_000].map(|at| three.commanded(at));
         assert_eq!(found, [-10_002, -20_002, -29_995, -39_998]);
+        // A value at the least number acts nowhere if that is the reference point.
+        let one = table(0, 10_000, (0, 199), &[(0, 9), (1, 7), (2, -6), (3, 4)]);
+        let found = [-10_000, -5000, 0, 10_000].map(|at| one.commanded(at));
+        assert_eq!(found, [-10_000, -5000, 0, 10_007]);
+        assert_eq!(
+            (one.number_at(-10_000), one.number_at(10_000)),
+            (None, Some(1))
+        );
         // Half the way, half the error: 3.5 goes away from zero.
         assert_eq!(one.commanded(5000), 5004);
     }

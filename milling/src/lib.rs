@@ -13,6 +13,7 @@ mod arc;
 mod axes;
 mod block;
 mod bounds;
+mod caution;
 mod codes;
 pub mod commissioning;
 mod cutter;
@@ -39,6 +40,7 @@ mod tests;
 
 pub use axes::{Axes, Further};
 pub use bounds::{Bounds, Lengths};
+pub use caution::{Caution, Slip};
 pub use homing::{ParameterValues, homing};
 pub use memory::{MillMemory, Offset, parameter};
 pub use modal::{Modal, Spindle};

@@ -110,13 +110,6 @@ pub mod parameter {
     pub const SCALE: u16 = 5411;
     /// Of an axis.
     pub const AXIS_SCALE: u16 = 5421;
-    /// M codes that call: the first, its program, how many.
-    pub const CALL_FIRST: u16 = 6044;
-    /// The first program.
-    pub const CALL_PROGRAM: u16 = 6045;
-    /// How many.
-    pub const CALL_COUNT: u16 = 6046;
-
     /// That of an axis.
     pub const fn of(number: u16, axis: Axis) -> u16 {
         number + 10_000 * (axis as u16 + 1)
@@ -125,8 +118,9 @@ pub mod parameter {
 
 /// Offsets of tools by number.
 const OFFSETS: u16 = 400;
-/// The greatest value of one.
+/// The greatest value of one: 999.999 mm, or 99.9999 inches.
 const GREATEST: Length = Length::from_increments(999_999);
+const GREATEST_INCHES: Length = Length::from_nm(2_539_997_460);
 
 /// A row of the offset table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -230,12 +224,14 @@ impl MillMemory {
     /// Gives an offset a value.
     ///
     /// # Errors
-    /// 030 for a number outside 1 to 400, 043 for a value beyond 999.999 mm.
+    /// 030 for a number outside 1 to 400, 043 for a value beyond 999.999 mm (`inch`:
+    /// 99.9999 inches; appendix 1).
     pub(crate) fn set_offset(
         &mut self,
         offset: i64,
         column: Column,
         value: Length,
+        inch: bool,
     ) -> Result<(), Alarm> {
         let found = u16::try_from(offset)
             .ok()
@@ -244,8 +240,9 @@ impl MillMemory {
             let detail = say::mill_offset_number(offset, OFFSETS);
             return Err(Alarm::new(number::BAD_OFFSET).because(detail));
         };
-        if value.abs() > GREATEST {
-            let detail = say::mill_offset_value(value.mm());
+        let greatest = if inch { GREATEST_INCHES } else { GREATEST };
+        if value.abs() > greatest {
+            let detail = say::mill_offset_value(value.mm(), greatest.mm());
             return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
         }
         *self.offsets.entry(offset).or_default().column(column) = value;

@@ -1,5 +1,6 @@
 //! Tools, zeros and the begin in words, as options give them.
 
+use gsk_core::units::parse_finite;
 use gsk_messages::{Message, say};
 
 use crate::axes::Axes;
@@ -31,7 +32,7 @@ impl MillMemory {
             return Err(wrong());
         }
         for (column, value) in columns.into_iter().zip(values) {
-            let set = self.set_offset(number, column, value);
+            let set = self.set_offset(number, column, value, false);
             set.map_err(|alarm| WordError(alarm.reason()))?;
         }
         Ok(())
@@ -86,7 +87,7 @@ pub(crate) fn position(memory: &MillMemory, text: &str) -> Option<Position> {
 /// Lengths in mm, with commas between them.
 fn numbers(text: &str) -> Option<Vec<Length>> {
     let number = |word: &str| {
-        let value: f64 = word.trim().parse().ok()?;
+        let value = parse_finite(word.trim())?;
         (value.abs() <= 99_999.999).then(|| Length::from_mm(value).rounded())
     };
     text.split(',').map(number).collect()

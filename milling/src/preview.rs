@@ -4,6 +4,7 @@ use gsk_core::alarm::{Alarm, number};
 use gsk_core::command::{ProgramId, Source};
 use gsk_core::compensation::cutter::Side;
 use gsk_core::interpreter::{Back, PlainCall, Read, T_VARIABLE, Walker};
+use gsk_core::memory::{Counters, DayTime};
 use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::program::{Block, Number, Program, ProgramMemory, Syntax};
 use gsk_messages::say;
@@ -13,13 +14,14 @@ pub use gsk_core::preview::{End, Progress};
 use crate::axes::Axes;
 use crate::block::{self, Flow};
 use crate::bounds::{Bounds, Lengths};
+use crate::caution::{self, Caution};
 use crate::cutter::Cutter;
 use crate::memory::{MillMemory, parameter};
 use crate::modal::{Modal, Motion};
 use crate::options::{WordError, position};
 use crate::space::{Axis, Length, Position};
 use crate::state::State;
-use crate::system::{Common, Known};
+use crate::system::{Known, Variables};
 use crate::tracker::{OnMove, Tracker};
 use crate::transform::Transform;
 use crate::travel::{GoOn, Patience, Scene};
@@ -31,6 +33,8 @@ const BLOCKS_A_LOOK: u64 = 1024;
 const LONGEST_S: f64 = 3.6e6;
 /// Alarms behind the first one, and blocks that are looked through for them.
 const MOST_FURTHER: usize = 20;
+/// Slips that are kept.
+const MOST_CAUTIONS: usize = 50;
 /// Runs of a call.
 const MOST_RUNS: u16 = 9999;
 /// Blocks looked through.
@@ -45,6 +49,8 @@ pub struct MillSetup {
     pub start: Position,
     /// Whether blocks marked `/` are skipped.
     pub block_skip: bool,
+    /// What the clock of the control shows when the run begins.
+    pub day_time: DayTime,
 }
 
 impl Default for MillSetup {
@@ -56,6 +62,7 @@ impl Default for MillSetup {
             memory: MillMemory::default(),
             start,
             block_skip: false,
+            day_time: DayTime::default(),
         }
     }
 }
@@ -88,6 +95,8 @@ pub struct Preview {
     pub alarm: Option<Alarm>,
     /// What else is wrong behind it, as far as it does not depend on where the tool is.
     pub further: Vec<Alarm>,
+    /// What may be a slip, each kind once.
+    pub cautions: Vec<Caution>,
     /// Machine time, s: motion and dwells. M, S and T take none.
     pub time_s: f64,
     /// Part of it spent cutting, s.
@@ -158,15 +167,17 @@ struct Run<'a> {
     walker: Walker,
     state: State,
     memory: MillMemory,
-    common: Common,
+    variables: Variables,
     cutter: Cutter,
     tracker: Tracker<'a>,
     block_skip: bool,
     blocks: u64,
+    work: u64,
     motionless: u64,
     stops: u32,
     parts: u32,
     tools: Vec<u16>,
+    cautions: Vec<Caution>,
 }
 
 impl<'a> Run<'a> {
@@ -197,13 +208,15 @@ impl<'a> Run<'a> {
             cutter: Cutter::new(start),
             tracker: Tracker::new(&memory, start, on_move),
             memory,
-            common: Common::new(),
+            variables: Variables::new(setup.day_time),
             block_skip: setup.block_skip,
             blocks: 0,
+            work: 0,
             motionless: 0,
             stops: 0,
             parts: 0,
             tools: Vec::new(),
+            cautions: Vec::new(),
         }
     }
 
@@ -216,6 +229,7 @@ impl<'a> Run<'a> {
                 break;
             }
             let moves = self.tracker.moves;
+            self.work = count;
             let block = match self.read()? {
                 Read::Words(block) => block,
                 Read::Nothing | Read::Returned => {
@@ -248,6 +262,7 @@ impl<'a> Run<'a> {
             line: self.source().line,
             blocks: self.blocks,
             moves: self.tracker.moves,
+            work: self.work,
             motionless: self.motionless,
             time_s: self.tracker.now,
         }
@@ -269,11 +284,10 @@ impl<'a> Run<'a> {
                 _ => program.unwrap_or(0),
             },
             now: self.tracker.now,
-            parts: self.parts,
             machine: self.tracker.machine,
             state: &mut self.state,
             memory: &mut self.memory,
-            common: &mut self.common,
+            variables: &mut self.variables,
         };
         let read = self
             .walker
@@ -302,6 +316,7 @@ impl<'a> Run<'a> {
         if scene.patience.over {
             return Ok(Some(End::Limit));
         }
+        self.look_at(block, &words, &outcome.flow, source);
         let tool = self.state.modal.tool;
         if tool > 0 && !self.tools.contains(&tool) {
             self.tools.push(tool);
@@ -319,10 +334,13 @@ impl<'a> Run<'a> {
             Flow::Next => {}
             Flow::Stop => self.stops += 1,
             Flow::End => {
-                self.parts += 1;
+                self.finish_part();
                 self.walker.end();
                 self.reset();
-                return Ok(Some(End::M30));
+                return Ok(Some(match words.letters.m.map(Number::integer) {
+                    Some(2) => End::M02,
+                    _ => End::M30,
+                }));
             }
             Flow::Call {
                 program,
@@ -341,7 +359,7 @@ impl<'a> Run<'a> {
             Flow::Back(p) => match self.walker.back(self.programs, p)? {
                 Back::Returned | Back::Jumped => {}
                 Back::Repeats => {
-                    self.parts += 1;
+                    self.finish_part();
                     return Ok(Some(End::M99));
                 }
             },
@@ -359,7 +377,8 @@ impl<'a> Run<'a> {
         };
         if call.address == 'T' {
             letters.t = None;
-            self.common.insert(T_VARIABLE.into(), call.code as f64);
+            let t = call.code as f64;
+            self.variables.set_common(T_VARIABLE.into(), t);
             return Ok(Some((call, 1)));
         }
         letters.m = None;
@@ -382,6 +401,24 @@ impl<'a> Run<'a> {
         self.walker.call_by_code(self.programs, call, *runs)
     }
 
+    /// Keeps the slips of a block, each once.
+    fn look_at(&mut self, block: &Block, words: &Words, flow: &Flow, source: Source) {
+        if matches!(flow, Flow::Macro { .. }) {
+            return;
+        }
+        for slip in caution::slips(block, words, &self.state, &self.memory) {
+            let known = self.cautions.iter().any(|it| it.slip == slip);
+            if !known && self.cautions.len() < MOST_CAUTIONS {
+                self.cautions.push(Caution { slip, source });
+            }
+        }
+    }
+
+    fn finish_part(&mut self) {
+        self.parts += 1;
+        self.variables.parts = (self.variables.parts + 1) % Counters::PARTS;
+    }
+
     /// M30: what a reset cancels.
     fn reset(&mut self) {
         self.state.modal.hole = None;
@@ -400,6 +437,7 @@ impl<'a> Run<'a> {
             end,
             alarm,
             further: Vec::new(),
+            cautions: core::mem::take(&mut self.cautions),
             time_s: self.tracker.now,
             cutting_s: self.tracker.cutting_s,
             blocks: self.blocks,

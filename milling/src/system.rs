@@ -5,8 +5,11 @@
 //!   #1000–#1133                 signals of the ladder: inputs are 0, outputs are kept
 //!   #2001–#2400 #10001–#13400   offsets                        memory
 //!   #2500–#2906 #7001–#7945     zeros of the work              memory
-//!   #3001 #3003–#3005 #3901     timer, switches of the run, parts
-//!   #4001–#4016 #4102–#4120     modal codes and words          state
+//!   #3001 #3002                 timers, ms and h               machine time
+//!   #3003 #3004 #3005           switches of the run, settings: bit 4 is G20
+//!   #3011 #3012                 date, time of day
+//!   #3901 #3902                 parts made, parts required
+//!   #4001–#4022 #4102–#4120     modal codes and words          state
 //!   #5001–#5105                 positions                      state
 //! ```
 
@@ -15,6 +18,7 @@ use std::collections::BTreeMap;
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::command::Source;
 use gsk_core::interpreter::System;
+use gsk_core::memory::{Counters, DayTime, Registers};
 use gsk_messages::say;
 
 use crate::axes::Axes;
@@ -23,20 +27,43 @@ use crate::modal::{Hole, WorkZero};
 use crate::space::{Axis, Length, Position};
 use crate::state::State;
 
-/// Variables that programs write.
-pub(crate) type Common = BTreeMap<u32, f64>;
+/// Variables that programs write, and the counters of the control.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Variables {
+    common: BTreeMap<u32, f64>,
+    registers: Registers,
+    /// What #3002 was before the run, ms.
+    hours_before: i64,
+    /// #3901 and #3902.
+    pub(crate) parts: u32,
+    required: u32,
+}
+
+impl Variables {
+    /// Those of a control whose clock shows this when a run begins.
+    pub(crate) fn new(day_time: DayTime) -> Self {
+        Self {
+            registers: Registers::new(day_time),
+            ..Self::default()
+        }
+    }
+
+    /// Gives a common variable its value.
+    pub(crate) fn set_common(&mut self, number: u32, value: f64) {
+        self.common.insert(number, value);
+    }
+}
 
 /// What variables are read from.
 pub(crate) struct Known<'a> {
     pub(crate) state: &'a mut State,
     pub(crate) memory: &'a mut MillMemory,
-    pub(crate) common: &'a mut Common,
+    pub(crate) variables: &'a mut Variables,
     pub(crate) source: Source,
     /// The program that runs.
     pub(crate) program: u16,
     /// Machine time, s.
     pub(crate) now: f64,
-    pub(crate) parts: u32,
     /// Where the tool is, its radius compensated.
     pub(crate) machine: Position,
 }
@@ -48,8 +75,10 @@ enum Place {
     Zero(WorkZero, Axis),
 }
 
-/// Parts of a second in the timer #3001: it counts 16 ms, and begins anew behind 65535.
-const TIMER: u64 = 65_536;
+/// Milliseconds of an hour.
+const HOUR_MS: f64 = 3.6e6;
+/// The bit of #3005 that is G20.
+const INCH: u8 = 4;
 
 /// The axis of a last digit: 4 is the fourth, where the machine has it, 5 the fifth.
 fn axis(digit: u32, axes: Axes) -> Option<Axis> {
@@ -95,9 +124,21 @@ const fn is_common(number: u32) -> bool {
     matches!(number, 100..=199 | 500..=999)
 }
 
-/// Signals to the ladder, and switches of a run that change nothing here.
-const fn is_kept(number: u32) -> bool {
-    matches!(number, 1100..=1115 | 1132 | 1133 | 3003..=3005)
+/// All outputs to the ladder at once.
+const OUTPUTS: u32 = 1132;
+
+/// The least and the greatest value of signals to the ladder, and of switches of a run
+/// that change nothing here.
+const fn range_of_kept(number: u32) -> Option<(i64, i64)> {
+    Some(match number {
+        1100..=1115 => (i64::MIN, i64::MAX),
+        OUTPUTS => (0, 0xFFFF),
+        1133 => (-99_999_999, 99_999_999),
+        3003 => (0, 3),
+        3004 => (0, 7),
+        3005 => (0, 0x3FF),
+        _ => return None,
+    })
 }
 
 impl Known<'_> {
@@ -127,7 +168,7 @@ impl Known<'_> {
             }
             4016 => (69 - u8::from(transform.rotation.is_some())).into(),
             // Groups without codes.
-            4004 | 4012 | 4013 | 4017..=4022 => 0.0,
+            4004 | 4012 | 4013 | 4017..=4022 | 4102 => 0.0,
             4107 => modal.d.into(),
             4109 => modal.feed,
             4111 => modal.h.into(),
@@ -158,10 +199,110 @@ impl Known<'_> {
     }
 }
 
+impl Known<'_> {
+    /// Machine time, ms.
+    fn now_ms(&self) -> u64 {
+        (self.now * 1000.0) as u64
+    }
+
+    /// A signal or a switch.
+    fn kept(&self, variable: u32) -> f64 {
+        let value = |number: u32| self.variables.common.get(&number).copied().unwrap_or(0.0);
+        match variable {
+            1100..=1115 => f64::from(value(OUTPUTS) as u32 >> (variable - 1100) & 1),
+            3005 => {
+                let inch = u32::from(self.state.modal.inch) << INCH;
+                f64::from(value(3005) as u32 & !(1 << INCH) | inch)
+            }
+            _ => value(variable),
+        }
+    }
+
+    /// Every value but 0 switches an output on.
+    fn keep(&mut self, variable: u32, value: i64) {
+        let (variable, value) = match variable {
+            1100..=1115 => {
+                let bit = 1 << (variable - 1100);
+                let others = self.kept(OUTPUTS) as i64 & !bit;
+                (OUTPUTS, if value == 0 { others } else { others | bit })
+            }
+            _ => (variable, value),
+        };
+        if variable == 3005 {
+            self.state.modal.inch = value >> INCH & 1 == 1;
+        }
+        self.variables.set_common(variable, value as f64);
+    }
+
+    /// Timers, clock and counters.
+    fn control(&self, variable: u32) -> Option<f64> {
+        let variables = &self.variables;
+        let now = self.now_ms();
+        Some(match variable {
+            3001 => variables.registers.timer(now) as f64,
+            3002 => {
+                let ms = variables.hours_before.saturating_add(now as i64);
+                ms.rem_euclid(Counters::STARTED_MS as i64) as f64 / HOUR_MS
+            }
+            3011 => variables.registers.date(now).into(),
+            3012 => variables.registers.time_of_day(now).into(),
+            3901 => variables.parts.into(),
+            3902 => variables.required.into(),
+            _ => return None,
+        })
+    }
+
+    /// Gives one of them its value; whether it is one that takes one.
+    fn write_control(&mut self, variable: u32, value: Option<f64>) -> Result<bool, Alarm> {
+        let now = self.now_ms();
+        let variables = &mut self.variables;
+        let last = |count: u32| i64::from(count) - 1;
+        match variable {
+            3001 => {
+                let ms = within(variable, value, (0, Registers::TIMER_GREATEST))?;
+                variables.registers.set_timer(ms, now);
+            }
+            3002 => {
+                let hours = value.unwrap_or(0.0);
+                let greatest = (Counters::STARTED_MS - 1) as f64 / HOUR_MS;
+                if !(0.0..=greatest).contains(&hours) {
+                    return Err(out_of_range(variable, hours, greatest));
+                }
+                variables.hours_before = libm::round(hours * HOUR_MS) as i64 - now as i64;
+            }
+            3901 => {
+                let parts = within(variable, value, (0, last(Counters::PARTS)))?;
+                variables.parts = parts as u32;
+            }
+            3902 => {
+                let parts = within(variable, value, (0, last(Counters::REQUIRED)))?;
+                variables.required = parts as u32;
+            }
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+}
+
+fn out_of_range(variable: u32, value: f64, greatest: impl core::fmt::Display) -> Alarm {
+    let detail = say::variable_of_macro_out_of_range(variable, value, greatest);
+    Alarm::new(number::MACRO_RANGE).because(detail)
+}
+
+/// A value rounded to a whole number of its range; alarm 111 beyond it.
+fn within(variable: u32, value: Option<f64>, (least, most): (i64, i64)) -> Result<i64, Alarm> {
+    let value = value.unwrap_or(0.0);
+    let whole = libm::round(value) as i64;
+    match (least..=most).contains(&whole) {
+        true => Ok(whole),
+        false => Err(out_of_range(variable, value, most)),
+    }
+}
+
 impl System for Known<'_> {
     fn read(&self, variable: u32) -> Result<Option<f64>, Alarm> {
         if is_common(variable) {
-            return Ok(self.common.get(&variable).copied());
+            return Ok(self.variables.common.get(&variable).copied());
         }
         if let Some(place) = place(variable, self.state.axes) {
             let value = match place {
@@ -173,9 +314,8 @@ impl System for Known<'_> {
         }
         let value = match variable {
             1000..=1015 | 1032 => Some(0.0),
-            3001 => Some(((self.now * 1000.0) as u64 / 16 * 16 % TIMER) as f64),
-            3901 => Some(self.parts.into()),
-            _ if is_kept(variable) => Some(self.common.get(&variable).copied().unwrap_or(0.0)),
+            _ if range_of_kept(variable).is_some() => Some(self.kept(variable)),
+            3000..=3999 => self.control(variable),
             4000..=4999 => self.modal(variable),
             5000..=5999 => self.position(variable),
             _ => None,
@@ -184,11 +324,19 @@ impl System for Known<'_> {
     }
 
     fn write(&mut self, variable: u32, value: Option<f64>) -> Result<(), Alarm> {
-        if is_common(variable) || is_kept(variable) {
+        if is_common(variable) {
             match value {
-                Some(value) => self.common.insert(variable, value),
-                None => self.common.remove(&variable),
+                Some(value) => self.variables.common.insert(variable, value),
+                None => self.variables.common.remove(&variable),
             };
+            return Ok(());
+        }
+        if let Some(range) = range_of_kept(variable) {
+            let whole = within(variable, value, range)?;
+            self.keep(variable, whole);
+            return Ok(());
+        }
+        if self.write_control(variable, value)? {
             return Ok(());
         }
         let Some(place) = place(variable, self.state.axes) else {
@@ -200,7 +348,7 @@ impl System for Known<'_> {
         let length = Length::from_mm(value.unwrap_or(0.0)).rounded();
         match place {
             Place::Offset(offset, column) => {
-                return self.memory.set_offset(offset.into(), column, length);
+                return self.memory.set_offset(offset.into(), column, length, false);
             }
             Place::External(axis) => self.memory.external.set(axis, length),
             Place::Zero(zero, axis) => {

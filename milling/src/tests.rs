@@ -101,10 +101,116 @@ fn codes_that_are_not_there() {
     assert_eq!(alarm("G12\n"), (10, 1));
     assert_eq!(alarm("\nG110 X1\n"), (10, 2));
     assert_eq!(alarm("G17.1\n"), (10, 1));
-    assert_eq!(alarm("M77\n"), (19, 1));
+    assert_eq!(alarm("M777\n"), (19, 1));
     assert_eq!(alarm("G01 X1 G28 Z0\n"), (24, 1));
     assert_eq!(alarm("A10\n"), (9, 1));
     assert_eq!(alarm("G00 X100000\n"), (43, 1));
+}
+
+#[test]
+fn words_of_lathes_are_refused() {
+    for word in ["U4", "V1", "W-2", "E1"] {
+        assert_eq!(alarm(&format!("G01 X1 F100\n{word}\n")), (9, 2), "{word}");
+        assert_eq!(alarm(&format!("G28 {word}\n")), (9, 1), "{word}");
+    }
+    // In a macro they are arguments.
+    let sub = "O9005\nG00 X#21 Y#22 Z#23\nM99\n";
+    let text = "M9005 U1 V2 W3\nG65 P9005 U4 V5 W6\nM30\n";
+    let (preview, moves) = carried_out(&MillSetup::default(), text, &[sub]);
+    assert_eq!(preview.alarm, None);
+    near(&ends(&moves), &[[1., 2., 3.], [4., 5., 6.]]);
+}
+
+#[test]
+fn what_a_check_cannot_know_is_said() {
+    let text = "M07\nM10\nM19\nM10\nG01 X1 F100 R5\nG00 Q2 X2\nG43 H1 Z5 L2\nG04 P1\nM30\n";
+    let (preview, _) = run(text);
+    let said: Vec<(u32, &str)> = (preview.cautions.iter())
+        .map(|it| (it.source.line, it.slip.id()))
+        .collect();
+    let (ladder, word) = ("ladder-code", "word-without-effect");
+    assert_eq!(
+        said,
+        [
+            (1, ladder),
+            (2, ladder),
+            (3, ladder),
+            (5, word),
+            (6, word),
+            (7, word)
+        ]
+    );
+    let text = "G17 G02 X2 Y0 R1 F100\nG03 X0 I-1 J0\nG81 X1 Z-5 R1 F100 K2\nG80\nG83 Z-5 R1 Q2 P100\nG10 L12 P1 R3\nG68 X0 Y0 R10\nG69\nM98 P5 L2\nM30\n";
+    let (preview, _) = carried_out(&MillSetup::default(), text, &["O5\nM99\n"]);
+    assert_eq!((preview.alarm, preview.cautions), (None, Vec::new()));
+}
+
+/// Appendix 2 and parameter 562: an axis without its bit is not scaled, by P neither.
+#[test]
+fn only_axes_with_their_bit_are_scaled() {
+    let text = "G00 X0 Y0 Z0\nG51 X0 Y0 Z0 P2000\nG01 X1 Y1 Z1 F100\nG50\nM30\n";
+    let last = |bits: i32| {
+        let (preview, moves) = carried_out(&with(&[(562, bits)]), text, &[]);
+        assert_eq!(preview.alarm, None);
+        moves.last().map(|made| made.to.mm())
+    };
+    assert_eq!(last(0b111), Some([2.0, 2.0, 2.0]));
+    assert_eq!(last(0b011), Some([2.0, 2.0, 1.0]));
+    assert_eq!(last(0b000), Some([1.0, 1.0, 1.0]));
+    // 5411 in the place of P.
+    let setup = with(&[(562, 0b100), (5411, 3000)]);
+    let (_, moves) = carried_out(&setup, &text.replace(" P2000", ""), &[]);
+    assert_eq!(moves.last().map(|it| it.to.mm()), Some([1.0, 1.0, 3.0]));
+}
+
+/// Appendices 1 to 3: ranges of G10, G51 and G68.
+#[test]
+fn ranges_of_the_appendices() {
+    assert_eq!(alarm("G68 X0 Y0 R360.001\n"), (43, 1));
+    assert_eq!(alarm("G68 X0 Y0 R-360.001\n"), (43, 1));
+    run("G68 X0 Y0 R360.\nG69\nG68 X0 Y0 R-360\nG69\nM30\n");
+    let each = with(&[(562, 0b1_0111)]);
+    let number =
+        |setup: &MillSetup, text: &str| carried_out(setup, text, &[]).0.alarm.map(|it| it.number);
+    assert_eq!(number(&each, "G51 X0 Y0 I9999 J-9999 K1\nM30\n"), None);
+    assert_eq!(number(&each, "G51 X0 Y0 I10000 J1000\nM30\n"), Some(43));
+    assert_eq!(number(&each, "G51 X0 Y0 I1000 J0\nM30\n"), Some(43));
+    let fine = with(&[(562, 0b1_0111), (36, 128)]);
+    assert_eq!(number(&fine, "G51 X0 Y0 I999999 J100000\nM30\n"), None);
+    assert_eq!(number(&fine, "G51 X0 Y0 I1000000\nM30\n"), Some(43));
+    assert_eq!(alarm("G51 P-1\n"), (43, 1));
+    assert_eq!(alarm("G10 L10 P1 R1000\n"), (43, 1));
+    // 99.9999 inches.
+    run("G20\nG10 L10 P1 R99.9999\nM30\n");
+    assert_eq!(alarm("G20 G10 L10 P1 R100\n"), (43, 1));
+}
+
+/// Appendix 4, 2: which variables are written, and what they take.
+#[test]
+fn timers_and_counters_are_written() {
+    let text = "#3001=0\nG04 P1000\n#1=#3001\n#3001=65535\n#2=#3001\n#3002=2.25\n#3=#3002\n#3901=7\n#3902=9\nG00 X#1 Y#3901 Z[#3902+#3*100]\n#1103=5\n#4=#1132\n#1132=6\n#5=#1101+#1102*10\nX#4 Y#5\nM30\n";
+    let (_, moves) = run(text);
+    near(
+        &ends(&moves[moves.len() - 2..]),
+        &[[992.0, 7.0, 234.0], [8.0, 11.0, 234.0]],
+    );
+    let (_, moves) = run("#3005=16\n#1=#4006\nG21\nG00 X#1 Y#3005\nM30\n");
+    near(&ends(&moves), &[[20.0, 0.0, 100.0]]);
+    let number = |text: &str| alarm(text).0;
+    for wrong in [
+        "#3001=65536",
+        "#3003=4",
+        "#3004=8",
+        "#1132=65536",
+        "#3902=-1",
+    ] {
+        assert_eq!(number(&format!("{wrong}\n")), 111, "{wrong}");
+    }
+    for read_only in [
+        "#3011=1", "#3012=1", "#4001=1", "#5001=1", "#1000=1", "#1032=1",
+    ] {
+        assert_eq!(number(&format!("{read_only}\n")), 116, "{read_only}");
+    }
 }
 
 /// Facts C1 to C3: the mirror of the worked example.
@@ -531,7 +637,7 @@ fn a_rotation_begins_with_an_increment_where_it_stands() {
 
 #[test]
 fn more_alarms_are_listed() {
-    let text = "G00 X1\nG12\nX2\nM77\nX3 X4\nG02 X9 R1\nM30\n";
+    let text = "G00 X1\nG12\nX2\nM777\nX3 X4\nG02 X9 R1\nM30\n";
     let (preview, _) = carried_out(&MillSetup::default(), text, &[]);
     assert_eq!(preview.alarm.map(|it| it.number), Some(10));
     let further: Vec<u16> = preview.further.iter().map(|it| it.number).collect();

@@ -56,7 +56,7 @@ pub(crate) struct Words {
     pub(crate) rotation: Option<Switch>,
     pub(crate) polar: Option<Switch>,
     pub(crate) letters: Letters,
-    /// A word of an axis that the machine has not.
+    /// A word that no code of a mill takes: of an axis that the machine has not, of a lathe.
     pub(crate) stranger: Option<char>,
 }
 
@@ -95,6 +95,9 @@ impl Words {
                     } else {
                         words.stranger = words.stranger.or(Some(letter));
                     }
+                }
+                letter if record.is_argument_only(letter) => {
+                    words.stranger = words.stranger.or(Some(letter.into()));
                 }
                 _ => {}
             }
@@ -215,15 +218,17 @@ impl Words {
         Ok(())
     }
 
-    /// Refuses a word of an axis that the machine has not. (In a call it is an argument.)
+    /// Refuses a word that no code takes. (In a call it is an argument.)
     pub(crate) fn check_axes(&self) -> Result<(), Alarm> {
-        match self.stranger {
-            Some(letter) => {
-                let detail = say::mill_axis_missing(letter);
-                Err(Alarm::new(number::BAD_ADDRESS).because(detail))
+        let detail = match self.stranger {
+            Some(letter @ ('U' | 'V' | 'W')) => {
+                say::mill_increment_of_lathe(letter, char::from(letter as u8 + 3))
             }
-            None => Ok(()),
-        }
+            Some('E') => say::address_unknown('E'),
+            Some(letter) => say::mill_axis_missing(letter),
+            None => return Ok(()),
+        };
+        Err(Alarm::new(number::BAD_ADDRESS).because(detail))
     }
 
     /// Whether an axis is named.

@@ -462,7 +462,7 @@ impl Panel {
             self.messages.clear();
             return;
         }
-        if !cnc.plc().memory().any_message() && self.messages.is_empty() {
+        if !cnc.plc().memory().has_message_request() && self.messages.is_empty() {
             return;
         }
         let messages: Vec<u16> = cnc.plc_messages().map(|(number, _)| number).collect();

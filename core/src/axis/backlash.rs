@@ -13,7 +13,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::memory::Parameters;
-use crate::units::{Axis, TICK_S, nearest};
+use crate::units::{Axis, TICK_S, round_to_i64};
 
 /// How the compensation is given out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -122,7 +122,7 @@ impl Backlash {
 
     /// What is given out now, whole increments.
     pub fn given(&self) -> i64 {
-        nearest(self.given)
+        round_to_i64(self.given)
     }
 
     /// New parameters at standstill: the play lies where the last motion left it,

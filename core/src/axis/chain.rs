@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::backlash::Backlash;
 use super::pitch::PitchCurve;
 use crate::memory::{Parameters, PitchTable};
-use crate::units::{Axis, PerAxis, Point, Pulses, nearest};
+use crate::units::{Axis, PerAxis, Point, Pulses, round_to_i64};
 
 /// The least output increment of an axis, mm of slide travel: X 0.0005 with
 /// diameter programming (001.2 = 0), 0.001 with radius programming; Z 0.001. With
@@ -102,7 +102,7 @@ impl Chain {
         if self.pitch.is_off() {
             return 0;
         }
-        self.pitch.at(nearest(self.slide() * self.per_mm))
+        self.pitch.at(round_to_i64(self.slide() * self.per_mm))
     }
 
     /// The position in whole increments with its corrections, then geared; the part
@@ -147,7 +147,7 @@ impl Chain {
             self.locked_away += moved;
             return;
         }
-        let increments = nearest((self.slide() - self.origin) * self.per_mm);
+        let increments = round_to_i64((self.slide() - self.origin) * self.per_mm);
         self.backlash.tick(increments - self.increments);
         self.increments = increments;
         self.correction = self.pitch_here();
@@ -155,7 +155,7 @@ impl Chain {
 
     /// The axis is about to go this way: its backlash is given out beforehand.
     fn lean(&mut self, way: f64) {
-        let increments = nearest(way * self.per_mm);
+        let increments = round_to_i64(way * self.per_mm);
         self.backlash.tick(increments.signum());
     }
 
@@ -171,7 +171,7 @@ impl Chain {
         self.origin = 0.0;
         self.base = count;
         self.locked_away = 0.0;
-        self.increments = nearest(self.commanded * self.per_mm);
+        self.increments = round_to_i64(self.commanded * self.per_mm);
         self.correction = self.pitch_here();
         // At zero no pitch error is made up for.
         self.without = self.backlash.given();
@@ -532,7 +532,7 @@ mod tests {
         ) {
             let half = (halves.0 >> halves.1) as f64 / 2.0;
             for value in [f64::from_bits(bits), half.next_down(), half, half.next_up()] {
-                prop_assert_eq!(nearest(value), value.round() as i64, "{}", value);
+                prop_assert_eq!(round_to_i64(value), value.round() as i64, "{}", value);
                 let (quick, long) = (round(value), value.round());
                 prop_assert!(quick.to_bits() == long.to_bits() || value.is_nan(), "{}", value);
             }

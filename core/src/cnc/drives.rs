@@ -20,7 +20,9 @@ impl Cnc {
     /// Watches the drives, after their signals were sensed; once a millisecond. All axes
     /// stop at once; RESET clears the alarm when the drive is well again.
     pub(crate) fn watch_drives(&mut self, inputs: &Inputs) {
-        if self.drives_are_well(inputs) {
+        let well = self.drives_are_well(inputs);
+        self.drives.watch.ready = well && !self.emergency_stop;
+        if well {
             self.drives.watch.disagree = PerAxis::default();
             return;
         }
@@ -41,7 +43,7 @@ impl Cnc {
                 .filter(|(_, said)| *said != Said::Well)
                 .find_map(|(axis, _)| self.unmet_switch(axis));
             self.drives.interpolator.stop_now();
-            self.coordinates.at_reference = PerAxis::default();
+            self.leave_zero_points();
             self.raise(Alarm {
                 detail: unmet,
                 ..Alarm::new(number)

@@ -6,7 +6,7 @@ use crate::cnc::Cnc;
 use crate::command::MoveKind;
 use crate::motion::top_speed;
 use crate::operation::check_gear_speed;
-use crate::units::{Axis, Feed, Point, factor};
+use crate::units::{Axis, Feed, Point, percent_to_factor};
 
 impl Cnc {
     /// Before a rapid or a cut: at the overrides as they are.
@@ -27,7 +27,7 @@ impl Cnc {
         let feed = per_minute * self.feed_override_factor();
         let mut top = top_speed(kind, way, feed, &self.drives.limits);
         if kind == MoveKind::Rapid {
-            let part = factor(self.plc.signals.rapid_override);
+            let part = percent_to_factor(self.plc.signals.rapid_override);
             let at_most = |axis| {
                 top.get(axis)
                     .min(self.drives.limits.rapid_rate(axis) * part)

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use gsk_plc::{Ladder, Memory};
+use gsk_plc::{Ladder, PlcMemory};
 
 use super::Cnc;
 use super::parts::PlcPort;
@@ -40,7 +40,7 @@ const MODE_AT_POWER_ON: u16 = 9;
 
 /// What the control tells the PLC before its first scan: timer presets, and the
 /// mode of 174 (manual III-1.3; MDOK = 0: the one at power-off, which K9 holds).
-pub(super) fn preset_plc(memory: &mut Memory, parameters: &Parameters) {
+pub(super) fn preset_plc(memory: &mut PlcMemory, parameters: &Parameters) {
     for (entry, parameter) in TIMER_PRESETS {
         memory.set_dt(entry, parameters.timer_ms(parameter));
     }
@@ -75,7 +75,7 @@ impl Cnc {
         let was = self.plc.signals.clone();
         match step {
             LadderStep::Rung => self.plc.engine.step_rung(),
-            LadderStep::Slot => self.plc.engine.slot(),
+            LadderStep::Slot => self.plc.engine.run_slot(),
         }
         self.read_signals(&was);
     }

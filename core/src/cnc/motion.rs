@@ -3,26 +3,41 @@
 use super::Cnc;
 use crate::motion::{DryRun, MotionInputs, RapidOverride};
 use crate::operation::{JOG_RATE_MAX, Mode, RunState, jog_rate};
-use crate::units::{Axis, PerAxis, Point, factor};
+use crate::units::{Axis, PerAxis, Point, percent_to_factor};
 
 /// Motions shorter than a tick that are carried out in one.
 const MOTIONS_PER_TICK: usize = 16;
 
+/// Whether two coordinates of one axis are the same, whatever their last bit, mm.
+fn is_same(one: f64, other: f64) -> bool {
+    (one - other).abs() < 1e-6
+}
+
 impl Cnc {
-    pub(super) fn motion_tick(&mut self) {
-        let held = self.run.automatic.state == RunState::Hold
-            && self.run.held.is_none()
-            && !self.run.automatic.protected();
-        let mut inputs = MotionInputs {
+    /// What the motion depends on in a tick.
+    pub(super) fn motion_inputs(&self) -> MotionInputs {
+        MotionInputs {
             feed_override: self.feed_override_factor(),
             rapid_override: RapidOverride::from_percent(self.plc.signals.rapid_override),
             spindle_rpm: self.spindle.control.actual_rpm(),
             spindle: self.spindle.angle.turn(),
             thread_continues: self.run.automatic.thread_continues(),
             cut_continues: self.cut_continues(),
-            hold: held || self.run_interlocked(),
+            hold: self.is_motion_held() || self.run_interlocked(),
             dry_run: self.dry_run(),
-        };
+        }
+    }
+
+    /// Whether feed hold keeps the motion of a program waiting.
+    fn is_motion_held(&self) -> bool {
+        self.run.automatic.state == RunState::Hold
+            && self.run.held.is_none()
+            && !self.run.automatic.protected()
+    }
+
+    pub(super) fn motion_tick(&mut self) {
+        let held = self.is_motion_held();
+        let mut inputs = self.motion_inputs();
         self.drives.interpolator.tick(&self.drives.limits, &inputs);
         for _ in 0..MOTIONS_PER_TICK {
             if !self.begin_within_tick() {
@@ -46,7 +61,7 @@ impl Cnc {
         if self.plc.signals.override_cancel || self.run.registers.off.feed_override() {
             return 1.0;
         }
-        factor(self.plc.signals.feed_override)
+        percent_to_factor(self.plc.signals.feed_override)
     }
 
     /// Rates of the dry run (manual III-5.3.3): cuts at the jog rate, or at its
@@ -93,22 +108,39 @@ impl Cnc {
         self.drives.interpolator.stopping_point(&self.drives.limits)
     }
 
-    /// The zero lamps go out when an axis leaves its reference point.
+    /// The zero lamps go out when an axis leaves its reference point or the program zero.
     pub(super) fn watch_reference(&mut self) {
-        let now = self.position();
+        let slide = self.slide();
+        let at_zero = self.stands_on_program_zero();
         for axis in [Axis::X, Axis::Z] {
             let at = self.coordinates.at_reference.get_mut(axis);
-            if at.is_some_and(|at| at != now.get(axis)) {
+            if at.is_some_and(|at| !is_same(at, slide.get(axis))) {
                 *at = None;
             }
+            *self.coordinates.program_zero_ended.get_mut(axis) &= *at_zero.get(axis);
         }
     }
 
-    pub(super) fn at_program_zero(&self) -> PerAxis<bool> {
+    /// ZP and PRO end at an emergency stop and at an alarm of the drives, until the axes
+    /// come to these points again (manual PLC-II 5.1, 5.2).
+    pub(super) fn leave_zero_points(&mut self) {
+        self.coordinates.at_reference = PerAxis::default();
+        self.coordinates.program_zero_ended = PerAxis::new(true, true);
+    }
+
+    /// Axes whose slide is where the last G50 was carried out.
+    fn stands_on_program_zero(&self) -> PerAxis<bool> {
         let Some(zero) = self.coordinates.program_zero else {
             return PerAxis::default();
         };
-        let position = self.position();
-        PerAxis::new(position.x == zero.x, position.z == zero.z)
+        let slide = self.slide();
+        PerAxis::new(is_same(slide.x, zero.x), is_same(slide.z, zero.z))
+    }
+
+    /// PRO: axes at the program zero point.
+    pub(super) fn at_program_zero(&self) -> PerAxis<bool> {
+        let stands = self.stands_on_program_zero();
+        let ended = self.coordinates.program_zero_ended;
+        PerAxis::new(stands.x && !ended.x, stands.z && !ended.z)
     }
 }

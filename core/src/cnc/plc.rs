@@ -4,15 +4,24 @@
 use super::{Cnc, SerialPort};
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
-use crate::machine::Inputs;
-use crate::model::{Edge, MCode, ncb08};
-use crate::operation::{FromPlc, InputFilter, Mode, RunState, ToPlc};
+use crate::machine::{Inputs, OverLimit, pins};
+use crate::model::{Edge, LadderOutput, MCode, Side, Wire, ncb08};
+use crate::motion::JogRate;
+use crate::operation::{FromPlc, InputFilter, Mode, Return, RunState, ToPlc};
 use crate::program::Inflow;
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, PerAxis, Point};
 
 /// Outputs as bits.
 fn mask(outputs: &[u8]) -> u32 {
     outputs.iter().fold(0, |bits, output| bits | 1 << output)
+}
+
+/// The limit switch at a side.
+const fn over_limit(side: Side) -> OverLimit {
+    match side {
+        Side::Plus => OverLimit::Plus,
+        Side::Minus => OverLimit::Minus,
+    }
 }
 
 /// F54 to F56: outputs that a program switches by itself.
@@ -57,6 +66,92 @@ impl Cnc {
         let contact = self.memory.model.record().first_input + input;
         let byte = self.plc.engine.memory().x(u16::from(contact / 8));
         byte >> (contact % 8) & 1 == 1
+    }
+
+    /// What the inputs of the model and the contacts of the machine say of each other: a
+    /// switch acts whichever of the two tells it, and both show it.
+    fn join_wires(&self, inputs: &Inputs, contacts: &mut [u8]) {
+        let record = self.memory.model.record();
+        let is_on = |(byte, bit): pins::Pin| {
+            let levels = inputs.x.get(usize::from(byte)).copied();
+            levels.unwrap_or(0) >> bit & 1 == 1
+        };
+        let mut set = |(byte, bit): pins::Pin, on: bool| {
+            if let Some(levels) = contacts.get_mut(usize::from(byte)) {
+                *levels = *levels & !(1 << bit) | u8::from(on) << bit;
+            }
+        };
+        let pressed = self.memory.parameters.closed_means_deceleration();
+        for (input, wire) in &record.wires {
+            let contact = record.first_input + input;
+            let own = (contact / 8, contact % 8);
+            let (pin, operated) = match *wire {
+                // The loop of the emergency stop is closed.
+                Wire::EmergencyStop => (pins::EMERGENCY_STOP, false),
+                Wire::Limit(axis, side) => {
+                    if *inputs.over_limit.get(axis) == Some(over_limit(side)) {
+                        set(own, true);
+                    }
+                    (pins::EMERGENCY_STOP, false)
+                }
+                Wire::Deceleration(Axis::X) => (pins::DECELERATION_X, pressed),
+                Wire::Deceleration(Axis::Z) => (pins::DECELERATION_Z, pressed),
+            };
+            if is_on(own) {
+                set(pin, operated);
+            } else if matches!(wire, Wire::Deceleration(_)) && is_on(pin) == operated {
+                set(own, true);
+            }
+        }
+    }
+
+    /// The limit switch of an axis that an input of the model tells.
+    pub(super) fn wired_limit(&self, axis: Axis) -> Option<OverLimit> {
+        let wires = &self.memory.model.record().wires;
+        wires.iter().find_map(|(input, wire)| match *wire {
+            Wire::Limit(of, side) if of == axis && self.input(*input) => Some(over_limit(side)),
+            _ => None,
+        })
+    }
+
+    /// Outputs of the model go with those that the ladder has switched.
+    fn follow_outputs(&mut self) {
+        let record = self.memory.model.record();
+        if record.followers.is_empty() && record.brake_output.is_none() {
+            return;
+        }
+        let memory = self.plc.engine.memory();
+        let is_on = |(byte, bit): pins::Pin| memory.y(u16::from(byte)) >> bit & 1 == 1;
+        let pin = |output: LadderOutput| match output {
+            LadderOutput::Coolant => pins::COOLANT,
+            LadderOutput::SpindleForward => pins::FORWARD,
+            LadderOutput::SpindleReverse => pins::REVERSE,
+        };
+        let followed = record.followers.iter().map(|it| is_on(pin(it.output)));
+        let levels = followed
+            .chain([is_on(pins::BRAKE)])
+            .enumerate()
+            .fold(0_u32, |levels, (index, on)| levels | u32::from(on) << index);
+        let before = core::mem::replace(&mut self.plc.followed, levels);
+        let changed = |index: usize| (levels ^ before) >> index & 1 == 1;
+        let now_on = |index: usize| levels >> index & 1 == 1;
+        for (index, follower) in record.followers.iter().enumerate() {
+            if changed(index) {
+                self.act_by_hand(if now_on(index) {
+                    follower.on
+                } else {
+                    follower.off
+                });
+            }
+        }
+        let brake = record.followers.len();
+        if let Some(output) = record.brake_output.filter(|_| changed(brake)) {
+            let bit = 1 << output;
+            match now_on(brake) {
+                true => self.switch_outputs(bit, 0, 0),
+                false => self.switch_outputs(0, bit, 0),
+            }
+        }
     }
 
     /// Inputs that act by themselves while the machine is moved by hand: their edges
@@ -110,6 +205,7 @@ impl Cnc {
         for (contact, key) in contacts.iter_mut().zip(self.plc.panel_keys) {
             *contact |= key;
         }
+        self.join_wires(inputs, &mut contacts);
         if self.ticks == 1 {
             self.plc.filter = InputFilter::standing(&contacts);
         }
@@ -119,6 +215,7 @@ impl Cnc {
         let accepted = self.plc.filter.accepted();
         self.plc.engine.memory_mut().set_inputs(accepted);
         self.watch_edges();
+        self.follow_outputs();
         let outputs = self.plc.engine.memory().outputs();
         for (byte, output) in self.plc.y.iter_mut().zip(outputs) {
             *byte = *output;
@@ -129,7 +226,7 @@ impl Cnc {
         let was = self.plc.signals.clone();
         self.write_signals(&was);
         if !self.plc.halted {
-            self.plc.engine.slot();
+            self.plc.engine.run_slot();
             self.read_signals(&was);
         }
     }
@@ -144,7 +241,7 @@ impl Cnc {
             let percent = &mut self.plc.signals.rapid_override;
             *percent = least.max(*percent);
         }
-        self.plc.message = self.plc.engine.memory().any_message()
+        self.plc.message = self.plc.engine.memory().has_message_request()
             && self.plc.engine.active_messages().next().is_some();
         if let Some(fault) = self.plc.engine.fault() {
             let detail = fault.message();
@@ -166,45 +263,22 @@ impl Cnc {
     }
 
     fn write_signals(&mut self, g: &FromPlc) {
-        let velocity = self.drives.interpolator.velocity();
-        let moving = PerAxis::new(velocity.x != 0.0, velocity.z != 0.0);
-        for axis in [Axis::X, Axis::Z] {
-            if *moving.get(axis) {
-                *self.plc.negative.get_mut(axis) = velocity.get(axis) < 0.0;
-            }
-        }
         let state = self.run.automatic.state;
-        let rapid = self
-            .run
-            .automatic
-            .action()
-            .map(|action| matches!(action, Action::Rapid { .. }));
-        self.plc.last_rapid =
-            rapid.unwrap_or(self.plc.last_rapid && !self.run.automatic.operating());
-        let cutting = matches!(
-            self.run.automatic.action(),
-            Some(
-                Action::Line { .. }
-                    | Action::Arc { .. }
-                    | Action::Thread { .. }
-                    | Action::Tap { .. }
-            )
-        );
+        let within_block = self.run.automatic.stands_within_block();
         let message = ToPlc {
             mode: self.run.mode,
             started: state == RunState::Run,
-            holding: state == RunState::Hold || self.run.automatic.hold_put_off,
-            operating: self.run.automatic.operating(),
+            holding: state == RunState::Hold || self.run.automatic.hold_put_off || within_block,
+            operating: self.run.automatic.operating() || within_block,
             alarm: self.alarm_state(),
             reset: self.resetting(),
             distribution_end: self.run.automatic.distribution_end(),
-            servo_ready: !self.emergency_stop && self.drives.board.is_none_or(|board| board.known),
+            servo_ready: self.servo_ready(),
             rapid: self.plc.last_rapid,
-            cutting: cutting && state == RunState::Run,
+            cutting: self.run.automatic.is_cutting(),
             dwelling: self.run.automatic.dwelling(),
             tapping: matches!(self.run.automatic.action(), Some(Action::Tap { .. })),
-            decoded_m00: self.run.automatic.decoded == Some(0),
-            decoded_m30: self.run.automatic.decoded == Some(30),
+            decoded: self.run.automatic.decoded,
             handshake: &self.run.handshake,
             gear: self.spindle.control.selected_gear(),
             at_reference: PerAxis::new(
@@ -213,12 +287,13 @@ impl Cnc {
             ),
             referenced: self.coordinates.referenced,
             at_program_zero: self.at_program_zero(),
-            moving,
+            moving: self.axes_moving(),
             negative: self.plc.negative,
-            output_key: self.plc.output_key,
+            output_key: self.plc.output_key && self.run.mode == Mode::Mdi,
             sending: self.serial_port == SerialPort::Sending,
             receiving: self.serial_port == SerialPort::Receiving || self.dnc.receives(),
             reading_in: self.memory.programs.inflow().is_some_and(Inflow::goes_on),
+            stopped_by_override: self.feed_override_factor() <= 0.0,
             checking: self.run.automatic.operating() && self.is_board_behind(),
             soft_switches: self.plc.soft_switches,
             ready: !self.alarms.contains(number::POWER_CYCLE),
@@ -226,6 +301,78 @@ impl Cnc {
             parameters: &self.memory.parameters,
         };
         message.write(self.plc.engine.memory_mut(), g);
+    }
+
+    /// Axes that move, MV: machine lock keeps them where they are.
+    fn axes_moving(&self) -> PerAxis<bool> {
+        let velocity = self.drives.interpolator.velocity();
+        let locked = self.plc.signals.machine_lock;
+        PerAxis::new(
+            velocity.x != 0.0 && !locked.x,
+            velocity.z != 0.0 && !locked.z,
+        )
+    }
+
+    /// What the last motion leaves in MVD and RPDO; once a millisecond.
+    pub(super) fn note_motion(&mut self) {
+        let velocity = self.drives.interpolator.velocity();
+        if velocity == Point::default() {
+            return;
+        }
+        let moving = self.axes_moving();
+        for axis in [Axis::X, Axis::Z] {
+            if *moving.get(axis) {
+                *self.plc.negative.get_mut(axis) = velocity.get(axis) < 0.0;
+            }
+        }
+        if let Some(rapid) = self.selects_rapid() {
+            self.plc.last_rapid = rapid;
+        }
+    }
+
+    /// Whether the motion under way goes at a rapid rate, by program or by hand; `None`
+    /// while what was selected comes to rest.
+    fn selects_rapid(&self) -> Option<bool> {
+        let returns = [Axis::X, Axis::Z].map(|axis| *self.coordinates.returns.get(axis));
+        if returns.iter().any(Option::is_some) {
+            let rapid = |stage: &Option<Return>| {
+                matches!(
+                    stage,
+                    Some(Return::Approach | Return::Straight | Return::Board)
+                )
+            };
+            return Some(returns.iter().any(rapid));
+        }
+        // Motion laid aside for jogging is not under way.
+        let programmed = self.run.automatic.action();
+        if let Some(action) = programmed.filter(|_| self.run.held.is_none()) {
+            // A dry run without manual rapid has its rapids at the jog rate.
+            let at_rapid_rate = self.dry_run().is_none_or(|dry| dry.rapid.is_none());
+            return match action {
+                Action::Rapid { .. } => Some(at_rapid_rate),
+                action => action.is_motion().then_some(false),
+            };
+        }
+        let by_hand = |axis: Axis| match *self.hand.jog.get(axis) {
+            Some((_, rate)) => Some(rate == JogRate::Rapid),
+            None if !self.drives.interpolator.stepping(axis) => None,
+            None => {
+                let steps = self.run.mode.motion() == Mode::Step;
+                Some(steps && self.manual_rate(axis) == JogRate::Rapid)
+            }
+        };
+        match (by_hand(Axis::X), by_hand(Axis::Z)) {
+            (None, None) => None,
+            (x, z) => Some(x == Some(true) || z == Some(true)),
+        }
+    }
+
+    /// SA: the drives are enabled and ready, and none has an alarm.
+    fn servo_ready(&self) -> bool {
+        !self.emergency_stop
+            && !self.is_not_ready()
+            && self.drives.watch.ready
+            && self.drives.board.is_none_or(|board| board.known)
     }
 
     /// Follows the mode that the ladder commands.

@@ -150,6 +150,8 @@ pub enum Request {
     SetTool(u8),
     /// A preset of the PLC: a D byte, or the preset of a timer or counter.
     SetPreset(ByteAddress, i32),
+    /// What the handwheel was turned by and the axis has not followed is not made.
+    DropWheel,
     /// The OUTPUT key went down or up.
     OutputKey(bool),
     /// A switch of the page 机床面板: the request goes to the ladder as F75.
@@ -268,7 +270,8 @@ impl Cnc {
             Request::SetPitch { axis, point, value } => self.set_pitch(axis, point, value)?,
             Request::SetOffset { number, entry } => self.set_offset(number, entry)?,
             Request::SetParameter { number, value } => {
-                self.change_parameters(|parameters| parameters.set(number, value))?;
+                let record = self.memory.model.record();
+                self.change_parameters(|parameters| parameters.set_of(record, number, value))?;
             }
             Request::SetParameterBit { number, bit, on } => {
                 self.change_parameters(|parameters| parameters.set_bit(number, bit, on))?;
@@ -301,6 +304,7 @@ impl Cnc {
             Request::ToggleSoftSwitch(switch) => self.plc.toggle_soft_switch(switch),
             Request::SetTool(tool) => self.set_tool_in_position(tool)?,
             Request::SetPreset(address, value) => self.set_preset(address, value)?,
+            Request::DropWheel => self.drop_wheel(),
             Request::OutputKey(down) => self.plc.output_key = down,
             Request::SoftSwitch(switch, on) => self.plc.set_soft_switch(switch, on),
             Request::ForceBit(bit, value) => self.plc.engine.force(bit, value),

@@ -5,7 +5,6 @@ use crate::cnc::{Cnc, Event};
 use crate::machine::Inputs;
 use crate::memory::SwitchedOff;
 use crate::operation::RunState;
-use crate::units::PerAxis;
 
 /// RST stands at least this long, so that a whole cycle of level 2 sees it.
 const LEVEL_2_CYCLE_MS: u32 = 32;
@@ -89,7 +88,7 @@ impl Cnc {
                 });
                 // Methods B and C lose their reference with the pulses.
                 self.coordinates.referenced = self.reference_without_switch();
-                self.coordinates.at_reference = PerAxis::default();
+                self.leave_zero_points();
             }
         } else if self.emergency_stop {
             self.emergency_stop = false;

@@ -15,9 +15,6 @@ impl Cnc {
     pub(super) fn spindle_tick(&mut self, inputs: &Inputs) {
         let at = Point::new(self.surface_x(), 0.0);
         self.spindle.control.set_jog(self.spindle_jog());
-        if !(41..=44).contains(&self.run.handshake.m) {
-            self.spindle.control.end_gear_change();
-        }
         if !self.run.automatic.threading() {
             self.spindle.override_percent = self.plc.signals.spindle_override;
         }

@@ -409,9 +409,12 @@ impl Cnc {
         self.alarm_state()
     }
 
-    /// Whether 暂停 stands on the status line: feed hold, or *SP open.
+    /// Whether 暂停 stands on the status line: feed hold, *SP open, or a stop of single
+    /// block between two moves of one block.
     pub fn in_feed_hold(&self) -> bool {
-        self.run.automatic.state == RunState::Hold || self.plc.signals.feed_hold
+        self.run.automatic.state == RunState::Hold
+            || self.run.automatic.stands_within_block()
+            || self.plc.signals.feed_hold
     }
 
     /// Axes with a reference.

@@ -1,6 +1,6 @@
 //! The control as the interpreter sees it.
 
-use gsk_plc::Memory;
+use gsk_plc::PlcMemory;
 
 use crate::battery;
 use crate::interpreter::Host;
@@ -19,7 +19,7 @@ pub(crate) struct World<'a> {
     pub registers: &'a mut Registers,
     /// Milliseconds since power-on.
     pub now_ms: u64,
-    pub plc: &'a mut Memory,
+    pub plc: &'a mut PlcMemory,
     pub machine_position: Point,
     pub referenced: PerAxis<bool>,
     pub block_skip: bool,

@@ -268,8 +268,12 @@ fn near_tangent(
     let (square_a, square_b) = (square_to_end(a, rho), square_to_start(b, rho));
     let shorter = a.length_of_chord().min(b.length_of_chord());
     let is_short = shorter < SHORT;
-    let between =
-        || rests(a, b, rho).unwrap_or_else(|| Vectors::of(&[(square_a + square_b) * 0.5]));
+    // Beside an arc that the nose fills there is no meeting worth its name: what is left of
+    // its path is a circle of rounding.
+    if is_short && let Some(rests) = rests(a, b, rho) {
+        return Ok(rests);
+    }
+    let between = || Vectors::of(&[(square_a + square_b) * 0.5]);
     match met {
         Ok(meeting) => {
             let off = (meeting - square_a)

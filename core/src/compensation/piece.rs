@@ -23,9 +23,9 @@ const ON_POINT: f64 = 0.0005;
 pub(crate) const OFF_CIRCLE: f64 = 0.010;
 /// An end so little beside its circle is on it, mm.
 const EVEN: f64 = 1e-10;
-/// The nose may be larger than an inner arc by what ends and a centre rounded to
+/// The nose may be larger than an inner arc by what both ends and a centre rounded to
 /// 0.001 mm take from it, mm.
-const ROUNDED: f64 = 0.0013;
+const ROUNDED: f64 = 0.0018;
 /// An inner arc larger than the nose by less than this is filled by it, mm.
 const FILLED: f64 = 0.002;
 /// Arcs shorter than this are run straight: rounding could turn them over.

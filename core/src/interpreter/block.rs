@@ -1,11 +1,11 @@
 //! One block: from its words to a plan. Nothing outside the given state
 //! changes, so a block that raises an alarm leaves no trace.
 //!
-//! Order in a block (manual I-3.3): T, then S and M together with the motion,
-//! then M00, M30, M98, M99.
+//! Order in a block (manual I-3.3, I-3.5.1, PLC-II 8.1): S, M and T begin together; the
+//! motion waits for a tool change, but not for S and M; then M00, M30, M98, M99.
 
 use crate::alarm::Alarm;
-use crate::command::{Action, SpindleCommand, Timing};
+use crate::command::{Action, SpindleCommand};
 use crate::interpreter::Modal;
 use crate::interpreter::calls::block_call;
 use crate::interpreter::calls::special_call;
@@ -112,9 +112,12 @@ pub(crate) fn evaluate(
         travels = execution == Execution::Travel && state.offset != before;
     }
     if let Some(command) = spindle(state, context, words, kind)? {
-        plan.before.push_back(Action::Spindle(command));
+        plan.begin_with_tool(Action::Spindle(command));
     }
-    plan.before.extend(interface);
+    match interface {
+        Some(outputs @ Action::Outputs { .. }) => plan.begin_with_tool(outputs),
+        wait => plan.before.extend(wait),
+    }
     let output = match function {
         Some(Function::Output(code)) => {
             state.modal.m = Some(code);
@@ -142,13 +145,7 @@ pub(crate) fn evaluate(
         plan.motion = Motion::One(positioning::rapid(state, state.position));
     }
     if let Some(code) = output {
-        let timing = if plan.motion.moves() {
-            Timing::WithMotion
-        } else {
-            Timing::BeforeMotion
-        };
-        plan.before
-            .push_back(Action::Miscellaneous { code, timing });
+        plan.begin_with_tool(Action::Miscellaneous { code });
     }
     follow(state, context, words, function, plan)?;
     if let Kind::OneShot(code) = kind {
@@ -167,6 +164,7 @@ pub(crate) fn evaluate(
         }
     }
     plan.modal = state.modal;
+    plan.mark_last_tool();
     if plan.is_done() && matches!(plan.flow, Flow::Next) {
         plan.after = Some(Action::Nothing);
     }
@@ -316,7 +314,7 @@ fn motion(
             Ok(Motion::One(action))
         }
         Kind::ThreadCycle => {
-            let data = state.cycle.take(words, axes, state.position);
+            let data = state.cycle.take_thread(words, axes, state.position);
             let cycle = thread_cycle::plan(state, context.parameters, data, context.reach())?;
             let motion = Motion::cycle(state, Maker::Thread(cycle));
             state.return_here();
@@ -409,6 +407,7 @@ fn follow(
             plan.after = Some(Action::End {
                 counts: true,
                 m30: true,
+                m02: words.m == Some(2),
             });
             plan.flow = Flow::End;
             state.cycle.clear();

@@ -29,6 +29,7 @@ mod reader;
 mod run;
 mod threads;
 mod walker;
+mod word_audit;
 
 #[cfg(test)]
 mod tests;
@@ -44,3 +45,4 @@ pub(crate) use pass_over::PassedOver;
 pub use reader::Interpreter;
 pub(crate) use reader::{Advance, ReadTo};
 pub use walker::{Back, Read, System, Walker};
+pub use word_audit::{IgnoredWord, Remark, Remarked, WordAdvice};

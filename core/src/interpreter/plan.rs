@@ -122,7 +122,7 @@ impl Motion {
 pub(crate) struct Plan {
     pub(crate) source: Source,
     pub(crate) modal: Modal,
-    /// T, S, M.
+    /// S, M, T.
     pub(crate) before: VecDeque<Action>,
     pub(crate) motion: Motion,
     /// The motion runs without nose radius compensation, whatever it is.
@@ -152,6 +152,25 @@ impl Plan {
             stops: true,
             whole: false,
             writes: Writes::default(),
+        }
+    }
+
+    /// Queues what begins in the same tick as the tool change of the block: the strobes of
+    /// M, S and T rise together, and one FIN answers all of them (manual PLC-II 8.1).
+    pub(crate) fn begin_with_tool(&mut self, action: Action) {
+        let is_tool = |action: &Action| matches!(action, Action::Tool { .. });
+        let tool = self.before.iter().position(is_tool);
+        self.before
+            .insert(tool.unwrap_or(self.before.len()), action);
+    }
+
+    /// Tells the tool change whether motion, dwell or a stop of its block follows it.
+    pub(crate) fn mark_last_tool(&mut self) {
+        let rests = matches!(self.motion, Motion::None) && self.after.is_none();
+        for action in &mut self.before {
+            if let Action::Tool { is_last, .. } = action {
+                *is_last = rests;
+            }
         }
     }
 

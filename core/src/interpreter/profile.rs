@@ -33,6 +33,9 @@ const MOST_BLOCKS: u32 = 100;
 pub(crate) struct Range {
     pub(crate) first: u32,
     pub(crate) last: u32,
+    /// The blocks follow the cycle (Huaxing): the G00 of the first one may be in force
+    /// from before.
+    pub(crate) follows: bool,
 }
 
 /// How one step of a contour goes.
@@ -109,7 +112,11 @@ pub(crate) fn locate(context: &Context<'_>, words: &Words) -> Result<Range, Alar
             MOST_BLOCKS,
         )));
     }
-    Ok(Range { first, last })
+    Ok(Range {
+        first,
+        last,
+        follows: false,
+    })
 }
 
 /// The next N blocks after the cycle (Huaxing).
@@ -138,7 +145,11 @@ pub(crate) fn following(context: &Context<'_>, words: &Words) -> Result<Range, A
             MOST_BLOCKS,
         )));
     }
-    Ok(Range { first, last })
+    Ok(Range {
+        first,
+        last,
+        follows: true,
+    })
 }
 
 /// The program the cycle stands in.
@@ -262,8 +273,16 @@ pub(crate) fn evaluate(
         state.modal.motion,
         &mut |index, words, motion| {
             let line = program.block_line(index);
-            if index == range.first && !matches!(words.motion, Some(0 | 1)) {
-                return Err(bad_start(say::profile_begin_code()));
+            let begins = match range.follows {
+                // The fragment of its manual has G90 there, with G00 in force.
+                true => motion == 0,
+                false => matches!(words.motion, Some(0 | 1)),
+            };
+            if index == range.first && !begins {
+                return Err(bad_start(match range.follows {
+                    true => say::profile_begin_rapid(),
+                    false => say::profile_begin_code(),
+                }));
             }
             let words = words.path_only();
             let next = if motion == 1 && corner::is_asked(&words) {

@@ -16,6 +16,7 @@ use crate::interpreter::context::machine_codes::MachineCodes;
 use crate::interpreter::context::place::Place;
 use crate::interpreter::context::state::{Begun, State};
 use crate::interpreter::run::Run;
+use crate::interpreter::word_audit::{Remarked, WordAudit};
 use crate::memory::Parameters;
 use crate::model::{ControlModel, Record};
 use crate::program::{Program, Recent, Syntax};
@@ -55,6 +56,9 @@ pub struct Interpreter {
     /// Codes of macro B that call a program.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     code_calls: Option<Box<CodeCalls>>,
+    /// Looks for words that change nothing; a preview alone does.
+    #[serde(skip)]
+    audit: Option<Box<WordAudit>>,
     #[serde(skip)]
     recent: Recent,
 }
@@ -98,6 +102,7 @@ impl Interpreter {
             model: ControlModel::default(),
             own_variables: false,
             code_calls: None,
+            audit: None,
             recent: Recent::default(),
         }
     }
@@ -126,6 +131,23 @@ impl Interpreter {
         self.model.clone_from(model);
         self.own_variables = model.record().own_variables;
         self.find_code_calls();
+    }
+
+    /// Looks for words that change nothing, from the next block on.
+    pub(crate) fn audit_words(&mut self) {
+        self.audit = Some(Box::default());
+    }
+
+    /// Whether something was found since the last call of [`Self::take_remarks`].
+    #[inline]
+    pub(crate) fn has_remarks(&self) -> bool {
+        self.audit.as_ref().is_some_and(|audit| audit.has_remarks())
+    }
+
+    /// What was found since the last call.
+    pub(crate) fn take_remarks(&mut self) -> Vec<Remarked> {
+        let audit = self.audit.as_mut();
+        audit.map_or_else(Vec::new, |audit| audit.take())
     }
 
     /// What the model is whose programs are read.
@@ -225,6 +247,11 @@ impl Interpreter {
     /// Gives it a value, or makes it null.
     pub(crate) fn set_local(&mut self, number: u8, value: Option<f64>) {
         self.main.levels.set(number, value);
+    }
+
+    /// Blocks read so far, and one more for each 64 bytes of their texts.
+    pub(crate) const fn work(&self) -> u64 {
+        self.recent.work()
     }
 
     /// Whether commands of the block read last are still to come.

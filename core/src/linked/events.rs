@@ -172,12 +172,15 @@ impl Linked {
     }
 
     /// Whether spindle and coolant at the board are off whatever the control wants: it
-    /// failed, and was reset or told so. A line board that is not heard goes on with them.
+    /// failed, and was reset or told so. A line board that is not heard goes on with them,
+    /// unless the holder of the port has stopped it.
     fn has_dropped_outputs(&self) -> bool {
         self.connection.withheld
             && match self.link.state() {
                 LinkState::Fault | LinkState::Tripped => true,
-                LinkState::Lost => self.config.protocol == Protocol::StepQueue,
+                LinkState::Lost => {
+                    self.connection.stopped || self.config.protocol == Protocol::StepQueue
+                }
                 _ => false,
             }
     }

@@ -4,6 +4,7 @@ use core::time::Duration;
 
 use super::Linked;
 use crate::board::BoardReport;
+use crate::run_state::RunState;
 use gsk_link::{HostTime, LinkState, Protocol, RunTime};
 use gsk_messages::{Message, say};
 
@@ -13,6 +14,8 @@ const MOST_DUE: u64 = 40;
 const EVERYDAY: Duration = Duration::from_millis(30);
 /// The board may have made so much more than it has reported: it is asked every 20 ms.
 const UNREPORTED: Duration = Duration::from_millis(25);
+/// A program that stood still for so long, in a dwell or waiting, does not go on by itself.
+const ASLEEP: Duration = Duration::from_secs(1);
 /// The board may make motion this much later than the host's clock says.
 const PATIENCE: Duration = Duration::from_millis(100);
 const TICK: Duration = Duration::from_millis(1);
@@ -150,24 +153,29 @@ impl Linked {
         false
     }
 
-    /// Whether the host was away for longer than the motion it had handed over lasts.
-    pub(super) fn has_starved(&self, gap: Duration) -> bool {
-        let moves = self.control.orders.feeding;
-        let long = gap > EVERYDAY && gap + UNREPORTED > self.link.outstanding();
+    /// The host was away for so long, by its own clock or by the one on the wall: motion
+    /// that the board has run out of does not go on, and after a sleep no program does.
+    pub fn judge_absence(&mut self, gap: Duration) {
         // A board of timed steps notices by itself.
-        let lines = self.config.protocol == Protocol::Line;
-        let ahead = lines && self.thread.pass.is_none() && self.link.takes_motion();
-        moves && long && ahead && self.link.state() == LinkState::Moving
-    }
-
-    pub(super) fn samples_late(&mut self) {
-        self.stop_late(say::computer_busy());
+        if self.config.protocol != Protocol::Line || self.thread.pass.is_some() {
+            return;
+        }
+        let orders = &self.control.orders;
+        let dry = gap > EVERYDAY && gap + UNREPORTED > self.link.outstanding();
+        let starved = orders.feeding && dry && self.link.takes_motion();
+        if self.link.state() == LinkState::Moving {
+            if starved || gap >= self.config.lookahead() {
+                self.link.stop_after_absence();
+            }
+        } else if gap >= ASLEEP && orders.run.state == RunState::Run {
+            self.stop_late(say::computer_busy());
+        }
     }
 
     /// What was handed over is made; nothing more follows, and the count is compared.
     fn stop_late(&mut self, why: Message) {
         self.report(BoardReport::Stopped);
-        self.reports.late = Some(why);
+        self.reports.late = Some((why, self.clock.now));
         if let Err(refused) = self.link.finish() {
             self.refuse(refused);
         }

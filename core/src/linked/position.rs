@@ -4,7 +4,7 @@ use super::Linked;
 use crate::alarm::{Alarm, number};
 use crate::board::{BoardReport, Settled};
 use crate::units::{PerAxis, Pulses};
-use gsk_link::{LinkState, RunTime};
+use gsk_link::{HostTime, LinkState, RunTime};
 
 /// The moment of the motion that a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,10 +83,11 @@ impl Linked {
     /// Motion came too late to a board that answers; one that is lost is another matter.
     pub(super) fn report_late(&mut self) {
         let lost = matches!(self.link.state(), LinkState::Lost | LinkState::Fault);
-        if let Some(text) = self
+        let answered = |late: HostTime| self.link.has_answered_since(late);
+        if let Some((text, _)) = self
             .reports
             .late
-            .take_if(|_| lost || self.link.is_responding())
+            .take_if(|(_, late)| lost || answered(*late))
             .filter(|_| !lost)
         {
             self.raise(Alarm::new(number::STEPS_TOO_LATE).because(text));

@@ -3,6 +3,7 @@
 use super::Linked;
 use crate::alarm::Alarm;
 use crate::board::{BoardReport, Settled};
+use gsk_link::HostTime;
 use gsk_messages::Message;
 
 /// Reports that wait for the next tick.
@@ -11,8 +12,8 @@ pub(super) struct Reports {
     waiting: Vec<BoardReport>,
     /// The slides stand, and the board has said where.
     pub(super) settled: Option<Settled>,
-    /// Why motion came late, when it is not sure yet that the board is there.
-    pub(super) late: Option<Message>,
+    /// Why motion came late, and when: it is not sure yet that the board is there.
+    pub(super) late: Option<(Message, HostTime)>,
 }
 
 impl Reports {

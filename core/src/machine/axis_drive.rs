@@ -11,7 +11,7 @@ use super::config::{AxisConfig, ScrewError};
 use super::io::OverLimit;
 use crate::axis::{motor_reversed, pulse_weight};
 use crate::memory::Parameters;
-use crate::units::{Axis, Pulses, TICK_S, nearest};
+use crate::units::{Axis, Pulses, TICK_S, round_to_i64};
 
 /// Part of a motor turn for which the zero signal stands.
 const INDEX_PART: i64 = 50;
@@ -172,7 +172,7 @@ impl AxisDrive {
         if self.behind == 0.0 {
             return self.commanded;
         }
-        self.commanded - nearest(self.behind)
+        self.commanded - round_to_i64(self.behind)
     }
 
     /// Follows the command count for a tick. A drive that is not enabled, or has

@@ -2,7 +2,7 @@
 //! byte and bit. Some pins carry one of several signals.
 
 use gsk_link::SpindleDirection;
-use gsk_plc::Memory;
+use gsk_plc::PlcMemory;
 
 /// An X or Y contact: byte and bit.
 pub(crate) type Pin = (u8, u8);
@@ -56,7 +56,7 @@ pub(crate) const COOLANT: Pin = (0, 3);
 pub(crate) const LUBRICATION: Pin = (1, 1);
 
 /// Which way the spindle is to turn, as the ladder switches its outputs.
-pub(crate) fn spindle_direction(memory: &Memory) -> SpindleDirection {
+pub(crate) fn spindle_direction(memory: &PlcMemory) -> SpindleDirection {
     let on = |(byte, bit): Pin| memory.y(u16::from(byte)) >> bit & 1 == 1;
     match (on(FORWARD), on(REVERSE), on(BRAKE)) {
         (true, false, false) => SpindleDirection::Forward,

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::config::SpindleConfig;
 use super::wiring::Wiring;
 use crate::memory::Parameters;
-use crate::units::{TICK_S, floor};
+use crate::units::{TICK_S, floor_to_i64};
 
 /// Below this the spindle stands, and a speed has been reached, r/min.
 const NOTHING: f64 = 0.01;
@@ -151,7 +151,7 @@ impl SpindleDrive {
             return;
         }
         let turns = self.turns * self.encoder_ratio;
-        let whole = floor(turns);
+        let whole = floor_to_i64(turns);
         let crossed = self.whole.max(whole);
         self.index_now = self.whole != whole;
         if self.index_now {

@@ -7,6 +7,7 @@ use super::offsets::Offsets;
 use super::parameters::Parameters;
 use super::pitch::PitchTable;
 use super::table::Disk;
+use crate::model::Record;
 
 /// What a disk holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,10 +21,12 @@ pub struct DiskContent {
 }
 
 impl DiskContent {
-    /// As delivered.
-    fn factory(disk: Disk) -> Self {
+    /// As delivered with a model.
+    fn factory(disk: Disk, record: &Record) -> Self {
+        let mut parameters = Parameters::factory(disk);
+        parameters.take_delivered(record);
         Self {
-            parameters: Parameters::factory(disk),
+            parameters,
             offsets: Offsets::default(),
             pitch: PitchTable::default(),
         }
@@ -47,11 +50,11 @@ const fn place(disk: Disk) -> Option<usize> {
 }
 
 impl Disks {
-    /// What is read from a disk.
-    pub fn load(&self, disk: Disk) -> DiskContent {
+    /// What is read from a disk of a model.
+    pub fn load(&self, disk: Disk, record: &Record) -> DiskContent {
         place(disk)
             .and_then(|place| self.saved[place].clone())
-            .unwrap_or_else(|| DiskContent::factory(disk))
+            .unwrap_or_else(|| DiskContent::factory(disk, record))
     }
 
     /// What was saved on a disk; none of one that is as delivered.
@@ -70,17 +73,21 @@ impl Disks {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::ModelId;
 
     #[test]
     fn disks_keep_what_is_saved() {
         let mut disks = Disks::default();
-        assert_eq!(disks.load(Disk::N3).parameters.value(24), 400);
-        let mut content = disks.load(Disk::N0);
+        let td = ModelId::default().record();
+        let hx31 = ModelId::Hx31.record();
+        assert_eq!(disks.load(Disk::N0, hx31).parameters.value(22), 60_000);
+        assert_eq!(disks.load(Disk::N3, td).parameters.value(24), 400);
+        let mut content = disks.load(Disk::N0, td);
         content.parameters.set(24, 123).unwrap();
         for disk in [Disk::N0, Disk::N1, Disk::N4] {
             disks.save(disk, content.clone());
         }
-        let rapid_time = |disk| disks.load(disk).parameters.value(24);
+        let rapid_time = |disk| disks.load(disk, td).parameters.value(24);
         let all = [Disk::N0, Disk::N1, Disk::N2, Disk::N3, Disk::N4].map(rapid_time);
         assert_eq!(all, [300, 123, 50, 400, 123]);
     }

@@ -6,8 +6,10 @@ use std::collections::BTreeMap;
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
+use super::parameter;
 use super::table::{self, Disk, Effective, LAST_PARAMETER, Range};
 use crate::alarm::Alarm;
+use crate::model::{ModelId, Record};
 
 const COUNT: usize = LAST_PARAMETER as usize + 1;
 
@@ -38,7 +40,7 @@ pub enum ParameterError {
         /// Value.
         value: i32,
         /// What it takes.
-        range: &'static Range,
+        range: Range,
     },
 }
 
@@ -111,24 +113,73 @@ impl Parameters {
         bit < 8 && self.value(number) >> bit & 1 != 0
     }
 
-    /// Writes a parameter.
+    /// Writes a parameter. A negative interval of pitch errors is stored as a positive
+    /// one (manual III-10.5).
     ///
     /// # Errors
     /// An unknown number, or a value out of range (alarm 043).
     pub fn set(&mut self, number: u16, value: i32) -> Result<(), ParameterError> {
+        self.set_within(number, value, None)
+    }
+
+    /// The same of another model, some of whose ranges are its own.
+    ///
+    /// # Errors
+    /// As [`Self::set`].
+    pub fn set_of(
+        &mut self,
+        record: &Record,
+        number: u16,
+        value: i32,
+    ) -> Result<(), ParameterError> {
+        self.set_within(number, value, record.parameter_range(number))
+    }
+
+    /// Takes the values that a model is delivered with where they are its own.
+    pub fn take_delivered(&mut self, record: &Record) {
+        for (number, value) in &record.delivered {
+            self.put(*number, *value);
+        }
+    }
+
+    fn put(&mut self, number: u16, value: i32) {
+        if let Some(place) = self.values.get_mut(usize::from(number)) {
+            *place = value;
+        }
+    }
+
+    fn set_within(
+        &mut self,
+        number: u16,
+        value: i32,
+        range: Option<(i32, i32)>,
+    ) -> Result<(), ParameterError> {
         let unknown = ParameterError::Unknown { number, bit: None };
         let Some(row) = table::row(number, None) else {
             return Err(unknown);
+        };
+        let range = match range {
+            Some((low, high)) => Range::Span(low, high),
+            None => row.range.clone(),
+        };
+        let interval = matches!(
+            number,
+            parameter::X_PITCH_INTERVAL | parameter::Z_PITCH_INTERVAL
+        );
+        let value = if interval {
+            value.saturating_abs()
+        } else {
+            value
         };
         // 051, 055 and others are delivered with values below their range; 020
         // takes more and is put right at power-on.
         let delivered = row.factory.contains(&value);
         let debounce = number == DEBOUNCE && (0..=255).contains(&value);
-        if !(row.range.contains(value) || delivered || debounce) {
+        if !(range.contains(value) || delivered || debounce) {
             return Err(ParameterError::Range {
                 number,
                 value,
-                range: &row.range,
+                range,
             });
         }
         let place = self.values.get_mut(usize::from(number)).ok_or(unknown)?;
@@ -182,11 +233,13 @@ impl Parameters {
             if row.effective != (Effective::AtPowerOn { alarm: true }) {
                 continue;
             }
-            // Cannot fail: the values come from parameters.
-            let _ = match row.bit {
-                Some(bit) => in_force.set_bit(row.number, bit, at_power_on.bit(row.number, bit)),
-                None => in_force.set(row.number, at_power_on.value(row.number)),
-            };
+            match row.bit {
+                // Cannot fail: it is a bit of a state parameter.
+                Some(bit) => {
+                    let _ = in_force.set_bit(row.number, bit, at_power_on.bit(row.number, bit));
+                }
+                None => in_force.put(row.number, at_power_on.value(row.number)),
+            }
         }
         in_force
     }
@@ -213,7 +266,16 @@ impl TryFrom<BTreeMap<u16, i32>> for Parameters {
     fn try_from(values: BTreeMap<u16, i32>) -> Result<Self, ParameterError> {
         let mut parameters = Self::default();
         for (number, value) in values {
-            parameters.set(number, value)?;
+            // Whose parameters they are is kept elsewhere: any model may have such a value.
+            let mut models = ModelId::ALL.iter().map(|id| id.record());
+            let of_model = |record: &'static Record| {
+                let range = record.parameter_range(number);
+                range.is_some_and(|(low, high)| (low..=high).contains(&value))
+            };
+            match models.find(|record| of_model(record)) {
+                Some(record) => parameters.set_of(record, number, value)?,
+                None => parameters.set(number, value)?,
+            }
         }
         Ok(parameters)
     }
@@ -285,7 +347,7 @@ mod tests {
             ron::from_str::<Parameters>("{22:4000}").unwrap().value(22),
             4000
         );
-        assert!(ron::from_str::<Parameters>("{22:40000}").is_err());
+        assert!(ron::from_str::<Parameters>("{22:70000}").is_err());
         assert!(ron::from_str::<Parameters>("{999:0}").is_err());
     }
 }

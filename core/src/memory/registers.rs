@@ -143,26 +143,26 @@ impl Registers {
     }
 
     /// Greatest value that the timer takes, ms.
-    pub(crate) const TIMER_GREATEST: i64 = TIMER_MS - 1;
+    pub const TIMER_GREATEST: i64 = TIMER_MS - 1;
 
     /// The timer, `now` ms after power-on.
-    pub(crate) const fn timer(&self, now: u64) -> i64 {
+    pub const fn timer(&self, now: u64) -> i64 {
         let since = (now as i64 - self.timer_from) / STEP_MS * STEP_MS;
         since.rem_euclid(TIMER_MS)
     }
 
     /// The timer counts on from this value.
-    pub(crate) const fn set_timer(&mut self, ms: i64, now: u64) {
+    pub const fn set_timer(&mut self, ms: i64, now: u64) {
         self.timer_from = now as i64 - ms / STEP_MS * STEP_MS;
     }
 
     /// The date, YYYYMMDD, `now` ms after power-on.
-    pub(crate) fn date(&self, now: u64) -> u32 {
+    pub fn date(&self, now: u64) -> u32 {
         self.day_time.digits(now).0
     }
 
     /// The time of day, hhmmss, `now` ms after power-on.
-    pub(crate) fn time_of_day(&self, now: u64) -> u32 {
+    pub fn time_of_day(&self, now: u64) -> u32 {
         self.day_time.digits(now).1
     }
 

@@ -52,6 +52,8 @@ impl Variables {
     pub const LEAST: i64 = -(1 << 32);
     /// Greatest value, 2³² − 1.
     pub const GREATEST: i64 = (1 << 32) - 1;
+    /// Greatest size of a real value.
+    pub const GREATEST_REAL: f64 = 1e47;
 
     /// Whether there is a common variable of this number.
     pub fn has(number: u16) -> bool {
@@ -112,11 +114,15 @@ impl Variables {
     }
 
     /// Gives one of them its value.
-    pub(crate) fn set_counted(&mut self, number: u16, value: Option<f64>) {
+    ///
+    /// # Errors
+    /// 111 for a value beyond what formulas give.
+    pub(crate) fn set_counted(&mut self, number: u16, value: Option<f64>) -> Result<(), Alarm> {
         match value.filter(|_| COUNTED.contains(&number)) {
-            Some(value) => self.reals.insert(number, value),
+            Some(value) => self.reals.insert(number, Self::checked(number, value)?),
             None => self.reals.remove(&number),
         };
+        Ok(())
     }
 
     /// The value that macro B reads; `None`: null.
@@ -128,10 +134,11 @@ impl Variables {
     /// Gives a variable the value of a formula; null makes one that macro A has 0.
     ///
     /// # Errors
-    /// 115 for a number that is none, 111 for a value that macro A could not read.
+    /// 115 for a number that is none, 111 for a value that macro A could not read and for
+    /// one beyond what formulas give.
     pub fn set_real(&mut self, number: u16, value: Option<f64>) -> Result<(), Alarm> {
         if Self::has(number) {
-            let value = value.unwrap_or(0.0);
+            let value = Self::checked(number, value.unwrap_or(0.0))?;
             self.set(number, libm::trunc(value) as i64)?;
             if libm::trunc(value) != value {
                 self.reals.insert(number, value);
@@ -143,10 +150,22 @@ impl Variables {
             return Err(Alarm::new(number::BAD_VARIABLE).because(detail));
         }
         match value {
-            Some(value) => self.reals.insert(number, value),
+            Some(value) => self.reals.insert(number, Self::checked(number, value)?),
             None => self.reals.remove(&number),
         };
         Ok(())
+    }
+
+    /// A real value for the variable of this number, local ones too.
+    ///
+    /// # Errors
+    /// 111 for NaN and for a value beyond what formulas give.
+    pub(crate) fn checked(number: u16, value: f64) -> Result<f64, Alarm> {
+        if (-Self::GREATEST_REAL..=Self::GREATEST_REAL).contains(&value) {
+            return Ok(value);
+        }
+        let detail = say::variable_value_beyond_formulas(format_args!("{value:e}"), number);
+        Err(Alarm::new(number::MACRO_RANGE).because(detail))
     }
 
     /// What does not outlast power-off goes.
@@ -189,8 +208,11 @@ impl TryFrom<BTreeMap<u16, Stored>> for Variables {
             match value {
                 Stored::Whole(value) if Self::has(number) => variables.set(number, value)?,
                 Stored::Whole(value) => variables.set_real(number, Some(value as f64))?,
+                // Earlier versions took them from project folders. The variable is empty
+                // then, and the reader of the file reports it.
+                Stored::Real(value) if !value.is_finite() => {}
                 Stored::Real(value) if COUNTED.contains(&number) => {
-                    variables.set_counted(number, Some(value));
+                    variables.set_counted(number, Some(value))?;
                 }
                 Stored::Real(value) => variables.set_real(number, Some(value))?,
             }
@@ -236,5 +258,24 @@ mod tests {
         assert_eq!(ron::from_str::<Variables>(&text).unwrap(), variables);
         assert!(ron::from_str::<Variables>("{232:1}").is_err());
         assert!(ron::from_str::<Variables>("{200:4294967296}").is_err());
+        let damaged = ron::from_str::<Variables>("{500:NaN,501:7,600:-inf,601:2.5}").unwrap();
+        let values = [500, 501, 600, 601].map(|number| damaged.real(number));
+        assert_eq!(values, [Some(0.0), Some(7.0), None, Some(2.5)]);
+    }
+
+    #[test]
+    fn no_variable_takes_a_value_that_is_not_finite() {
+        let mut variables = Variables::default();
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e48] {
+            for number in [500, 600, 100] {
+                let refused = variables.set_real(number, Some(value)).unwrap_err();
+                assert_eq!(refused.number, 111, "#{number} = {value}");
+            }
+            assert_eq!(
+                variables.set_counted(7, Some(value)).unwrap_err().number,
+                111
+            );
+        }
+        assert_eq!(variables, Variables::default());
     }
 }

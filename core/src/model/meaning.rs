@@ -270,6 +270,32 @@ meanings! {
     }
 }
 
+impl GCode {
+    /// Whether it waits.
+    pub const fn is_dwell(self) -> bool {
+        matches!(self, Self::Dwell | Self::DwellSecondsFirst | Self::DwellByK)
+    }
+
+    /// Whether it depends on the plane: an arc, or the compensation of a radius.
+    pub const fn is_arc_or_compensation(self) -> bool {
+        matches!(
+            self,
+            Self::ArcClockwise
+                | Self::ArcCounterclockwise
+                | Self::LongArcClockwise
+                | Self::LongArcCounterclockwise
+                | Self::DiameterArcClockwise
+                | Self::DiameterArcCounterclockwise
+                | Self::PlaneArcClockwise
+                | Self::PlaneArcCounterclockwise
+                | Self::NoseLeft
+                | Self::NoseRight
+                | Self::CutterLeft
+                | Self::CutterRight
+        )
+    }
+}
+
 meanings! {
     /// What an M code does.
     MCode {

@@ -6,7 +6,10 @@ use std::sync::LazyLock;
 use gsk_messages::Language;
 use serde::Deserialize;
 
+use super::calls::CallRange;
+use super::conventions::Conventions;
 use super::{GCode, MCode, ModelId};
+use crate::units::Axis;
 
 /// G codes have two digits.
 const G_CODES: usize = 100;
@@ -45,23 +48,62 @@ pub struct Record {
     /// What the edge of an input does while the machine is moved by hand.
     #[serde(default)]
     pub(crate) edges: BTreeMap<u8, Edge>,
+    /// Inputs that are contacts of the machine, too.
+    #[serde(default)]
+    pub(crate) wires: BTreeMap<u8, Wire>,
+    /// Outputs of the ladder that M codes follow, whoever has switched them.
+    #[serde(default)]
+    pub(crate) followers: Vec<Follower>,
+    /// The output that is the brake of the spindle.
+    #[serde(default)]
+    pub(crate) brake_output: Option<u8>,
     /// Whether points are taught by hand, on the graphic page.
     #[serde(default)]
     pub teaches: bool,
     /// The greatest number of a block.
     #[serde(default = "last_of_four_digits")]
     pub(crate) last_sequence: u32,
+    /// The greatest number of a program that its own words name (`%P99`, G20, G22).
+    #[serde(default = "last_of_four_digits_short")]
+    pub(crate) last_program: u16,
+    /// Least and greatest numbers of words whose range is not that of the GSK980TD.
+    #[serde(default)]
+    pub(crate) word_limits: BTreeMap<char, (i64, i64)>,
+    /// Least and greatest time of G04, ms.
+    #[serde(default)]
+    pub(crate) dwell_limits: Option<(i64, i64)>,
+    /// Parameters of the control that it is delivered with, where they are not those of the
+    /// GSK980TD.
+    #[serde(default)]
+    pub(crate) delivered: BTreeMap<u16, i32>,
+    /// Ranges of such parameters.
+    #[serde(default)]
+    ranges: BTreeMap<u16, (i32, i32)>,
     /// The greatest coordinate, 0.001 mm.
     #[serde(default = "ten_metres")]
     pub(crate) greatest_coordinate: i64,
     /// Letters that are addresses besides those of the GSK980TD.
     #[serde(default)]
     addresses: String,
+    /// Letters that only calls of macros take, as arguments.
+    #[serde(default)]
+    argument_addresses: String,
+    /// What it means by words and codes besides what each code does.
+    pub conventions: Conventions,
     /// What its G codes mean.
     pub g: BTreeMap<u8, GCode>,
     /// Those of them whose action its manual does not give.
     #[serde(default)]
     pub g_decided: Vec<u8>,
+    /// M codes that it leaves to the ladder where it does not know them itself.
+    #[serde(default)]
+    pub ladder_m: Option<(u8, u8)>,
+    /// A range of M codes that calls subprograms, by its parameters.
+    #[serde(default)]
+    pub(crate) m_calls: Option<CallRange>,
+    /// M codes that call the program of their number as a macro.
+    #[serde(default)]
+    pub(crate) m_macros: Option<(i64, i64)>,
     /// What its M codes mean.
     pub m: BTreeMap<u8, MFunction>,
     /// Those of them whose action its manual does not give.
@@ -82,6 +124,48 @@ pub(crate) enum Edge {
     Toggles(u8, u8),
     /// An M code.
     Does(u8),
+}
+
+/// What an input of a model is at the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub(crate) enum Wire {
+    /// An emergency stop button.
+    EmergencyStop,
+    /// A limit switch.
+    Limit(Axis, Side),
+    /// A deceleration switch.
+    Deceleration(Axis),
+}
+
+/// An end of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub(crate) enum Side {
+    /// The positive one.
+    Plus,
+    /// The negative one.
+    Minus,
+}
+
+/// An output of the ladder that switches outputs of a model as an M code does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub(crate) struct Follower {
+    /// Of the ladder.
+    pub(crate) output: LadderOutput,
+    /// The M code that acts when it goes on.
+    pub(crate) on: u8,
+    /// The M code that acts when it goes off.
+    pub(crate) off: u8,
+}
+
+/// An output of the standard ladder by its meaning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub(crate) enum LadderOutput {
+    /// M08.
+    Coolant,
+    /// M03.
+    SpindleForward,
+    /// M04.
+    SpindleReverse,
 }
 
 /// What an M code does.
@@ -121,6 +205,10 @@ const fn four() -> u8 {
 }
 
 const fn last_of_four_digits() -> u32 {
+    9999
+}
+
+const fn last_of_four_digits_short() -> u16 {
     9999
 }
 
@@ -167,6 +255,18 @@ impl Record {
         self.g_table.get(index).copied().flatten()
     }
 
+    /// Least and greatest value of a parameter of the control, where they are not those of
+    /// the GSK980TD.
+    pub fn parameter_range(&self, number: u16) -> Option<(i32, i32)> {
+        self.ranges.get(&number).copied()
+    }
+
+    /// The number of a G code.
+    pub fn g_number(&self, meaning: GCode) -> Option<u8> {
+        let mut codes = self.g.iter();
+        codes.find_map(|(number, it)| (*it == meaning).then_some(*number))
+    }
+
     /// What an M code does.
     pub fn m_function(&self, number: u8) -> Option<&MFunction> {
         self.m.get(&number)
@@ -175,6 +275,27 @@ impl Record {
     /// Whether a letter is an address that the GSK980TD does not have.
     pub(crate) fn has_address(&self, letter: u8) -> bool {
         self.addresses.bytes().any(|it| it == letter)
+    }
+
+    /// Whether a letter is an address of it, other than in a call of a macro.
+    pub fn takes_address(&self, letter: u8) -> bool {
+        let of_lathe = matches!(letter, b'F'..=b'U' | b'W' | b'X' | b'Z');
+        (of_lathe || self.has_address(letter)) && !self.is_argument_only(letter)
+    }
+
+    /// Whether a letter is only an argument of macros.
+    pub fn is_argument_only(&self, letter: u8) -> bool {
+        self.argument_addresses.bytes().any(|it| it == letter)
+    }
+
+    /// Least and greatest number of a word where they are its own: a table of the model.
+    pub fn word_limits(&self, letter: u8) -> Option<(i64, i64)> {
+        self.word_limits.get(&char::from(letter)).copied()
+    }
+
+    /// The greatest coordinate, mm.
+    pub fn greatest_coordinate_mm(&self) -> f64 {
+        self.greatest_coordinate as f64 / 1000.0
     }
 
     /// Whether it has a code that leads back to where the run began.

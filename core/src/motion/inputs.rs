@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::limits::MotionLimits;
 use crate::spindle::SpindleTurn;
-use crate::units::{Axis, Feed, PerAxis, lesser};
+use crate::units::{Axis, Feed, PerAxis, min_not_nan};
 
 /// Rapid override.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -112,5 +112,5 @@ pub(super) fn cutting_target(limits: &MotionLimits, inputs: &MotionInputs, feed:
         (None, Feed::PerMinute(rate)) => rate * inputs.feed_override,
         (None, Feed::PerRevolution(way)) => way * inputs.spindle_rpm.abs() * inputs.feed_override,
     };
-    lesser(per_minute / 60.0, limits.cutting())
+    min_not_nan(per_minute / 60.0, limits.cutting())
 }

@@ -4,7 +4,7 @@ use core::f64::consts::LOG2_E;
 
 use serde::{Deserialize, Serialize};
 
-use crate::units::{TICK_S, greater, lesser};
+use crate::units::{TICK_S, max_not_nan, min_not_nan};
 
 /// Distance below which a rest counts as nothing, mm.
 const NOTHING: f64 = 1e-12;
@@ -214,7 +214,7 @@ impl Ramp {
 
     /// Moves on by `moved` in `used` seconds, ending at `speed`.
     fn take(&mut self, moved: f64, used: f64, speed: f64) -> Advance {
-        let moved = lesser(moved, self.remaining);
+        let moved = min_not_nan(moved, self.remaining);
         self.remaining -= moved;
         self.speed = speed;
         Advance { moved, used }
@@ -292,7 +292,7 @@ impl Ramp {
         time: f64,
     ) -> Advance {
         // Below the lowest speed, and without a time constant, speed follows at once.
-        self.speed = greater(self.speed, lesser(lowest, target));
+        self.speed = max_not_nan(self.speed, min_not_nan(lowest, target));
         if constant <= 0.0 || (self.speed <= lowest && target <= lowest) {
             self.speed = target;
             if target <= 0.0 {
@@ -311,7 +311,7 @@ impl Ramp {
         // Until the braking curve is met: the way made good at `target` is `room`.
         // Far from there nothing has to be divided.
         let mut span = if target > 0.0 && room < 2.0 * target * time {
-            lesser(room / target, time)
+            min_not_nan(room / target, time)
         } else {
             time
         };

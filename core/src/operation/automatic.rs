@@ -58,7 +58,7 @@ pub struct Automatic {
     /// Stop at the end of the block, whatever single block says.
     pub(crate) stop_requested: bool,
     pub(crate) dwell_left: u32,
-    /// M00 or M30 whose decode signal stands.
+    /// M00, M01, M02 or M30 whose decode signal is 1.
     pub(crate) decoded: Option<u8>,
     /// Which program runs: AUTO's or the MDI block.
     pub(crate) mdi: bool,
@@ -129,7 +129,46 @@ impl Automatic {
 
     /// DEN: all that is left of the block is FIN.
     pub(crate) fn distribution_end(&self) -> bool {
-        matches!(&self.current, Some(current) if current.stage == Stage::Handshake)
+        self.current.as_ref().is_some_and(|current| {
+            let is_last = matches!(current.command.action, Action::Tool { is_last: true, .. });
+            current.stage == Stage::Handshake && (current.command.block_end || is_last)
+        })
+    }
+
+    /// CUT: a cutting feed is under way; also while an interlock or an override of 0 %
+    /// keeps it waiting.
+    pub(crate) fn is_cutting(&self) -> bool {
+        self.state == RunState::Run
+            && self.current.as_ref().is_some_and(|current| {
+                let cuts = matches!(
+                    current.command.action,
+                    Action::Line { .. }
+                        | Action::Arc { .. }
+                        | Action::Thread { .. }
+                        | Action::Tap { .. }
+                );
+                current.stage == Stage::Acting && cuts
+            })
+    }
+
+    /// Stopped by single block between two moves of one block: SPL shows that the block
+    /// is not at its end (manual PLC-II 6.3.3).
+    pub(crate) fn stands_within_block(&self) -> bool {
+        let run = match &self.aside {
+            Some(aside) if !self.operating() => &aside.automatic,
+            _ => self,
+        };
+        run.state == RunState::Stop && run.goes_on() && run.within_block
+    }
+
+    /// The decode signals DM: M01 and M02 once motion and dwell of their block are over,
+    /// unless FIN came before; FIN clears all of them (manual PLC-II 8.1).
+    pub(crate) fn follow_decoded(&mut self, waiting_m: Option<u8>, fin: bool) {
+        if fin {
+            self.decoded = None;
+        } else if self.distribution_end() && matches!(waiting_m, Some(1 | 2)) {
+            self.decoded = waiting_m;
+        }
     }
 
     /// Whether the dwell of a G04 runs.

@@ -77,6 +77,14 @@ impl Handshake {
         matches!(self.phases[strobe as usize], Phase::Strobe(_))
     }
 
+    /// The M code whose FIN has not come yet.
+    pub(crate) const fn waiting_m(&self) -> Option<u8> {
+        match self.phases[Strobe::M as usize] {
+            Phase::Code(_) | Phase::Strobe(_) => Some(self.m),
+            Phase::Idle | Phase::Release => None,
+        }
+    }
+
     /// Whether a function is still being carried out.
     pub fn busy(&self) -> bool {
         self.phases.iter().any(|phase| *phase != Phase::Idle)

@@ -1,7 +1,7 @@
 //! The control's side of the PLC interface: what it reads in G, what it writes
 //! in F. Each signal's address stands here and nowhere else.
 
-use gsk_plc::Memory;
+use gsk_plc::PlcMemory;
 use serde::{Deserialize, Serialize};
 
 use super::handshake::{Handshake, Strobe};
@@ -50,6 +50,9 @@ pub struct FromPlc {
     pub step_increments: u16,
     /// BDT, G44.0.
     pub block_skip: bool,
+    /// MLK, G44.1, alone: MMLK repeats it.
+    #[serde(default)]
+    pub all_locked: bool,
     /// MLK, G44.1 and G108.
     pub machine_lock: PerAxis<bool>,
     /// HDT, G44.7: index the tool post by one station.
@@ -129,7 +132,7 @@ fn current_tool(nowt: [u8; 4]) -> u8 {
 
 impl FromPlc {
     /// Decodes the G area.
-    pub fn read(memory: &Memory) -> Self {
+    pub fn read(memory: &PlcMemory) -> Self {
         let g = |number: u16| memory.g(number);
         let all_locked = bit(g(44), 1);
         let locked = axes(g(108));
@@ -162,6 +165,7 @@ impl FromPlc {
                 _ => 1000,
             },
             block_skip: bit(g(44), 0),
+            all_locked,
             machine_lock: PerAxis::new(all_locked || locked.x, all_locked || locked.z),
             next_tool: bit(g(44), 7),
             single_block: bit(g(46), 1),
@@ -200,7 +204,7 @@ pub struct ToPlc<'a> {
     pub distribution_end: bool,
     /// Servo ready.
     pub servo_ready: bool,
-    /// RPDO: the last motion was a rapid.
+    /// RPDO: the last motion that began was a rapid.
     pub rapid: bool,
     /// CUT: automatic cutting feed.
     pub cutting: bool,
@@ -208,10 +212,8 @@ pub struct ToPlc<'a> {
     pub dwelling: bool,
     /// RTAP: tapping.
     pub tapping: bool,
-    /// DM00 stands.
-    pub decoded_m00: bool,
-    /// DM30 stands.
-    pub decoded_m30: bool,
+    /// The M code whose decode signal DM00, DM01, DM02 or DM30 is 1.
+    pub decoded: Option<u8>,
     /// M, S, T codes and strobes.
     pub handshake: &'a Handshake,
     /// Gear M41–M44 in force, 1..=4.
@@ -226,7 +228,7 @@ pub struct ToPlc<'a> {
     pub moving: PerAxis<bool>,
     /// MVD: last direction negative.
     pub negative: PerAxis<bool>,
-    /// OUTO: the OUTPUT key is down.
+    /// OUTO: the OUTPUT key is down in MDI mode.
     pub output_key: bool,
     /// Something goes out through the serial port.
     pub sending: bool,
@@ -234,6 +236,8 @@ pub struct ToPlc<'a> {
     pub receiving: bool,
     /// BGEACT: a program is read in beside the one that runs.
     pub reading_in: bool,
+    /// COVL: the feed override in force is 0 %.
+    pub stopped_by_override: bool,
     /// CINP: the slides have not made all that was commanded yet.
     pub checking: bool,
     /// Switches of the soft machine panel, as the bits of F75.
@@ -277,7 +281,7 @@ const MIRRORED: [(u16, u16); 9] = [
 
 impl ToPlc<'_> {
     /// Writes the F area; `g` holds the states that the check signals repeat.
-    pub fn write(&self, memory: &mut Memory, g: &FromPlc) {
+    pub fn write(&self, memory: &mut PlcMemory, g: &FromPlc) {
         let mut set = |number: u16, byte: u8| memory.set_f(number, byte);
         set(
             0,
@@ -319,7 +323,7 @@ impl ToPlc<'_> {
             4,
             pack(&[
                 (0, g.block_skip),
-                (1, g.machine_lock.x && g.machine_lock.z),
+                (1, g.all_locked),
                 (3, g.single_block),
                 (4, g.auxiliary_lock),
                 (5, self.mode == Mode::MachineZero),
@@ -334,7 +338,15 @@ impl ToPlc<'_> {
                 (3, self.handshake.strobe(Strobe::T)),
             ]),
         );
-        set(9, pack(&[(7, self.decoded_m00), (4, self.decoded_m30)]));
+        set(
+            9,
+            pack(&[
+                (4, self.decoded == Some(30)),
+                (5, self.decoded == Some(2)),
+                (6, self.decoded == Some(1)),
+                (7, self.decoded == Some(0)),
+            ]),
+        );
         set(10, self.handshake.m);
         for (index, byte) in self.handshake.s.to_le_bytes().into_iter().enumerate() {
             set(22 + index as u16, byte);
@@ -356,7 +368,7 @@ impl ToPlc<'_> {
             pack(&[
                 (2, self.dwelling),
                 (3, self.checking),
-                (4, g.feed_override == 0),
+                (4, self.stopped_by_override),
             ]),
         );
         set(213, pack(&[(0, self.sending), (1, self.receiving)]));

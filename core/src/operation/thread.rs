@@ -75,7 +75,7 @@ impl super::automatic::Automatic {
         // A stop that was programmed is expected.
         if matches!(
             action,
-            Action::Miscellaneous { code: 5, .. } | Action::End { .. }
+            Action::Miscellaneous { code: 5 } | Action::End { .. }
         ) {
             self.watch.turned = false;
         }

@@ -2,14 +2,15 @@
 
 use super::{End, Walk};
 use crate::alarm::Alarm;
-use crate::command::{Action, Command, Frame, MoveKind, ThreadStart, Timing};
+use crate::command::{Action, Command, Frame, MoveKind, ThreadStart};
 use crate::motion::ThreadMove;
-use crate::units::{Point, TICK_S};
+use crate::units::{PerAxis, Point, TICK_S};
 
 impl Walk<'_> {
     pub(super) fn carry_out(&mut self, command: &Command) -> Result<Option<End>, Alarm> {
         self.motionless += 1;
         self.source = Some(command.source);
+        self.show_return(Some(command));
         self.settle_uncertainty(command);
         if self.owed > 0.0 {
             self.pay(&command.action);
@@ -63,12 +64,9 @@ impl Walk<'_> {
                     self.look_at_preset(command.source);
                 }
             }
-            Action::Miscellaneous { code, timing } => {
+            Action::Miscellaneous { code } => {
                 self.messages.check(*code, self.spindle.turning())?;
-                match timing {
-                    Timing::WithMotion => self.spindle.output_m_with_motion(*code),
-                    Timing::BeforeMotion => self.spindle.output_m(*code),
-                }
+                self.spindle.output_m_beside(*code);
                 match code {
                     8 => self.so_far.coolant = true,
                     9 => self.so_far.coolant = false,
@@ -79,14 +77,14 @@ impl Walk<'_> {
                         self.clock.change_gear(code - 40);
                     }
                     41..=44 => {}
-                    _ => self.clock.output_m(*timing),
+                    _ => self.clock.output_m(),
                 }
             }
             Action::Spindle(speed) => {
                 self.spindle.command(*speed);
                 self.clock.output_s(speed);
             }
-            Action::Tool { tool, offset } => {
+            Action::Tool { tool, offset, .. } => {
                 self.clock.change_tool(*tool);
                 if !self.so_far.tools.contains(&(*tool, *offset)) {
                     self.so_far.tools.push((*tool, *offset));
@@ -98,18 +96,22 @@ impl Walk<'_> {
                 self.so_far.blocks += 1;
                 return Ok(Some(End::M99));
             }
-            Action::End { counts, m30 } => {
+            Action::End { counts, m30, m02 } => {
                 self.so_far.parts += u32::from(*counts);
                 self.so_far.blocks += u64::from(*m30);
                 if *m30 {
                     self.spindle.output_m(5);
                     self.so_far.coolant = false;
                 }
-                return Ok(Some(if *m30 { End::M30 } else { End::Text }));
+                return Ok(Some(match (m30, m02) {
+                    (_, true) => End::M02,
+                    (true, false) => End::M30,
+                    (false, false) => End::Text,
+                }));
             }
             Action::Macro => self.clock.advance(TICK_S),
-            Action::ZeroReturn { .. } | Action::Referenced { .. } => {
-                self.look_at_return(command.source);
+            Action::ZeroReturn { x, z } | Action::Referenced { x, z } => {
+                self.look_at_return(command.source, PerAxis::new(*x, *z));
             }
             // When an input comes is not known before it does.
             Action::Outputs { .. } | Action::InputWait { .. } | Action::Nothing => {}

@@ -6,14 +6,15 @@ use gsk_messages::{Message, say};
 
 use super::facts::Facts;
 use super::{Turning, Walk};
-use crate::command::{Command, Source};
+use crate::command::{Command, ProgramId, Source};
+use crate::interpreter::{IgnoredWord, Interpreter, Remark, WordAdvice};
 use crate::units::Feed;
 
 /// Feeds per minute below this were likely meant per revolution, mm/min.
 const LEAST_FEED: f64 = 1.0;
 
 /// A kind of slip.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Slip {
     /// A cut under G98 slower than 1 mm/min.
     SlowFeed,
@@ -31,10 +32,21 @@ pub enum Slip {
         /// Where the tool is at the end, in the same coordinates.
         end: (f64, f64),
     },
+    /// A word that no code of its block reads.
+    IgnoredWord(Box<IgnoredWord>),
+    /// A block after a `;` that begins its line.
+    AfterSemicolon,
+    /// Text after the `%` that ends the program.
+    AfterEnd,
+    /// `:` in place of the O of a program's name.
+    ColonName(u16),
 }
 
+/// Likely slips of one kind that are listed.
+const MOST_OF_A_KIND: usize = 50;
+
 /// A likely slip and its block.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Caution {
     /// What.
     pub slip: Slip,
@@ -47,22 +59,35 @@ impl Caution {
     pub fn sentence(&self) -> Message {
         say::in_line(self.source.line, self.slip.message())
     }
+
+    /// First and last column of what it is about, in characters from 1; its whole line
+    /// otherwise.
+    pub fn columns(&self) -> Option<(u32, u32)> {
+        match &self.slip {
+            Slip::IgnoredWord(word) => Some(word.columns),
+            _ => None,
+        }
+    }
 }
 
 impl Slip {
     /// Its name, for tools that sort what is found.
-    pub const fn id(self) -> &'static str {
+    pub const fn id(&self) -> &'static str {
         match self {
             Self::SlowFeed => "slow-feed",
             Self::SpindleStands => "spindle-stands",
             Self::NoOffset => "no-offset",
             Self::MachineZero => "machine-zero",
             Self::EndElsewhere { .. } => "end-elsewhere",
+            Self::IgnoredWord(_) => "ignored-word",
+            Self::AfterSemicolon => "after-semicolon",
+            Self::AfterEnd => "after-end",
+            Self::ColonName(_) => "colon-name",
         }
     }
 
     /// In words.
-    pub fn message(self) -> Message {
+    pub fn message(&self) -> Message {
         match self {
             Self::SlowFeed => say::caution_feed_slow(),
             Self::SpindleStands => say::caution_spindle_stands(),
@@ -71,11 +96,66 @@ impl Slip {
             Self::EndElsewhere { set, end } => {
                 say::caution_end_elsewhere(set.0, set.1, end.0, end.1)
             }
+            Self::IgnoredWord(word) => of_word(word),
+            Self::AfterSemicolon => say::caution_after_semicolon(),
+            Self::AfterEnd => say::caution_after_end(),
+            Self::ColonName(number) => say::caution_colon_name(format_args!("{number:04}")),
         }
     }
 }
 
+/// What is wrong with a word that changes nothing, and what to write in its place.
+fn of_word(word: &IgnoredWord) -> Message {
+    let text = &word.text;
+    let rule = match &word.code {
+        Some(code) => say::ignored_word_of_code(text, code, word.address),
+        None => say::ignored_word(text),
+    };
+    let advice = match &word.advice {
+        WordAdvice::None => return rule,
+        WordAdvice::CallCount(p) => say::ignored_call_count(p),
+        WordAdvice::TaperIsR(r) => say::ignored_taper(r),
+        WordAdvice::LeadByF => say::ignored_beside_lead(),
+        WordAdvice::CenterBesideRadius => say::ignored_beside_radius(),
+        WordAdvice::ArcWithoutLength => say::ignored_radius_without_distance(),
+        WordAdvice::BesideAbsolute(axis) => say::ignored_beside_absolute(axis),
+        WordAdvice::DwellByP => say::ignored_beside_dwell(),
+        WordAdvice::LaterCode(code) => return say::ignored_code(text, code),
+    };
+    say::several([rule, advice])
+}
+
 impl Walk<'_> {
+    /// Takes over what the interpreter has found in a block.
+    pub(super) fn take_remarks(&mut self, interpreter: &mut Interpreter) {
+        for (remark, source) in interpreter.take_remarks() {
+            let slip = match remark {
+                Remark::Ignored(word) => Slip::IgnoredWord(Box::new(word)),
+                Remark::AfterSemicolon => Slip::AfterSemicolon,
+            };
+            self.caution_each(slip, source);
+        }
+    }
+
+    /// What the text of the program itself has.
+    pub(super) fn look_at_text(&mut self, program: ProgramId) {
+        let Some(text) = self.programs.get(program) else {
+            return;
+        };
+        let at = |line| Source {
+            program,
+            line,
+            sequence: None,
+        };
+        let (colon, after) = (text.colon_name(), text.line_after_end());
+        if let Some((line, number)) = colon {
+            self.caution(Slip::ColonName(number), at(line));
+        }
+        if let Some(line) = after {
+            self.caution(Slip::AfterEnd, at(line));
+        }
+    }
+
     /// Looks at a cut that is about to be made.
     pub(super) fn look_at_cut(&mut self, command: &Command, feed: Option<Feed>) {
         let source = command.source;
@@ -103,6 +183,16 @@ impl Walk<'_> {
         let same = |caution: &Caution| discriminant(&caution.slip) == discriminant(&slip);
         if !cautions.iter().any(same) {
             cautions.push(Caution { slip, source });
+        }
+    }
+
+    /// The same, wherever it is met.
+    fn caution_each(&mut self, slip: Slip, source: Source) {
+        let caution = Caution { slip, source };
+        let cautions = &mut self.so_far.cautions;
+        let same = |other: &&Caution| discriminant(&other.slip) == discriminant(&caution.slip);
+        if cautions.iter().filter(same).count() < MOST_OF_A_KIND && !cautions.contains(&caution) {
+            cautions.push(caution);
         }
     }
 }

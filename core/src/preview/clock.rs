@@ -1,6 +1,6 @@
 //! Machine time of a preview: motion, M, S, T and dwell.
 
-use crate::command::{SpindleCommand, Timing};
+use crate::command::SpindleCommand;
 use crate::memory::parameter;
 use crate::setup::Setup;
 
@@ -62,12 +62,9 @@ impl Clock {
         self.now += seconds;
     }
 
-    /// The time 080 of an M function.
-    pub(super) const fn output_m(&mut self, timing: Timing) {
-        match timing {
-            Timing::WithMotion => self.busy_until = self.now + self.m_s,
-            Timing::BeforeMotion => self.now += self.m_s,
-        }
+    /// An M function begins: its time 080 runs beside what follows it in its block.
+    pub(super) const fn output_m(&mut self) {
+        self.busy_until = self.now + self.m_s;
     }
 
     /// A gear change holds the motion.
@@ -96,6 +93,8 @@ impl Clock {
         let ahead = (i32::from(tool) - i32::from(turret.at)).rem_euclid(i32::from(turret.stations));
         turret.at = tool;
         self.now += f64::from(ahead) * turret.station_s + turret.clamp_s;
+        // One FIN answers M and T.
+        self.now = self.now.max(self.busy_until);
     }
 
     /// What runs beside the motion must be finished too.

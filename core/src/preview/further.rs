@@ -10,7 +10,7 @@
 //! What is in doubt ([`Facts`]) is settled by the block that says it anew. An alarm
 //! that rests on a fact in doubt is passed over in silence.
 
-use gsk_messages::Id;
+use gsk_messages::{Id, Message};
 
 use super::facts::{Facts, is_thread};
 use super::written::{self, Written, has, numbers};
@@ -38,6 +38,9 @@ pub struct Further {
     /// What comes behind this block was not looked at.
     pub ends_at: Option<Source>,
 }
+
+/// Bytes of a line that are looked through for words: a line may hold a whole program.
+const LONGEST_LINE: usize = 4096;
 
 /// Who raised an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,7 +108,8 @@ impl Walk<'_> {
             |program| interpreter.syntax(source.program, program, parameters),
         );
         let modal = *interpreter.modal();
-        let by_itself = written::is_one_block(line) && parse_block(line, syntax).is_err();
+        let by_itself = alarm.detail.as_ref().is_some_and(is_of_column)
+            || written::is_one_block(line) && parse_block(line, syntax).is_err();
         let Some(behind) = &mut self.behind else {
             return false;
         };
@@ -129,7 +133,7 @@ impl Walk<'_> {
             Raised::Making => Facts::NONE,
             Raised::Reading => match interpreter.pass_over() {
                 PassedOver::Contour => Facts::NOSE,
-                PassedOver::Block if !steers(number, &words, parameters) => {
+                PassedOver::Block if !steers(number, by_itself, &words, parameters) => {
                     lost_with(number, &words, &modal)
                 }
                 PassedOver::Block | PassedOver::Nothing => return false,
@@ -168,10 +172,11 @@ impl Walk<'_> {
         !doubt.is_some_and(|doubt| doubt.meets(facts))
     }
 
-    /// The text of a line.
+    /// The text of a line, as far as words are looked for in it.
     pub(super) fn line_of(&self, source: Source) -> &str {
         let program = self.programs.get(source.program);
-        program.map_or("", |program| program.line(source.line))
+        let line = program.map_or("", |program| program.line(source.line));
+        &line[..line.floor_char_boundary(LONGEST_LINE)]
     }
 }
 
@@ -209,7 +214,7 @@ fn lost_with(alarm: u16, words: &[Written], modal: &Modal) -> Facts {
 
 /// Whether a block that was refused leads elsewhere, so that nobody knows what comes
 /// behind it.
-fn steers(alarm: u16, words: &[Written], parameters: &Parameters) -> bool {
+fn steers(alarm: u16, by_itself: bool, words: &[Written], parameters: &Parameters) -> bool {
     let by_word = |letter, codes: fn(u32) -> bool| {
         numbers(words, letter).any(|number| number.is_none_or(codes))
     };
@@ -217,8 +222,15 @@ fn steers(alarm: u16, words: &[Written], parameters: &Parameters) -> bool {
         && [b'M', b'S', b'T'].iter().any(|letter| has(words, *letter));
     special
         || by_word(b'M', |code| matches!(code, 30 | 98 | 99))
-        || by_word(b'G', |code| matches!(code, 65 | 70..=73))
+        || by_word(b'G', |code| matches!(code, 65))
+        // The profile of a cycle with a foreign word runs as a contour.
+        || !by_itself && by_word(b'G', |code| matches!(code, 70..=73))
         || groups::leads_elsewhere(alarm) && !has_no_profile(alarm, words)
+}
+
+/// Whether an alarm is one of the text of a block, which knows its column.
+fn is_of_column(detail: &Message) -> bool {
+    detail.id() == Id::AtColumn
 }
 
 /// The lines of the encoder: every thread says so, too.

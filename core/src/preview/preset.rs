@@ -9,9 +9,9 @@
 use super::caution::Slip;
 use super::written::{has, words};
 use super::{End, Walk, snapped};
-use crate::command::Source;
+use crate::command::{Action, Command, Source, Unplaced};
 use crate::setup::Setup;
-use crate::units::Point;
+use crate::units::{PerAxis, Point};
 
 /// The end may be so far from the place of G50, mm (X as a diameter): less comes of a
 /// tool offset that is dropped at the end.
@@ -24,6 +24,8 @@ pub(super) struct SetPlace {
     zero_known: bool,
     /// G28 went to a machine zero of which nobody has said where it lies.
     returned: bool,
+    /// Axes that are at such a machine zero, or have moved by increments since.
+    unplaced: PerAxis<bool>,
     /// A block with X or Z has moved the tool.
     moved: bool,
     preset: Option<Preset>,
@@ -46,6 +48,7 @@ impl SetPlace {
         Self {
             zero_known: setup.absolute.is_some(),
             returned: false,
+            unplaced: PerAxis::new(false, false),
             moved: false,
             preset: None,
         }
@@ -56,6 +59,8 @@ impl Walk<'_> {
     /// A G50 with coordinates was carried out. Increments shift the work on purpose.
     pub(super) fn look_at_preset(&mut self, source: Source) {
         let frame = self.so_far.frame;
+        // Where the tool is now has coordinates, wherever that is on the machine.
+        self.set_place.unplaced = PerAxis::new(false, false);
         let shifted = self.so_far.parameters.offset_by_shift() && frame.offset != Point::default();
         if self.set_place.moved || shifted {
             return;
@@ -85,12 +90,52 @@ impl Walk<'_> {
         }
     }
 
-    /// A G28 was made.
-    pub(super) fn look_at_return(&mut self, source: Source) {
+    /// A G28 was made with these axes.
+    pub(super) fn look_at_return(&mut self, source: Source, axes: PerAxis<bool>) {
         if !self.set_place.zero_known {
             self.set_place.returned = true;
+            self.set_place.unplaced.x |= axes.x;
+            self.set_place.unplaced.z |= axes.z;
             self.caution(Slip::MachineZero, source);
         }
+    }
+
+    /// Whether a rapid inside its block may lead to a machine zero that is not known.
+    pub(super) const fn may_return(&self, command: &Command) -> bool {
+        !self.set_place.zero_known && !command.block_end
+    }
+
+    /// Hands out a rapid that may have led to a machine zero: it has if that is what the
+    /// next command says.
+    pub(super) fn show_return(&mut self, next: Option<&Command>) {
+        let Some((mut executed, explanation)) = self.returning.take() else {
+            return;
+        };
+        if let Some(Command {
+            action: Action::ZeroReturn { x, z } | Action::Referenced { x, z },
+            source,
+            ..
+        }) = next
+            && *source == executed.source
+        {
+            executed.conditions.unplaced.to.x |= *x;
+            executed.conditions.unplaced.to.z |= *z;
+        }
+        let next = core::mem::replace(&mut self.explanation, explanation);
+        self.show(&executed);
+        self.explanation = next;
+    }
+
+    /// Coordinates of a move that are not known: an axis is again where its word says.
+    pub(super) fn unplaced(&mut self, source: Source) -> Unplaced {
+        let from = self.set_place.unplaced;
+        if !from.x && !from.z {
+            return Unplaced::default();
+        }
+        let words = words(self.line_of(source));
+        let to = PerAxis::new(from.x && !has(&words, b'X'), from.z && !has(&words, b'Z'));
+        self.set_place.unplaced = to;
+        Unplaced { from, to }
     }
 
     /// The program is over.
@@ -98,8 +143,10 @@ impl Walk<'_> {
         let so_far = &self.so_far;
         let offset = match so_far.end {
             End::M99 => so_far.frame.offset,
-            End::M30 | End::Text if so_far.parameters.reset_keeps_offset() => so_far.frame.offset,
-            End::M30 | End::Text => Point::default(),
+            End::M30 | End::M02 | End::Text if so_far.parameters.reset_keeps_offset() => {
+                so_far.frame.offset
+            }
+            End::M30 | End::M02 | End::Text => Point::default(),
             End::Alarm | End::Limit => return,
         };
         let Some(preset) = self.set_place.preset.filter(|_| !self.set_place.returned) else {

@@ -28,7 +28,7 @@ enum Speed {
 /// The commanded state of the spindle.
 pub(super) struct Spindle {
     turning: Turning,
-    /// M03 or M04 that came together with a motion.
+    /// M03 or M04 that began together with the rest of its block.
     pending: Option<u8>,
     /// How it turned before the last tap.
     before_tap: Turning,
@@ -87,8 +87,8 @@ impl Spindle {
         }
     }
 
-    /// An M code that starts with the motion of its block.
-    pub(super) const fn output_m_with_motion(&mut self, code: u8) {
+    /// An M code that begins together with the rest of its block.
+    pub(super) const fn output_m_beside(&mut self, code: u8) {
         match code {
             3 | 4 => self.pending = Some(code),
             _ => self.output_m(code),

@@ -204,7 +204,7 @@ fn cautions_behind_an_alarm_rest_on_what_is_known() {
         let (preview, _) = look(&Setup::default(), text);
         let cautions = preview.cautions.iter();
         cautions
-            .map(|caution| (caution.slip, caution.source.line))
+            .map(|caution| (caution.slip.clone(), caution.source.line))
             .collect()
     };
     let text = "M03 S500 C1\nG00 X50 Z2\nG98 G01 Z-5 F100\nM30\n";
@@ -222,8 +222,8 @@ fn elsewhere(setup: &Setup, text: &str) -> Option<(u32, Place, Place)> {
     preview
         .cautions
         .iter()
-        .find_map(|caution| match caution.slip {
-            Slip::EndElsewhere { set, end } => Some((caution.source.line, set, end)),
+        .find_map(|caution| match &caution.slip {
+            Slip::EndElsewhere { set, end } => Some((caution.source.line, *set, *end)),
             _ => None,
         })
 }
@@ -281,7 +281,7 @@ fn the_machine_zero_lies_where_the_work_zero_says() {
     let slips = |preview: &Preview| -> Vec<_> {
         let cautions = preview.cautions.iter();
         cautions
-            .map(|caution| (caution.slip, caution.source.line))
+            .map(|caution| (caution.slip.clone(), caution.source.line))
             .collect()
     };
     let (preview, _) = look(&setup, text);

@@ -46,6 +46,7 @@ impl Walk<'_> {
         }
         self.so_far.machine = to;
         self.look_at_move(command.source);
+        let unplaced = self.unplaced(command.source);
         if from == to && center.is_none() {
             return Ok(());
         }
@@ -91,11 +92,16 @@ impl Walk<'_> {
             feed,
             start_s: self.clock.now(),
             duration_s: took,
-            conditions: self.conditions(command),
+            conditions: Conditions {
+                unplaced,
+                ..self.conditions(command)
+            },
         };
         self.count(&executed);
         if over {
             self.unsettled = Some((executed, self.explanation.take()));
+        } else if kind == MoveKind::Rapid && self.may_return(command) {
+            self.returning = Some((executed, self.explanation.take()));
         } else {
             self.show(&executed);
         }

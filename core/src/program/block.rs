@@ -9,6 +9,7 @@ use super::macro_b::{Expression, Statement};
 use super::number::{Number, Variable, is_length};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm;
+use crate::model::Record;
 
 /// Words a block can hold besides N and O; more raise alarm 012.
 pub(crate) const MAX_WORDS: usize = 24;
@@ -174,6 +175,11 @@ impl Block {
     /// Whether a G code occurs.
     pub(crate) const fn has_g(&self, code: u8) -> bool {
         code < 100 && self.codes & (1 << code) != 0
+    }
+
+    /// Whether two different G codes occur.
+    pub(crate) const fn has_two_codes(&self) -> bool {
+        self.codes.count_ones() > 1
     }
 
     /// The G codes in order.
@@ -374,14 +380,20 @@ pub(super) fn check_values(block: &Block, syntax: Syntax) -> Result<(), BlockErr
     if syntax.model.is_mill() {
         return check_mill(block);
     }
-    let all_usual = block.words().iter().all(|word| {
-        let (low, high) = usual_range(word.address);
-        word.value.variable().is_none() && (low..=high).contains(&word.value.millionths())
-    });
+    let all_usual = !narrows_words(syntax)
+        && block.words().iter().all(|word| {
+            let (low, high) = usual_range(word.address);
+            word.value.variable().is_none() && (low..=high).contains(&word.value.millionths())
+        });
     match all_usual {
         true => Ok(()),
         false => check_each(block, syntax),
     }
+}
+
+/// Whether the model has ranges of words of its own.
+pub(super) fn narrows_words(syntax: Syntax) -> bool {
+    !syntax.model.is_main() && !syntax.model.record().word_limits.is_empty()
 }
 
 /// The same of a mill.
@@ -393,6 +405,8 @@ fn check_mill(block: &Block) -> Result<(), BlockError> {
             b'L' | b'M' | b'T' => (0, 9999 * ONE),
             b'S' => (0, 99_999 * ONE),
             b'F' | b'P' => usual_range(word.address),
+            // Scales of G51 in 0.00001.
+            b'I' | b'J' | b'K' if block.has_g(51) => (-999_999 * ONE, 999_999 * ONE),
             _ => (-MILL_LENGTH, MILL_LENGTH),
         };
         if !(low..=high).contains(&word.value.millionths()) && word.value.variable().is_none() {
@@ -405,13 +419,15 @@ fn check_mill(block: &Block) -> Result<(), BlockError> {
 /// The same, each word against what its block allows.
 fn check_each(block: &Block, syntax: Syntax) -> Result<(), BlockError> {
     let g65 = block.has_g(65);
-    let greatest = syntax.model.record().greatest_coordinate * (ONE / 1000);
+    let record = syntax.model.record();
+    let greatest = record.greatest_coordinate * (ONE / 1000);
     for word in block.words() {
         if word.value.variable().is_some() {
             continue;
         }
-        let (mut low, mut high) = range(block, word, g65);
-        if greatest > LENGTH && COORDINATES.contains(&word.address) {
+        let (mut low, mut high) = range(block, word, g65, record);
+        let signed_d = word.address == b'D' && low < 0;
+        if greatest > LENGTH && (signed_d || COORDINATES.contains(&word.address)) {
             (low, high) = (low.min(-greatest), high.max(greatest));
         }
         let value = word.value.millionths();
@@ -420,6 +436,16 @@ fn check_each(block: &Block, syntax: Syntax) -> Result<(), BlockError> {
         }
     }
     Ok(())
+}
+
+/// Whether words of a model begin with a letter.
+pub(super) fn is_address_of(letter: u8, record: &Record) -> bool {
+    is_address(letter) || record.has_address(letter)
+}
+
+/// Table 2-1, with J and L, which the thread codes use.
+const fn is_address(letter: u8) -> bool {
+    matches!(letter, b'F'..=b'U' | b'W' | b'X' | b'Z')
 }
 
 /// Addresses whose values are as great as the coordinates of the model.
@@ -474,7 +500,11 @@ fn limit(millionths: i64) -> String {
 
 /// Lowest and highest value of a word in its block, in millionths: the usual ones, or
 /// farther apart.
-fn range(block: &Block, word: &Word, g65: bool) -> (i64, i64) {
+fn range(block: &Block, word: &Word, g65: bool, record: &Record) -> (i64, i64) {
+    let of_model = |address| {
+        let limits = record.word_limits.get(&char::from(address));
+        limits.map_or_else(|| usual_range(address), |it| (it.0 * ONE, it.1 * ONE))
+    };
     match word.address {
         b'H' | b'P' | b'Q' | b'R' if g65 => (-MACRO, MACRO),
         b'X' | b'U' if block.has_g(4) => (-DWELL, DWELL),
@@ -489,7 +519,7 @@ fn range(block: &Block, word: &Word, g65: bool) -> (i64, i64) {
         b'D' if block.has_g(33) || block.has_g(34) => (-LENGTH, LENGTH),
         // The input that the M01 of an NC-B08 waits for.
         b'L' if block.word(b'M').is_some_and(|it| it.value.integer() == 1) => (0, 99 * ONE),
-        address => usual_range(address),
+        address => of_model(address),
     }
 }
 

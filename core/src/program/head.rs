@@ -11,6 +11,8 @@ pub(super) struct Head {
     pub(super) skip: bool,
     /// Byte range of the O word.
     pub(super) o_span: Option<(usize, usize)>,
+    /// Whether a `:` stands for O, as on other controls.
+    pub(super) colon: bool,
 }
 
 impl Head {
@@ -34,7 +36,8 @@ impl Head {
             lexer.at += len;
             match byte {
                 b'/' if head.o.is_none() && head.n.is_none() => head.skip = true,
-                b'O' | b'o' if head.o.is_none() => {
+                b'O' | b'o' | b':' if head.o.is_none() => {
+                    head.colon = byte == b':';
                     head.o = number(&mut lexer, 9999).and_then(|it| u16::try_from(it).ok());
                     head.o_span = head.o.map(|_| (start, lexer.at));
                     if head.o.is_none() {

@@ -13,6 +13,8 @@ pub(super) struct Index {
     pub(super) lines: u32,
     /// The first line with full-width characters outside comments.
     pub(super) full_width: Option<u32>,
+    /// The first line with text after the `%` that ends the program.
+    pub(super) after_end: Option<u32>,
 }
 
 /// What the scan of one block found.
@@ -74,6 +76,9 @@ impl Index {
                 break;
             }
         }
+        if ended.is_some() {
+            self.after_end = line_with_text(text, lexer.at, line);
+        }
         self.end = ended.unwrap_or(text.len()) as u32;
         self.lines = line - first_line + u32::from(line_is_open);
         if ended.is_some() {
@@ -106,6 +111,7 @@ impl Index {
                 b'\n' => scan.end = End::Line,
                 b'*' if is_formula(start, lexer.at) => scan.words = true,
                 b';' | b'*' => scan.end = End::Mark,
+                b'%' if !ends_text(*lexer) => scan.words = true,
                 b'%' => scan.end = End::Percent,
                 b' ' | b'\t' => {}
                 _ => scan.words = true,
@@ -117,6 +123,34 @@ impl Index {
             }
         }
     }
+}
+
+/// Whether the `%` here is the end mark: it begins its line, or nothing follows it. Within a
+/// line it is a foreign character, which its block is refused for.
+#[cold]
+fn ends_text(lexer: Lexer<'_>) -> bool {
+    let bytes = lexer.moved_to(0).rest();
+    let (before, after) = bytes.split_at(lexer.at.min(bytes.len()));
+    let blank = |byte: &u8| matches!(byte, b' ' | b'\t' | 0xEF | 0xBB | 0xBF);
+    let begins_line = before.iter().rev().find(|byte| !blank(byte));
+    let ends = |byte: &u8| byte.is_ascii_whitespace() || *byte == b'%' || *byte < b' ';
+    begins_line.is_none_or(|byte| matches!(byte, b'\n' | b'\r')) || after.iter().all(ends)
+}
+
+/// The line of the first text from a byte on that is more than blanks and end marks.
+fn line_with_text(text: &str, from: usize, line: u32) -> Option<u32> {
+    let rest = text.get(from..)?;
+    let mark = |letter: char| letter.is_whitespace() || letter.is_control() || letter == '%';
+    let at = rest.find(|letter| !mark(letter))?;
+    let before = rest.get(..at)?;
+    let mut lines = 0;
+    let mut here = 0;
+    while here < before.len() {
+        let (end, next) = line_end(before, here);
+        lines += u32::from(next > end);
+        here = next.max(here + 1);
+    }
+    Some(line + lines)
 }
 
 /// Whether a `*` multiplies: what stands before it in its block is a formula of macro B,

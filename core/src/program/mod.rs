@@ -24,6 +24,7 @@
 mod block;
 mod code_call;
 mod edit;
+mod foreign;
 mod head;
 mod index;
 mod inflow;
@@ -47,6 +48,7 @@ mod text;
 pub use block::{Block, Word, limits};
 pub(crate) use code_call::CodeCall;
 pub use edit::{Completion, Editing};
+pub(crate) use foreign::further_foreign_words;
 pub use inflow::{Inflow, LineTooLong};
 pub use listing::without_end;
 pub(crate) use macro_b::{

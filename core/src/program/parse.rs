@@ -3,7 +3,8 @@
 
 use gsk_messages::say;
 
-use super::block::{Block, Word, check_values};
+use super::block::{Block, Word, check_values, is_address_of, narrows_words};
+use super::foreign::two_block_form;
 use super::lexer::{Lexer, narrow, skip_blanks};
 use super::macro_b::{self, Statement};
 use super::number::{Number, Variable};
@@ -31,7 +32,8 @@ pub(super) fn read_block(text: &str, syntax: Syntax, block: &mut Block) -> Resul
     let mut lexer = Lexer::new(text);
     let mut seen = 0;
     // Their values are in range as they are written.
-    if !syntax.macro_b && plain_words(&mut lexer, &mut seen, syntax, block) {
+    let narrows = narrows_words(syntax);
+    if !syntax.macro_b && !narrows && plain_words(&mut lexer, &mut seen, syntax, block) {
         return Ok(());
     }
     read_words(text, lexer, seen, syntax, block)
@@ -69,15 +71,17 @@ fn read_words(
         let address = match byte {
             b'A'..=b'Z' => byte,
             b'a'..=b'z' => byte.to_ascii_uppercase(),
+            // The name of a program on other controls.
+            b':' if block.is_empty() && block.o.is_none() && block.n.is_none() => b'O',
             // Where there are formulas it multiplies, and ends nothing.
             b'*' if block.statement.is_some() => return nothing_more(&mut lexer),
-            b'\n' | b';' | b'*' | b'%' => return Ok(()),
+            b'\n' | b';' | b'*' => return Ok(()),
+            // Alone in its line it ends the text; there is no block then.
+            b'%' if seen == 0 && !block.skip && is_blank_after_mark(&lexer) => return Ok(()),
             _ => return Err(misplaced(text, start, byte)),
         };
-        if !is_address(address) && !syntax.model.record().has_address(address) {
-            let rule = say::address_unknown(char::from(address));
-            let detail = advised(rule, dialect::instead_of_address(address));
-            return Err(BlockError::at(number::BAD_ADDRESS, start, detail));
+        if !is_address_of(address, syntax.model.record()) {
+            return Err(foreign_address(text, address, start, syntax));
         }
         if g65 && !matches!(address, b'H' | b'P' | b'Q' | b'R') {
             let detail = say::macro_address_wrong(char::from(address));
@@ -140,10 +144,8 @@ fn read_words(
             value,
             span,
         }) {
-            return Err(BlockError {
-                column: narrow(start).into(),
-                ..BlockError::too_many_words()
-            });
+            let rule = say::block_words_too_many();
+            return Err(BlockError::at(number::TOO_MANY_WORDS, start, rule));
         }
     }
 }
@@ -289,7 +291,7 @@ fn shares_block(at: usize) -> BlockError {
 fn nothing_more(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
     skip_blanks(lexer)?;
     match lexer.peek().0 {
-        b'\n' | b';' | b'%' => Ok(()),
+        b'\n' | b';' => Ok(()),
         byte if byte.is_ascii_alphabetic() => Err(shares_block(lexer.at)),
         _ => Err(BlockError::at(
             number::BAD_OPERATION,
@@ -299,9 +301,22 @@ fn nothing_more(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
     }
 }
 
-/// Table 2-1, with J and L, which the thread codes use.
-const fn is_address(letter: u8) -> bool {
-    matches!(letter, b'F'..=b'U' | b'W' | b'X' | b'Z')
+/// A letter that no word of this control begins with.
+#[cold]
+fn foreign_address(text: &str, address: u8, start: usize, syntax: Syntax) -> BlockError {
+    let rule = say::address_unknown(char::from(address));
+    let cycle = match address {
+        b'A' | b'D' => two_block_form(text, syntax),
+        _ => None,
+    };
+    let advice = cycle.or_else(|| dialect::instead_of_address(address));
+    BlockError::at(number::BAD_ADDRESS, start, advised(rule, advice))
+}
+
+/// Whether nothing but blanks and more end marks follows the `%` at the lexer.
+fn is_blank_after_mark(lexer: &Lexer<'_>) -> bool {
+    let mut bytes = lexer.rest().iter();
+    bytes.all(|byte| *byte == b'%' || byte.is_ascii_whitespace() || *byte < b' ')
 }
 
 /// A character at a place where a word must begin.
@@ -324,6 +339,10 @@ fn misplaced(text: &str, at: usize, byte: u8) -> BlockError {
         }
         b'+' | b'-' | b'#' => BlockError::at(number::BAD_VALUE, at, say::number_end_wrong()),
         b'/' => BlockError::at(number::BAD_CHARACTER, at, say::skip_mark_misplaced()),
+        b'%' => BlockError::at(number::BAD_CHARACTER, at, say::percent_within_line()),
+        b',' if let Some(number) = decimal_comma(text, at) => {
+            BlockError::at(number::BAD_CHARACTER, at, say::decimal_comma(number))
+        }
         _ => {
             let character = text.get(at..).and_then(|rest| rest.chars().next());
             let character = character.unwrap_or(' ');
@@ -332,6 +351,30 @@ fn misplaced(text: &str, at: usize, byte: u8) -> BlockError {
             BlockError::at(number::BAD_CHARACTER, at, detail)
         }
     }
+}
+
+/// Digits of a number that a hint writes anew.
+const LONGEST_HINT: usize = 20;
+
+/// The word around a comma between digits, with a point in its place.
+fn decimal_comma(text: &str, at: usize) -> Option<String> {
+    let (before, after) = (text.get(..at)?, text.get(at..)?);
+    let comma = after.chars().next()?;
+    let after = after.strip_prefix(comma)?;
+    let digits = after.bytes().take_while(u8::is_ascii_digit).count();
+    let number = |byte: u8| byte.is_ascii_digit() || matches!(byte, b'+' | b'-');
+    let whole = before
+        .bytes()
+        .rev()
+        .take_while(|byte| number(*byte))
+        .count();
+    let address = before.len().checked_sub(whole + 1)?;
+    let word = before.get(address..)?;
+    let plain = digits > 0
+        && before.ends_with(|last: char| last.is_ascii_digit())
+        && word.starts_with(|first: char| first.is_ascii_alphabetic());
+    let few = whole + digits < LONGEST_HINT;
+    (plain && few).then(|| format!("{}.{}", word.to_ascii_uppercase(), &after[..digits]))
 }
 
 fn program_number(value: Number, at: usize) -> Result<u16, BlockError> {

@@ -15,7 +15,11 @@ const APART: u32 = 29;
 #[derive(Debug, Default)]
 pub(crate) struct Recent {
     kept: Vec<Kept>,
+    work: u64,
 }
+
+/// Bytes of text that are as much work as a block.
+const BYTES_A_BLOCK: usize = 64;
 
 #[derive(Clone, Debug, Default)]
 struct Kept {
@@ -43,17 +47,24 @@ impl Recent {
         let begin = u32::from(program.number().unwrap_or(0)).wrapping_mul(APART);
         let place = index.wrapping_add(begin) % KEPT;
         let kept = &mut self.kept[place as usize];
+        self.work += 1;
         let same = program.is(&kept.program);
         if same && kept.index == Some(index) && kept.syntax == syntax {
             return Ok(&kept.block);
         }
         kept.index = None;
+        self.work += (program.block(index).len() / BYTES_A_BLOCK) as u64;
         program.read(index, syntax, &mut kept.block)?;
         if !same {
             kept.program = program.identity();
         }
         (kept.index, kept.syntax) = (Some(index), syntax);
         Ok(&kept.block)
+    }
+
+    /// Blocks asked for so far, and one more for each 64 bytes of the texts that were read.
+    pub(crate) const fn work(&self) -> u64 {
+        self.work
     }
 }
 

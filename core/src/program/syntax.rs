@@ -98,6 +98,9 @@ impl BlockError {
         let byte = (self.column - 1) as usize;
         let before = text.char_indices().take_while(|(at, _)| *at < byte).count();
         self.column = u32::try_from(before).unwrap_or(u32::MAX).saturating_add(1);
+        if has_nested_comment(text, byte) {
+            self.detail = say::several([self.detail, say::comment_nested()]);
+        }
         self
     }
 }
@@ -121,4 +124,23 @@ impl From<BlockError> for Alarm {
     fn from(error: BlockError) -> Self {
         Self::new(error.alarm).because(say::at_column(error.column, error.detail))
     }
+}
+
+/// Whether a comment before a byte has a bracket within it: the first `)` closes it, and
+/// what follows is no comment.
+fn has_nested_comment(text: &str, byte: usize) -> bool {
+    let before = text.as_bytes().get(..byte).unwrap_or(text.as_bytes());
+    let (mut open, mut nested, mut found) = (false, false, false);
+    for byte in before {
+        match byte {
+            b'(' if open => nested = true,
+            b'(' => (open, nested) = (true, false),
+            b')' if open => {
+                found |= nested;
+                open = false;
+            }
+            _ => {}
+        }
+    }
+    found
 }

@@ -38,6 +38,8 @@ struct Shared {
     characters: u32,
     number: Option<u16>,
     full_width: Option<u32>,
+    /// The first line with text after the `%` that ends it.
+    after_end: Option<u32>,
     /// Whether it is written in macro B, once that was asked.
     macro_b: OnceLock<bool>,
 }
@@ -87,6 +89,7 @@ impl Program {
             characters: characters as u32,
             number: None,
             full_width: index.full_width,
+            after_end: index.after_end,
             macro_b: OnceLock::new(),
             text,
         };
@@ -134,6 +137,22 @@ impl Program {
     /// are read as ASCII.
     pub fn full_width_line(&self) -> Option<u32> {
         self.shared.full_width
+    }
+
+    /// The first line with text after the `%` that ends the program: it is not read.
+    pub(crate) fn line_after_end(&self) -> Option<u32> {
+        self.shared.after_end
+    }
+
+    /// The line and the text of a name that begins with `:`, which other controls write for
+    /// O.
+    pub(crate) fn colon_name(&self) -> Option<(u32, u16)> {
+        let within = self.shared.blocks.len().min(NAME_WITHIN);
+        (0..within).find_map(|index| {
+            let head = Head::read(self.shared.block(index));
+            let line = self.shared.blocks.line(index)?;
+            head.o.filter(|_| head.colon).map(|number| (line, number))
+        })
     }
 
     /// Whether it has statements, formulas or variables that only macro B has.
@@ -184,6 +203,34 @@ impl Program {
             last.map_or(self.shared.first_line, |place| place.line + 1)
         };
         blocks.line(index as usize).unwrap_or_else(after_all)
+    }
+
+    /// The column of the first character of a block in its line, from 1: 1 unless another
+    /// block stands before it.
+    pub(crate) fn block_column(&self, index: u32) -> u32 {
+        self.before_block(index).chars().count() as u32 + 1
+    }
+
+    /// Whether nothing but a `;` stands before a block in its line.
+    #[inline]
+    pub(crate) fn follows_semicolon(&self, index: u32) -> bool {
+        let blocks = &self.shared.blocks;
+        let line_of = |index: Option<usize>| index.and_then(|index| blocks.line(index));
+        let index = index as usize;
+        let line = line_of(Some(index));
+        line_of(index.checked_sub(1)) == line
+            && line_of(index.checked_sub(2)) != line
+            && self.shared.block(index.saturating_sub(1)).trim() == ";"
+    }
+
+    /// What stands before a block in its line.
+    #[cold]
+    fn before_block(&self, index: u32) -> &str {
+        let shared = &self.shared;
+        let at = shared.blocks.get(index as usize);
+        let at = at.map_or(0, |place| place.byte as usize);
+        let before = shared.text.get(line_start(&shared.text, at)..at);
+        before.unwrap_or_default()
     }
 
     /// The first block in this line of the file or after it; [`Self::block_count`]
@@ -242,9 +289,39 @@ impl Program {
             return Ok(());
         };
         block.line = place.line;
+        if index == 0 && !syntax.model.is_main() {
+            self.check_percent_name(syntax)?;
+        }
         // It ends by itself where the next one begins.
         let text = shared.text.get(place.byte as usize..shared.end as usize);
-        read_block(text.unwrap_or(""), syntax, block)
+        read_block(text.unwrap_or(""), syntax, block).map_err(|error| self.located(error, index))
+    }
+
+    /// An error of a block with its column in the line, and what is to be said of a `;`
+    /// that begins a comment in other languages.
+    #[cold]
+    fn located(&self, mut error: BlockError, index: u32) -> BlockError {
+        error.column = error.column.saturating_add(self.block_column(index) - 1);
+        if self.before_block(index).contains(';') {
+            error.detail = say::several([error.detail, say::instead_of_semicolon()]);
+        }
+        error
+    }
+
+    /// The number of `%P01`, where the model names its programs so: alarm 043 beyond its
+    /// range.
+    #[cold]
+    fn check_percent_name(&self, syntax: Syntax) -> Result<(), BlockError> {
+        let record = syntax.model.record();
+        let Some((number, (start, _))) = percent_name(&self.shared.text) else {
+            return Ok(());
+        };
+        let last = record.last_program;
+        if !record.program_name.starts_with('%') || (1..=last).contains(&number) {
+            return Ok(());
+        }
+        let rule = say::program_name_out_of_range(number, last);
+        Err(BlockError::at(number::OUT_OF_RANGE, start, rule))
     }
 
     /// The line of the first block with this sequence number, in `from_line` or

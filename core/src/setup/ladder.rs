@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, LazyLock};
 
-use gsk_plc::{Area, ByteAddress, Declared, Ladder, MCode};
+use gsk_plc::{Area, ByteAddress, Ladder, LadderDeclarations, MCode};
 
 /// The standard ladder, as instruction list.
 pub const STANDARD_LADDER: &str = include_str!("../../../assets/ladder/standard.il");
@@ -66,8 +66,9 @@ impl From<Arc<Ladder>> for MachineLadder {
 }
 
 /// What the standard ladder declares, read once.
-fn declared() -> &'static Declared {
-    static DECLARED: LazyLock<Declared> = LazyLock::new(|| Declared::of(STANDARD_LADDER));
+fn declared() -> &'static LadderDeclarations {
+    static DECLARED: LazyLock<LadderDeclarations> =
+        LazyLock::new(|| LadderDeclarations::read(STANDARD_LADDER));
     &DECLARED
 }
 

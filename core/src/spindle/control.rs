@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::encoder::Encoder;
 use crate::command::SpindleCommand;
 use crate::memory::Parameters;
-use crate::units::factor;
+use crate::units::percent_to_factor;
 
 /// What S means at present.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -245,7 +245,7 @@ impl SpindleControl {
                 .tick(inputs.encoder, self.settings.encoder_scale),
         }
         self.radius = inputs.radius;
-        self.factor = factor(inputs.override_percent);
+        self.factor = percent_to_factor(inputs.override_percent);
         self.command_speed();
     }
 

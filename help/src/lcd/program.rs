@@ -1,11 +1,13 @@
 //! Words of programs on the LCD: codes, addresses, statements of macro B; and what the
 //! graphic page teaches.
 
+use gsk_core::model::ModelId;
 use gsk_panel::lcd::COLUMNS;
 use gsk_panel::pages::PageId;
 use gsk_panel::screen::Screen;
 
 use super::words;
+use crate::models::topic_of;
 use crate::subject::Subject;
 use crate::table::{Topic, topic};
 
@@ -19,7 +21,13 @@ const STATEMENTS: [&str; 6] = ["IF", "WHILE", "GOTO", "THEN", "END", "DO"];
 const TEACHING: [&str; 2] = ["示教", "TEACH"];
 
 /// The topic about a word of a program; none where no program stands.
-pub fn word(page: PageId, screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> {
+pub fn word(
+    model: ModelId,
+    page: PageId,
+    screen: &Screen,
+    row: usize,
+    column: usize,
+) -> Option<&'static Topic> {
     if !INSIDE.contains(&row) {
         return None;
     }
@@ -50,13 +58,13 @@ pub fn word(page: PageId, screen: &Screen, row: usize, column: usize) -> Option<
         .collect();
     let letter = text[at];
     if matches!(letter, 'G' | 'M') && !digits.is_empty() {
-        return topic(Subject::Code(&format!("{letter}{digits:0>2}")));
+        return topic_of(model, Subject::Code(&format!("{letter}{digits:0>2}")));
     }
     if only_codes {
         return None;
     }
     let code = matches!(letter, 'S' | 'T' | 'F').then(|| letter.to_string());
-    let code = code.and_then(|code| topic(Subject::Code(&code)));
+    let code = code.and_then(|code| topic_of(model, Subject::Code(&code)));
     // The second letters of compound keys.
     let key = match letter {
         'D' => 'U',

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use gsk_core::plc::address::BitAddress;
-use gsk_core::plc::{Ladder, Subject};
+use gsk_core::plc::{Ladder, PlcAddress};
 use gsk_messages::Language;
 
 use crate::signals::{self, Signal};
@@ -33,7 +33,7 @@ pub fn short(address: BitAddress) -> &'static str {
 /// What a bit means: the ladder's own comment, else the table's text.
 pub fn meaning(ladder: &Ladder, address: BitAddress, language: Language) -> String {
     let english = language == Language::En;
-    let comment = ladder.comment(Subject::Bit(address));
+    let comment = ladder.comment(PlcAddress::Bit(address));
     match (comment, row(address)) {
         (Some(comment), _) if english && !comment.english.is_empty() => comment.english.clone(),
         (_, Some(row)) if english => row.text_en.to_owned(),

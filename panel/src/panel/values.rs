@@ -4,7 +4,7 @@
 use gsk_core::cnc::{Cnc, OffsetEntry, Request};
 use gsk_core::memory::{Disk, Setting, Variables};
 use gsk_core::operation::{Mode, SoftSwitch};
-use gsk_core::units::Axis;
+use gsk_core::units::{Axis, parse_finite};
 
 use super::Panel;
 use crate::pages::{self, Hint, PageId};
@@ -249,7 +249,7 @@ fn number(text: &str) -> Option<f64> {
         .all(|byte| byte.is_ascii_digit() || byte == b'.');
     let some = digits.bytes().any(|byte| byte.is_ascii_digit());
     if plain && some {
-        text.parse().ok()
+        parse_finite(text)
     } else {
         None
     }

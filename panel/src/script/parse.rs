@@ -5,6 +5,7 @@ use core::ops::RangeInclusive;
 use gsk_core::machine::Fault;
 use gsk_core::operation::Mode;
 use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
+use gsk_core::units::parse_finite;
 
 use super::state::State;
 use super::{Action, Coordinates, Expect, FORMS, Line, ParseError, Script, ScriptError};
@@ -232,8 +233,8 @@ fn duration(text: &str) -> Result<u64, ParseError> {
         _ => 0.0,
     };
     let plain = number.bytes().all(|b| b.is_ascii_digit() || b == b'.');
-    match number.parse::<f64>() {
-        Ok(value) if plain && factor > 0.0 && value * factor <= LONGEST => {
+    match parse_finite(number) {
+        Some(value) if plain && factor > 0.0 && value * factor <= LONGEST => {
             Ok((value * factor).round() as u64)
         }
         _ => Err(ParseError::NoTime(text.to_owned())),
@@ -280,10 +281,10 @@ fn whole_number(text: &str) -> Result<i32, ParseError> {
         .map_err(|_| ParseError::NotWhole(text.to_owned()))
 }
 
-/// A machine input: X0.0 to X3.7.
+/// A machine input: X0.0 to X3.7, and X4.0 to X4.7 of models that count inputs so far.
 fn input(text: &str) -> Result<BitAddress, ParseError> {
     let address = bit(text)?;
-    if address.area == Area::X && address.byte < 4 {
+    if address.area == Area::X && address.byte <= 4 {
         return Ok(address);
     }
     Err(ParseError::NoInput(text.to_owned()))
@@ -406,8 +407,8 @@ fn coordinate(text: &str) -> Result<f64, ParseError> {
     let plain = text
         .bytes()
         .all(|b| b.is_ascii_digit() || matches!(b, b'.' | b'-'));
-    match text.parse() {
-        Ok(value) if plain => Ok(value),
+    match parse_finite(text) {
+        Some(value) if plain => Ok(value),
         _ => Err(ParseError::NoCoordinate(text.to_owned())),
     }
 }

@@ -3,7 +3,7 @@
 
 use gsk_core::command::ProgramId;
 use gsk_core::operation::RunState;
-use gsk_core::units::Axis;
+use gsk_core::units::{Axis, parse_finite};
 use gsk_messages::{Language, Message, say};
 
 use super::{Coordinates, ParseError};
@@ -34,7 +34,7 @@ impl Range {
             let plain = text
                 .bytes()
                 .all(|b| b.is_ascii_digit() || matches!(b, b'.' | b'-'));
-            text.parse::<f64>().ok().filter(|_| plain)
+            parse_finite(text).filter(|_| plain)
         };
         match (number(from), number(to)) {
             (Some(from), Some(to)) if from <= to => Ok(Self { from, to }),

@@ -1,22 +1,28 @@
 //! One command at a time: what it starts, when it is finished, what follows it.
 //!
-//! T comes before all else of its block and waits for FIN; M and S start together
-//! with the motion; the block ends when motion and handshake are both done.
+//! M, S and T start together; the motion waits for the FIN of a T, not for that of M
+//! and S; the block ends when motion and handshake are both done.
 
 use std::collections::VecDeque;
 
 use crate::alarm::{Alarm, number};
 use crate::cnc::{Cnc, Event};
-use crate::command::{Action, Command, Conditions, ExecutedMove, MoveKind, SpindleCommand, Timing};
+use crate::command::{Action, Command, Conditions, ExecutedMove, MoveKind, SpindleCommand};
 use crate::memory::SwitchedOff;
 use crate::motion::ThreadMove;
 use crate::operation::{
     AfterThread, Current, Protection, RunState, Stage, Strobe, TapStage, is_cut,
 };
-use crate::units::{Axis, Feed, Point, TICK_MS};
+use crate::units::{Axis, Feed, PerAxis, Point, TICK_MS};
 
 use super::LEVEL_MS;
 use gsk_messages::say;
+
+/// M01 and M02 of the machine's ladder: like M00 and M30 they have a decode signal and
+/// go out under the auxiliary lock (manual PLC-II 8.1, 8.2).
+const fn is_decoded(code: u8) -> bool {
+    matches!(code, 1 | 2)
+}
 
 impl Cnc {
     /// Starts a command.
@@ -132,6 +138,7 @@ impl Cnc {
                 self.coordinates.frame = *frame;
                 if let Some(point) = program_zero {
                     self.coordinates.program_zero = Some(*point);
+                    self.coordinates.program_zero_ended = PerAxis::default();
                 }
                 // An offset shows in the relative display by PROD, a G50 with PPD.
                 if moved {
@@ -144,12 +151,9 @@ impl Cnc {
                 }
                 Ok(Stage::Acting)
             }
-            Action::Miscellaneous { code, timing } => {
+            Action::Miscellaneous { code } => {
                 self.output_m(*code);
-                Ok(match timing {
-                    Timing::WithMotion => Stage::Acting,
-                    Timing::BeforeMotion => Stage::Handshake,
-                })
+                Ok(Stage::Acting)
             }
             Action::Outputs { on, off, ms } => {
                 if !self.plc.signals.auxiliary_lock {
@@ -165,10 +169,13 @@ impl Cnc {
                 self.output_s(*spindle);
                 Ok(Stage::Acting)
             }
-            Action::Tool { tool, offset } => {
+            Action::Tool { tool, offset, .. } => {
                 self.run.tool = (*tool, *offset);
-                self.output_t(*tool);
-                Ok(Stage::Handshake)
+                // M of the same block does not delay the motion when no tool is changed.
+                Ok(match self.output_t(*tool) {
+                    true => Stage::Handshake,
+                    false => Stage::Acting,
+                })
             }
             Action::ProgramStop => {
                 self.run.automatic.decoded = Some(0);
@@ -203,7 +210,8 @@ impl Cnc {
     }
 
     pub(in crate::cnc) fn output_m(&mut self, code: u8) {
-        if self.plc.signals.auxiliary_lock {
+        // M01 and M02 go out under the lock as well, as M00 and M30 do.
+        if self.plc.signals.auxiliary_lock && !is_decoded(code) {
             return;
         }
         // A gear that is engaged already is not changed to (manual IV-2.8.6).
@@ -232,8 +240,9 @@ impl Cnc {
         }
     }
 
-    /// T goes out only for a tool that is not in position, and only to a turret.
-    fn output_t(&mut self, tool: u8) {
+    /// T goes out only for a tool that is not in position, and only to a turret. Whether
+    /// it did.
+    fn output_t(&mut self, tool: u8) -> bool {
         let turns = tool != 0
             && tool != self.plc.signals.current_tool
             && self.memory.parameters.stations() > 0
@@ -241,6 +250,7 @@ impl Cnc {
         if turns {
             self.run.handshake.start(Strobe::T, tool);
         }
+        turns
     }
 
     /// Ends the command under way if it is finished. Returns whether it ended.
@@ -282,6 +292,10 @@ impl Cnc {
         };
         self.report(&current);
         self.run.automatic.decoded = None;
+        if current.command.block_end && current.command.modal.offset == 0 {
+            // A return to the reference point has ended the offset.
+            self.run.tool.1 = 0;
+        }
         self.run.automatic.within_block = !current.command.block_end;
         // The end of a text without M30 is no block.
         let is_block = !matches!(current.command.action, Action::End { m30: false, .. });
@@ -298,7 +312,10 @@ impl Cnc {
     fn after(&mut self, command: &Command) {
         match command.action {
             Action::ProgramStop => return self.run.automatic.state = RunState::Stop,
-            Action::End { counts, m30 } => return self.program_end(counts, m30),
+            Action::End { counts, m30, m02 } => {
+                self.program_end(counts);
+                return self.events.push(Event::ProgramEnded { m30, m02 });
+            }
             Action::Repeat => self.count_part(),
             _ => {}
         }
@@ -371,7 +388,7 @@ impl Cnc {
         self.events.push(Event::PartFinished);
     }
 
-    fn program_end(&mut self, counts: bool, m30: bool) {
+    fn program_end(&mut self, counts: bool) {
         if counts {
             self.count_part();
         }
@@ -390,7 +407,6 @@ impl Cnc {
             self.run.cursor_line = end.unwrap_or(self.run.cursor_line);
             self.run.rewind_at_start = true;
         }
-        self.events.push(Event::ProgramEnded { m30 });
     }
 
     /// Reports an executed (or interrupted) piece of motion.

@@ -254,10 +254,17 @@ impl Cnc {
 
     /// One tick of automatic operation.
     pub(crate) fn automatic_tick(&mut self) {
-        self.run.handshake.tick(self.plc.signals.fin);
+        let fin = self.plc.signals.fin;
+        self.run.handshake.tick(fin);
+        if !(41..=44).contains(&self.run.handshake.m) {
+            // The new gear counts before the next block asks for one.
+            self.spindle.control.end_gear_change();
+        }
         if !self.run.automatic.operating() {
             return;
         }
+        let waiting_m = self.run.handshake.waiting_m();
+        self.run.automatic.follow_decoded(waiting_m, fin);
         self.dwell_tick();
         self.run
             .automatic

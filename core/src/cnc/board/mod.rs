@@ -36,7 +36,7 @@ fn without_surface(timed: bool) -> Message {
 const fn needs_rest(action: &Action) -> bool {
     match action {
         // M03, M04, M05, M08, M09.
-        Action::Miscellaneous { code, .. } => !matches!(*code, 3..=5 | 8 | 9),
+        Action::Miscellaneous { code } => !matches!(*code, 3..=5 | 8 | 9),
         Action::Spindle(command) => matches!(command, SpindleCommand::Step(_)),
         Action::Tool { .. }
         | Action::Dwell { .. }

@@ -1,6 +1,7 @@
 //! The handwheel (manual III-6.2): 100 graduations a turn, one increment each.
 
 use crate::cnc::Cnc;
+use crate::mode::Mode;
 use crate::motion::JogRate;
 use crate::operation::Direction;
 use crate::units::Axis;
@@ -9,6 +10,18 @@ use crate::units::Axis;
 const LAG_S: f64 = 0.5;
 
 impl Cnc {
+    /// The axis stands as soon as it can, however far the wheel was turned.
+    pub(crate) fn drop_wheel(&mut self) {
+        if self.run.mode.motion() != Mode::Handwheel {
+            return;
+        }
+        for axis in [Axis::X, Axis::Z] {
+            if self.drives.interpolator.stepping(axis) {
+                self.drives.interpolator.release(axis);
+            }
+        }
+    }
+
     /// The selected axis follows the wheel, at no more than its rapid rate.
     pub(crate) fn follow_wheel(&mut self, axis: Axis, counts: i32) {
         let rate = JogRate::Feed(self.drives.limits.rapid_rate(axis));

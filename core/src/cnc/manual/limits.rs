@@ -5,7 +5,7 @@ use crate::alarm::Alarm;
 use crate::cnc::Cnc;
 use crate::machine::{Inputs, OverLimit};
 use crate::operation::{Direction, travel_alarm};
-use crate::units::{Axis, PerAxis, Point};
+use crate::units::{Axis, PerAxis, Point, TICK_S};
 use gsk_messages::{Message, say};
 
 /// Both axes, both ways.
@@ -80,9 +80,7 @@ impl Cnc {
         if !watched.x && !watched.z {
             return;
         }
-        let over = drives
-            .soft_limits
-            .overrun(self.slide(), self.stopping_point(), watched);
+        let over = self.overrun_soon(watched);
         if over.into_iter().any(|over| over) {
             for ((axis, way), over) in SIDES.into_iter().zip(over) {
                 if over {
@@ -90,6 +88,22 @@ impl Cnc {
                 }
             }
         }
+    }
+
+    /// The limits that the axes overrun, or would overrun if they braked only a tick later.
+    fn overrun_soon(&self, watched: PerAxis<bool>) -> [bool; 4] {
+        let drives = &self.drives;
+        let (slide, stop) = (self.slide(), self.stopping_point());
+        let overrun = |stop| drives.soft_limits.overrun(slide, stop, watched);
+        // While the axes gain speed they stop up to two ticks of their way farther.
+        let farthest = stop + drives.interpolator.velocity() * (2.0 * TICK_S);
+        let now = overrun(stop);
+        if now.contains(&true) || !overrun(farthest).contains(&true) {
+            return now;
+        }
+        let mut later = drives.interpolator.clone();
+        later.tick(&drives.limits, &self.motion_inputs());
+        overrun(later.stopping_point(&drives.limits))
     }
 
     /// Whether a cut that nothing here can stop ends within the limits.
@@ -110,7 +124,8 @@ impl Cnc {
     pub(crate) fn over_limit_detail(&self, inputs: &Inputs) -> Option<Message> {
         let mut said = Vec::new();
         for axis in [Axis::X, Axis::Z] {
-            let Some(tripped) = *inputs.over_limit.get(axis) else {
+            let told = (*inputs.over_limit.get(axis)).or_else(|| self.wired_limit(axis));
+            let Some(tripped) = told else {
                 continue;
             };
             let (at, back) = match tripped {

@@ -141,7 +141,7 @@ impl Cnc {
     }
 
     /// Jog rate, or rapid with 快速 on; without a reference that needs 012.0 ISOT.
-    fn manual_rate(&self, axis: Axis) -> JogRate {
+    pub(crate) fn manual_rate(&self, axis: Axis) -> JogRate {
         let referenced = *self.coordinates.referenced.get(axis);
         let rapid = self.plc.signals.rapid
             && (referenced || self.memory.parameters.rapid_without_reference());

@@ -316,6 +316,7 @@ impl Cnc {
         let before = self.coordinates.frame;
         if self.run.mode == Mode::ProgramZero {
             *self.coordinates.frame.offset.get_mut(axis) = 0.0;
+            *self.coordinates.program_zero_ended.get_mut(axis) = false;
             self.tell_frame();
         } else {
             self.stand_on_reference(axis);
@@ -328,6 +329,9 @@ impl Cnc {
         if !by_program {
             let (interpreter, world) = self.interpreter_and_world(true);
             interpreter.cancel_offset(axis, &world);
+            if self.run.interpreter.modal().offset == 0 {
+                self.run.tool.1 = 0;
+            }
         }
     }
 

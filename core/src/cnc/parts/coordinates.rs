@@ -17,6 +17,10 @@ pub(crate) struct Coordinates {
     pub program_zero: Option<Point>,
     /// Programmed X minus that of the tip, at the end of the last move.
     pub programmed_ahead: f64,
+    /// Axes that have not left the program zero point since an emergency stop or an alarm
+    /// of the drives ended PRO there.
+    #[serde(default)]
+    pub program_zero_ended: PerAxis<bool>,
     /// Axes with a reference.
     pub referenced: PerAxis<bool>,
     /// Coordinate of the reference point an axis stands at.

@@ -42,6 +42,9 @@ pub(crate) struct PlcPort {
     /// Inputs that act by themselves, as they were sampled last.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub input_levels: u32,
+    /// Outputs of the ladder that outputs of the model follow, as they were last.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub followed: u32,
     /// Axes whose last motion went minus.
     pub negative: PerAxis<bool>,
     /// The last motion was a rapid.
@@ -73,6 +76,7 @@ impl PlcPort {
             y: vec![0; Y_BYTES],
             output_timers: OutputTimers::default(),
             input_levels: 0,
+            followed: 0,
             negative: PerAxis::default(),
             last_rapid: false,
         }

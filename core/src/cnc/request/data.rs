@@ -9,7 +9,7 @@ use crate::alarm::{Alarm, number};
 use crate::axis::SoftLimits;
 use crate::cnc::{Cnc, TIMER_PRESETS};
 use crate::memory::{
-    Disk, DiskContent, ParameterError, Parameters, Setting, ToolOffset, parameter,
+    Disk, DiskContent, ParameterError, Parameters, Setting, ToolOffset, Variables, parameter,
 };
 use crate::motion::MotionLimits;
 use crate::setup::TOOL_IN_POSITION;
@@ -166,12 +166,12 @@ impl Cnc {
             return Ok(());
         }
         if self.memory.model.record().own_variables {
-            self.memory.variables.set_counted(number, value);
-            return Ok(());
+            return self.memory.variables.set_counted(number, value);
         }
         match u8::try_from(number) {
             Ok(local @ 1..=33) if !self.run.automatic.operating() => {
-                self.run.interpreter.set_local(local, value);
+                let value = value.map(|value| Variables::checked(number, value));
+                self.run.interpreter.set_local(local, value.transpose()?);
                 Ok(())
             }
             Ok(1..=33) => Ok(()),
@@ -225,7 +225,7 @@ impl Cnc {
 
     pub(super) fn load_disk(&mut self, disk: Disk) {
         if self.rights().disks().is_ok() {
-            let content = self.memory.disks.load(disk);
+            let content = self.memory.disks.load(disk, self.memory.model.record());
             self.memory.offsets = content.offsets;
             self.memory.pitch = content.pitch;
             self.take_parameters(content.parameters);

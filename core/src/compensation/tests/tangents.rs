@@ -4,6 +4,8 @@
 use std::fmt::Write;
 
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 
 use super::cases::run;
 use super::clearance::{Surface, deepest, mm};
@@ -215,6 +217,50 @@ proptest! {
             .collect();
         runs_as_with_r(&steps, nose, 0.01)?;
     }
+}
+
+/// How many contours: `NOSE_CONTOURS=20000` tries them in full.
+fn contours() -> usize {
+    std::env::var("NOSE_CONTOURS").map_or(300, |count| count.parse().unwrap())
+}
+
+/// The same contours on every run: none with rounded centres is refused that runs with R.
+#[test]
+fn what_runs_with_r_runs_with_rounded_centres() {
+    let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    let mut runner = TestRunner::new_with_rng(ProptestConfig::default(), rng);
+    let contour = (steps(), noses());
+    let mut faults = Vec::new();
+    for _ in 0..contours() {
+        let (steps, nose) = contour.new_tree(&mut runner).unwrap().current();
+        if let Err(fault) = runs_as_with_r(&steps, nose, 0.001) {
+            faults.push(fault.to_string());
+        }
+    }
+    let first = faults.iter().take(3).cloned().collect::<Vec<_>>();
+    assert!(
+        faults.is_empty(),
+        "{} of {}: {}",
+        faults.len(),
+        contours(),
+        first.join("\n")
+    );
+}
+
+/// A line of 0.1 mm between an inner arc and one as large as the nose.
+#[test]
+fn a_short_line_between_inner_arcs_runs() {
+    let text = "T0101 F100\nG42 G00 X40 Z5\nZ0\nG01 X40 Z-5.763\n\
+                G02 X41.135 Z-7.064 I1.777 K0\nG01 X41.282 Z-7.133\n\
+                G02 X41.986 Z-7.359 I0.816 K0.880\nG01 X53.049 Z-9.684\n\
+                G40 G00 X93.049 Z-13.684\n";
+    let nose = ToolOffset {
+        r: 1.2,
+        t: 3,
+        ..ToolOffset::default()
+    };
+    let (_, preview) = run(text, nose, Point::new(40.0, 15.0));
+    assert_eq!(preview.alarm.map(|alarm| alarm.line_text()), None);
 }
 
 /// A move shorter than what rounding does to the direction at its ends, beside an arc

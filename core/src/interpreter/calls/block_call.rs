@@ -28,6 +28,11 @@ pub(crate) fn call(context: &Context<'_>, words: &Words) -> Result<Flow, Alarm> 
     let Some(name) = words.n else {
         return Err(Alarm::new(number::CALL_WITHOUT_P).because(say::block_call_without_n()));
     };
+    let last = context.model.record().last_program;
+    if !(1..=u32::from(last)).contains(&name) {
+        let rule = say::subprogram_number_out_of_range(name, last);
+        return Err(Alarm::new(number::OUT_OF_RANGE).because(rule));
+    }
     let runs = words.l.or(words.p).unwrap_or(1);
     let here = program(context)?;
     let (program, first) = match definition(here, name, context) {

@@ -31,6 +31,27 @@ pub(crate) fn dwell(words: &Words, record: &Record) -> Result<Action, Alarm> {
             return Err(Alarm::new(number::OUT_OF_RANGE).because(say::dwell_negative(time)));
         }
     }
+    if let Some((least, most)) = record.dwell_limits {
+        // In millionths of a second.
+        const PER_MS: i64 = PER_MM / 1000;
+        let range = least.saturating_mul(PER_MS)..=most.saturating_mul(PER_MS);
+        let in_range = |letter: char, value: i64| match letter {
+            'P' => range.contains(&value.saturating_mul(PER_MS)),
+            _ => range.contains(&value),
+        };
+        let wrong = written
+            .into_iter()
+            .filter_map(|(letter, value)| Some((letter, value?)))
+            .find(|(letter, value)| !in_range(*letter, *value));
+        if let Some((letter, value)) = wrong {
+            let (value, least, most) = match letter {
+                'P' => (value as f64, least as f64, most as f64),
+                _ => (mm(value), least as f64 / 1000.0, most as f64 / 1000.0),
+            };
+            let rule = say::dwell_out_of_range(letter, value, least, most);
+            return Err(Alarm::new(number::OUT_OF_RANGE).because(rule));
+        }
+    }
     let seconds_first = by_k || record.g_code(4) == Some(GCode::DwellSecondsFirst);
     let ms = match (words.p, k.or(words.x).or(words.u)) {
         (Some(p), None) => p,

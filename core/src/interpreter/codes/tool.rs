@@ -106,6 +106,7 @@ pub(crate) fn select(
     actions.extend([Action::Tool {
         tool,
         offset: word.offset,
+        is_last: false,
     }]);
     let vector = Exact::from_point(context.offsets.vector(word.offset, context.parameters));
     let changed = vector != state.offset;

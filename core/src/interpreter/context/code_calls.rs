@@ -14,15 +14,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::interpreter::context::place::Call;
 use crate::interpreter::context::words::Words;
+use crate::model::code_calls::{OF_G, OF_M, OF_PLAIN_M, OF_T};
 use crate::model::{ControlModel, code_calls};
 
 /// Where T stands when it calls.
 pub const T_VARIABLE: u16 = 149;
-/// What the first code of each kind calls.
-const OF_G: u16 = 9010;
-const OF_M: u16 = 9020;
-const OF_PLAIN_M: u16 = 9001;
-const OF_T: u16 = 9000;
 /// The calls of macro B itself.
 const CALLS: core::ops::RangeInclusive<u16> = 65..=67;
 
@@ -58,10 +54,7 @@ impl CodeCalls {
         codes(code_calls::G, &mut calls.g);
         codes(code_calls::M, &mut calls.m);
         codes(code_calls::PLAIN_M, &mut calls.plain_m);
-        calls.t = match model.id().is_mill() {
-            true => model.parameter(code_calls::T_OF_MILL) >> code_calls::T_BIT & 1 == 1,
-            false => model.parameter(code_calls::T) != 0,
-        };
+        calls.t = model.calls_by_t();
         (calls != Self::default()).then(|| Box::new(calls))
     }
 

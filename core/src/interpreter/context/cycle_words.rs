@@ -55,8 +55,16 @@ impl CycleWords {
         self.x.is_some() || self.z.is_some()
     }
 
-    /// Takes over the words of a block. An axis
-    /// never given ends where the tool stands.
+    /// Takes over the words of a block of G92: those of G90 and G94, and J, K and L.
+    pub(crate) fn take_thread(&mut self, words: &Words, axes: &AxisWords, at: Exact) -> CycleData {
+        self.j = words.j.or(self.j);
+        self.k = words.k.or(self.k);
+        self.l = words.l.or(self.l);
+        self.take(words, axes, at)
+    }
+
+    /// Takes over the words of a block of G90 or G94. An axis never given ends where the
+    /// tool stands.
     pub(crate) fn take(&mut self, words: &Words, axes: &AxisWords, at: Exact) -> CycleData {
         if let Some(x) = axes.x.target(axes.base.x) {
             self.x = Some(x);
@@ -67,9 +75,6 @@ impl CycleWords {
         if let Some(r) = words.r {
             self.r = r;
         }
-        self.j = words.j.or(self.j);
-        self.k = words.k.or(self.k);
-        self.l = words.l.or(self.l);
         CycleData {
             end: Exact::new(self.x.unwrap_or(at.x), self.z.unwrap_or(at.z)),
             r: self.r,

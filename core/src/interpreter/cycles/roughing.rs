@@ -175,6 +175,9 @@ fn over(
     let feed = feed(&state.modal)?;
     let profile = profile::evaluate(state, context, range)?;
     check_entry(view, &profile)?;
+    if range.follows {
+        check_cuts(&profile)?;
+    }
     let signs = Signs::of(view, &profile)?;
     let rest = profile.start;
     let profile = Profile {
@@ -216,6 +219,15 @@ fn check_entry(view: View, profile: &Profile) -> Result<(), Alarm> {
         View::Turning => say::profile_begin_moves_z(),
         View::Facing => say::profile_begin_moves_x(),
     }))
+}
+
+/// From B on a contour of the Huaxing lathes has no G00.
+fn check_cuts(profile: &Profile) -> Result<(), Alarm> {
+    let mut steps = profile.steps.iter();
+    match steps.find(|step| step.shape == Shape::Straight { rapid: true }) {
+        Some(rapid) => Err(bad_start(say::profile_rapid_inside(rapid.line))),
+        None => Ok(()),
+    }
 }
 
 impl Roughing {

@@ -99,6 +99,15 @@ impl Operation {
         })
     }
 
+    /// Which of Q and R an operation does not read.
+    pub(crate) const fn unread_words(h: i64) -> &'static [u8] {
+        match h {
+            1 | 21 | 22 | 24 | 25 => b"R",
+            80 | 99 => b"QR",
+            _ => b"",
+        }
+    }
+
     /// Whether the result depends on the old value of P.
     pub(crate) const fn reads_result(h: i64) -> bool {
         h == 26

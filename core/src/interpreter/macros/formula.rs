@@ -5,6 +5,7 @@ use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::interpreter::macros::variable::NotNow;
+use crate::memory::Variables;
 use crate::program::{Block, Condition, Expression, Function, Operator, Relation, Step, Syntax};
 
 /// A number, or null.
@@ -39,7 +40,7 @@ impl<'a> Read<'a> {
 
 /// Sizes that a value other than 0 may have.
 const LEAST: f64 = 1e-29;
-const GREATEST: f64 = 1e47;
+const GREATEST: f64 = Variables::GREATEST_REAL;
 
 /// Works a formula out. `ROUND` gives a multiple of `unit`: 1, or the least increment of
 /// the word it stands in.
@@ -56,10 +57,11 @@ pub(crate) fn evaluate(
     let operand = |stack: &mut Vec<Value>| stack.pop().flatten().unwrap_or(0.0);
     for step in expression.steps() {
         let result = match *step {
-            Step::Number(value) => Some(value),
+            Step::Number(value) => Some(within(value)?),
             Step::Variable => {
                 let index = operand(&mut stack);
-                (read.variable)(variable_number(index)?)?
+                let value = (read.variable)(variable_number(index)?)?;
+                value.map(within).transpose()?
             }
             Step::Negate => Some(-operand(&mut stack)),
             Step::Operator(operator) => {

@@ -175,7 +175,7 @@ pub(crate) fn write_counted(number: u32, value: Value, host: &mut impl Host) -> 
         }
         Ok(number @ 1..=99) => {
             let kept = value.map(formula::kept);
-            host.variables_mut().set_counted(number, kept);
+            host.variables_mut().set_counted(number, kept)?;
             Ok(())
         }
         _ => Err(unknown_there(number)),

@@ -1,6 +1,6 @@
 //! Reading: block by block, as far as it may.
 
-use gsk_messages::say;
+use gsk_messages::{Message, say};
 
 use crate::alarm::{Alarm, number};
 use crate::command::{Action, BlockNumber, Command, ProgramId, Source};
@@ -28,9 +28,10 @@ use crate::interpreter::macros::variable::NotNow;
 use crate::interpreter::plain_move::{PlainMove, Under};
 use crate::interpreter::plan::Plan;
 use crate::interpreter::run::Run;
+use crate::interpreter::word_audit::{Evaluated, Remark};
 use crate::memory::Parameters;
 use crate::model::ControlModel;
-use crate::program::Recent;
+use crate::program::{Block, Program, Recent, further_foreign_words};
 
 use super::read::{Read, missing};
 use super::statements::{refused_by_huaxing, resolve};
@@ -90,7 +91,36 @@ impl Interpreter {
         let mut recent = core::mem::take(&mut self.recent);
         let read = self.read_block(&mut recent, host);
         self.recent = recent;
-        read
+        match read {
+            Err(alarm) if matches!(alarm.number, number::BAD_G | number::BAD_M) => {
+                Err(self.with_foreign_words(alarm, host))
+            }
+            read => read,
+        }
+    }
+
+    /// An alarm for a foreign code, with the other ones of its block.
+    #[cold]
+    fn with_foreign_words<H: Host>(&self, mut alarm: Alarm, host: &H) -> Alarm {
+        let place = self.run().place;
+        let program = match &self.mdi {
+            Some(mdi) => Some(&mdi.program),
+            None => host.programs().get(place.program),
+        };
+        let also = program.map(|program| self.further_foreign(program, place.block));
+        alarm.detail = match (alarm.detail, also) {
+            (Some(detail), Some(also)) => Some(with_further(detail, also)),
+            (detail, _) => detail,
+        };
+        alarm
+    }
+
+    /// The foreign words of a block besides the first one.
+    #[cold]
+    fn further_foreign(&self, program: &Program, block: u32) -> Vec<Message> {
+        let record = self.record();
+        let has_m = |code| self.machine_codes.has(code) || record.m_function(code).is_some();
+        further_foreign_words(program.block(block), record, &has_m)
     }
 
     fn read_block<H: Host>(&mut self, recent: &mut Recent, host: &mut H) -> Result<Read, Alarm> {
@@ -164,7 +194,11 @@ impl Interpreter {
         }
         let mut block = match recent.read(program, place.block, syntax) {
             Ok(block) => block,
-            Err(error) => {
+            Err(mut error) => {
+                if error.alarm == number::BAD_ADDRESS {
+                    let also = self.further_foreign(program, place.block);
+                    error.detail = with_further(error.detail, also);
+                }
                 source.line = program.block_line(place.block);
                 let number = program.sequence(place.block).map(BlockNumber::from);
                 source.sequence = number.or(source.sequence);
@@ -182,10 +216,20 @@ impl Interpreter {
             self.note(source);
             return Ok(Read::Skipped);
         }
+        let audits = self.audit.is_some() && mdi.is_none();
+        if audits
+            && program.follows_semicolon(place.block)
+            && let Some(audit) = &mut self.audit
+        {
+            audit.keep(Remark::AfterSemicolon, source);
+        }
         if block.has_g(65) {
             if self.record().g_code(65).is_none() {
                 let rule = say::g_unknown(65);
                 return Err(Alarm::new(number::BAD_G).because(rule).at(source));
+            }
+            if audits && let Some(audit) = &mut self.audit {
+                audit.look_at_macro(program, place.block, block, source);
             }
             return self.operate(block, source, place, host);
         }
@@ -193,6 +237,7 @@ impl Interpreter {
             || syntax.inch
             || self.state.scale.is_some()
             || run.levels.has_modal_call()
+            || (audits && has_rivals(block))
         {
             true => None,
             false => PlainMove::of(block, self.state.modal.motion, self.record()),
@@ -303,7 +348,25 @@ impl Interpreter {
         };
         let before = self.state;
         let mut plan = Plan::new(source, before.modal);
-        let outcome = block::evaluate(&mut self.state, &context, &words, &mut plan)
+        let outcome = block::evaluate(&mut self.state, &context, &words, &mut plan);
+        if audits
+            && outcome.is_ok()
+            && let Some(audit) = &mut self.audit
+        {
+            let evaluated = Evaluated {
+                block,
+                words: &words,
+                record: self.model.record(),
+                before: &before,
+                after: &self.state,
+                plan: &plan,
+            };
+            let mut evaluate = |words: &Words, state: &mut State, plan: &mut Plan| {
+                block::evaluate(state, &context, words, plan)
+            };
+            audit.look(program, place.block, &evaluated, &mut evaluate);
+        }
+        let outcome = outcome
             .and_then(|()| call_after_move(run, &self.state, &context, &mut plan))
             .and_then(|()| Ok(plan.writes.apply(host.parameters_mut())?));
         if let Err(alarm) = outcome {
@@ -380,6 +443,7 @@ impl Interpreter {
         plan.after = Some(Action::End {
             counts: false,
             m30: false,
+            m02: false,
         });
         plan.flow = Flow::End;
         self.state.cycle.clear();
@@ -402,6 +466,22 @@ impl Interpreter {
         run.source = Some(source);
         run.sequence = source.sequence;
     }
+}
+
+/// A rule with what else is wrong in its block.
+fn with_further(rule: Message, further: Vec<Message>) -> Message {
+    match further.is_empty() {
+        true => rule,
+        false => say::several([rule, say::block_also(further)]),
+    }
+}
+
+/// Whether a move has two words for the same thing.
+const fn has_rivals(block: &Block) -> bool {
+    block.has(b'X') && block.has(b'U')
+        || block.has(b'Z') && block.has(b'W')
+        || block.has(b'R') && block.has_any(b"IK")
+        || block.has_two_codes()
 }
 
 /// The codes that call a program where a run stands; none where they are ordinary.

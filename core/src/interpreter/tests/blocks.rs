@@ -9,13 +9,13 @@ fn order_in_a_block() {
     assert_eq!(
         trace,
         [
+            "1: Speed(600.0)",
+            "1: M03",
             "1: T0101",
             "1: frame X0 Z0 offset X0.04 Z0.02",
-            "1: Speed(600.0)",
-            "1: M03 WithMotion",
             "1: rapid X100.04 Z300 |",
-            "2: M08 BeforeMotion |",
-            "3: M05 WithMotion",
+            "2: M08 |",
+            "3: M05",
             "3: line X100.04 Z200.02 F100 |",
             "4: line X0.04 Z200.02 F100",
             "4: end counts true m30 true |",
@@ -58,7 +58,7 @@ fn the_last_code_of_a_group_counts() {
 fn standard_output_codes() {
     for code in [3, 4, 5, 8, 9, 10, 11, 12, 13, 32, 33, 41, 42, 43, 44] {
         let trace = Bench::new().trace(&format!("M{code};"));
-        assert_eq!(trace[0], format!("1: M{code:02} BeforeMotion |"));
+        assert_eq!(trace[0], format!("1: M{code:02} |"));
     }
     assert_eq!(Bench::new().with_bit(164, 7, false).fault("M41;"), (19, 1));
     assert_eq!(Bench::new().with_bit(1, 4, false).fault("M41;"), (19, 1));

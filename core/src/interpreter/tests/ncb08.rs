@@ -103,7 +103,7 @@ fn the_spindle_has_its_output_and_its_ladder() {
         trace("M03;\nM2;"),
         [
             "outputs on 1000000000000 off 110000000000000 0ms",
-            "M03 BeforeMotion",
+            "M03",
             "end counts true m30 true"
         ]
     );

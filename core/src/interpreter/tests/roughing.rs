@@ -239,7 +239,7 @@ fn blocks_before_the_profile_are_skipped() {
     let text = "G71 U5 R1;\nG71 P1 Q2 F80;\nG00 X999;\nN1 G00 X30;\nN2 G01 Z-20;\nM08;\n";
     let trace = Bench::at(50.0, 2.0).trace(text);
     assert_eq!(count(&trace, "3:"), 0);
-    assert_eq!(trace[trace.len() - 2], "6: M08 BeforeMotion |");
+    assert_eq!(trace[trace.len() - 2], "6: M08 |");
     // A profile before its cycle: the run goes on behind the cycle.
     let text =
         "G01 F50;\nM09;\nN1 G00 X30;\nN2 G01 Z-20;\nG00 X50 Z2;\nG71 U10;\nG71 P1 Q2;\nM08;\n";
@@ -262,14 +262,14 @@ fn words_of_the_profile_count_in_finishing_only() {
             "2: rapid X50 Z2 |",
             "6: rapid X60 Z5 |",
             "3: Speed(500.0)",
-            "3: M08 WithMotion",
+            "3: M08",
             "3: rapid X30 Z5 |",
             "4: line X30 Z-10 F30 |",
             "5: T0101",
             "5: frame X0 Z0 offset X0.04 Z0.02",
             "5: line X50.04 Z-19.98 F20 |",
             "7: rapid X60.04 Z5.02 |",
-            "8: M09 BeforeMotion |",
+            "8: M09 |",
             "8: end counts false m30 false",
         ]
     );
@@ -408,7 +408,7 @@ fn finishing_returns_to_its_start_in_a_subprogram_too() {
             "5: line X30 Z2 F9 |",
             "6: line X30 Z-5 F9 |",
             "2: rapid X50 Z2 |",
-            "3: M08 BeforeMotion |",
+            "3: M08 |",
             "3: end counts true m30 true |",
         ]
     );

@@ -22,7 +22,7 @@ fn threads_in_a_row_go_on_in_phase() {
             "2: thread X30 Z-40 Z lead 2 continued |",
             "3: rapid X40 Z-40 |",
             "4: thread X40 Z-50 Z lead 2 at 0 |",
-            "5: M08 BeforeMotion |",
+            "5: M08 |",
             "6: thread X40 Z-60 Z lead 2 at 0 |",
             "7: thread X40 Z-70 Z lead 2+0.1 continued |",
             "7: end counts false m30 false",

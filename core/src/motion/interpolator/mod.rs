@@ -15,7 +15,7 @@ use crate::motion::rapid::Rapid;
 use crate::motion::straight_rapid::StraightRapid;
 use crate::motion::tap::Tap;
 use crate::motion::thread::{Thread, ThreadMove};
-use crate::units::{Axis, Feed, PerAxis, Point, TICK_S, lesser};
+use crate::units::{Axis, Feed, PerAxis, Point, TICK_S, min_not_nan};
 
 /// Programmed motion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -143,7 +143,7 @@ impl Interpolator {
             Motion::Led { .. } => Some(0.0),
             Motion::Cut { ramp, .. } => {
                 let braking = limits.cutting_law().braking_distance(ramp.speed);
-                Some(lesser(braking, ramp.remaining) + UNEQUAL_ENDS)
+                Some(min_not_nan(braking, ramp.remaining) + UNEQUAL_ENDS)
             }
             _ => None,
         }

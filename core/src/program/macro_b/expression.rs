@@ -86,6 +86,9 @@ const FUNCTIONS: [(&str, Function); 14] = [
     ("BCD", Function::DecimalCode),
 ];
 
+/// Steps of a formula; a line of the control holds far fewer.
+const MOST_STEPS: usize = 1000;
+
 /// A formula.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Expression(Vec<Step>);
@@ -284,6 +287,9 @@ impl<'l, 't> Reader<'l, 't> {
 
     /// A number, a variable, a formula in brackets or a function.
     fn operand(&mut self) -> Read {
+        if self.steps.len() >= MOST_STEPS {
+            return Err(wrong(self.lexer, say::formula_too_long(MOST_STEPS)));
+        }
         match self.next()? {
             b'#' => {
                 self.variable_number()?;

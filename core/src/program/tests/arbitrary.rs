@@ -153,7 +153,7 @@ proptest! {
             let start = program.block(index).trim_start();
             if let Ok(block) = program.parse_with_variables(index, Syntax::default()) {
                 let something = !block.is_empty() || block.n.is_some() || block.o.is_some() || block.skip;
-                let mark = start.starts_with([';', '*', '；', '＊', '\u{feff}']);
+                let mark = start.starts_with([';', '*', '；', '＊', '\u{feff}', '%']);
                 prop_assert!(something || mark, "block {} {:?}", index, start);
             }
         }

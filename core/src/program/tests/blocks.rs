@@ -25,7 +25,7 @@ fn what_is_a_block() {
         ("/;\n/\n", &[1, 2]),
         ("G0 (a;b*c\n", &[1]),
         ("%\nO1;\nM30;\n%\nG0\n", &[2, 3]),
-        ("\n % leader\nO1\nG0 X1 % trailer\nG0", &[3, 4]),
+        ("\n % leader\nO1\nG0 X1 % no end\nG0 X2 %\n", &[3, 4, 5]),
         ("％\nG0；Ｘ１＊\n％X1", &[2, 2]),
         ("G0\r\nX1\rZ1\r\n", &[1, 2, 3]),
     ] {

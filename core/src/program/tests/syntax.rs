@@ -88,7 +88,6 @@ fn the_block_ends() {
         "G0 X1\nZ2",
         "G0 X1\r\nZ2",
         "G0 X1\rZ2",
-        "G0 X1%Z2",
     ] {
         assert_eq!(printed(text), "G0 X1;", "{text:?}");
     }

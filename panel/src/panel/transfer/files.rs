@@ -5,7 +5,7 @@ use gsk_core::alarm::Alarm;
 use gsk_core::cnc::{Cnc, Received};
 use gsk_core::memory::{Offsets, PitchError, PitchTable, ToolOffset};
 use gsk_core::program::Program;
-use gsk_core::units::Axis;
+use gsk_core::units::{Axis, parse_finite};
 use gsk_messages::{Message, say};
 
 use super::{FileId, SerialFile, Wanted};
@@ -186,13 +186,7 @@ fn read_offsets(text: &str) -> Result<Offsets, LineError> {
 
 fn offset(value: &str) -> Option<ToolOffset> {
     let mut values = value.split(',').map(str::trim);
-    let mut length = || {
-        values
-            .next()?
-            .parse()
-            .ok()
-            .filter(|mm: &f64| mm.is_finite())
-    };
+    let mut length = || parse_finite(values.next()?);
     let (x, z, r) = (length()?, length()?, length()?);
     let t = values.next()?.parse().ok()?;
     let offset = ToolOffset { x, z, r, t };

@@ -1,0 +1,225 @@
+//! What a refused block has of other controls: cycles of one block in the form of two, and
+//! every further code that is not one of this control.
+
+use gsk_messages::{Message, say};
+
+use super::block::is_address_of;
+use super::lexer::Lexer;
+use super::syntax::Syntax;
+use crate::dialect::{self, advised};
+use crate::model::{GCode, Record};
+
+/// Words of a block that are read; a longer one is refused for its length.
+const MOST_WORDS: usize = 40;
+/// Characters of a number that are kept.
+const LONGEST_NUMBER: usize = 16;
+/// Messages on one block.
+const MOST_MESSAGES: usize = 6;
+
+/// A word as it is written, right or wrong.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct LooseWord {
+    letter: u8,
+    number: String,
+}
+
+impl LooseWord {
+    /// Its number where it is whole.
+    fn code(&self) -> Option<i64> {
+        self.number.parse().ok()
+    }
+}
+
+/// The words of a block as they are written, without its comments.
+fn loose_words(text: &str) -> Vec<LooseWord> {
+    let mut lexer = Lexer::new(text);
+    let mut words: Vec<LooseWord> = Vec::new();
+    while words.len() <= MOST_WORDS {
+        let (byte, len) = lexer.peek();
+        match byte {
+            b'\n' | b';' | b'%' => break,
+            b'(' => {
+                if lexer.skip_comment().is_err() {
+                    break;
+                }
+                continue;
+            }
+            b'a'..=b'z' | b'A'..=b'Z' => words.push(LooseWord {
+                letter: byte.to_ascii_uppercase(),
+                number: String::new(),
+            }),
+            b'0'..=b'9' | b'.' | b'+' | b'-' | b'#' => {
+                if let Some(word) = words.last_mut()
+                    && word.number.len() < LONGEST_NUMBER
+                {
+                    word.number.push(byte.into());
+                }
+            }
+            _ => {}
+        }
+        lexer.at += len;
+    }
+    words
+}
+
+/// The two blocks that say what a roughing or threading cycle of one block says on other
+/// controls, where D is the depth of a cut.
+pub(super) fn two_block_form(text: &str, syntax: Syntax) -> Option<Message> {
+    let words = loose_words(text);
+    let record = syntax.model.record();
+    let number = |letter: u8| {
+        let word = words.iter().find(|word| word.letter == letter)?;
+        Some(word.number.as_str())
+    };
+    let code = words
+        .iter()
+        .filter(|word| word.letter == b'G')
+        .find_map(|word| {
+            let code = word.code()?;
+            Some((code, record.g_code(code)?))
+        });
+    let (code, meaning) = code?;
+    let depth = number(b'D')?;
+    let rest = |without: &[u8]| {
+        let kept = words.iter().filter(|word| !without.contains(&word.letter));
+        let kept = kept.filter(|word| !matches!(word.letter, b'G' | b'N' | b'O'));
+        let kept: Vec<String> = kept.map(written).collect();
+        kept.join(" ")
+    };
+    let (first, second) = match meaning {
+        GCode::TurningRough => (format!("U{}", millimetres(depth)?), rest(b"D")),
+        GCode::FacingRough => (format!("W{}", millimetres(depth)?), rest(b"D")),
+        GCode::Pattern => {
+            let along = |letter, name: &str| number(letter).map(|it| format!("{name}{it} "));
+            let (x, z) = (along(b'I', "U"), along(b'K', "W"));
+            let (x, z) = (x.unwrap_or_default(), z.unwrap_or_default());
+            (format!("{x}{z}R{depth}"), rest(b"DIK"))
+        }
+        GCode::CompoundThread => {
+            let angle = number(b'A').unwrap_or("60");
+            let taper = number(b'I').map(|it| format!(" R{it}")).unwrap_or_default();
+            let height = number(b'K').and_then(micrometres)?;
+            let first = micrometres(depth)?;
+            let second = format!("{}{taper} P{height} Q{first}", rest(b"DAIKPF"));
+            let lead = number(b'F').map(|it| format!(" F{it}")).unwrap_or_default();
+            (format!("P0100{angle:0>2}"), second + &lead)
+        }
+        _ => return None,
+    };
+    let block = |words: &str| format!("G{code:02} {words}");
+    Some(say::instead_of_one_block_cycle(
+        block(&first),
+        block(&second),
+    ))
+}
+
+fn written(word: &LooseWord) -> String {
+    format!("{}{}", char::from(word.letter), word.number)
+}
+
+/// A number that counts 0.001 mm without a point, in millimetres.
+fn millimetres(number: &str) -> Option<String> {
+    if number.contains('.') {
+        return Some(number.to_owned());
+    }
+    let thousandths: i64 = number.parse().ok()?;
+    let millimetres = format!("{}.{:03}", thousandths / 1000, thousandths.abs() % 1000);
+    Some(
+        millimetres
+            .trim_end_matches('0')
+            .trim_end_matches('.')
+            .to_owned(),
+    )
+}
+
+/// The same in 0.001 mm.
+fn micrometres(number: &str) -> Option<i64> {
+    if !number.contains('.') {
+        return number.parse().ok();
+    }
+    let millimetres = crate::units::parse_finite(number)?;
+    Some(libm::round(millimetres * 1000.0) as i64)
+}
+
+/// What a block has of other controls besides the word that it is refused for: the first of
+/// its foreign words, in their order. `has_m` says whether there is an M code.
+pub(crate) fn further_foreign_words(
+    text: &str,
+    record: &Record,
+    has_m: &dyn Fn(u8) -> bool,
+) -> Vec<Message> {
+    let words = loose_words(text);
+    let mut seen: Vec<&LooseWord> = Vec::new();
+    let mut found = Vec::new();
+    for word in &words {
+        if seen.contains(&word) {
+            continue;
+        }
+        seen.push(word);
+        let message = match (word.letter, word.code()) {
+            (letter, _) if !is_address_of(letter, record) => {
+                let rule = say::address_unknown(char::from(letter));
+                advised(rule, dialect::instead_of_address(letter))
+            }
+            (b'G', Some(code @ 0..=999)) if record.g_code(code).is_none() => {
+                advised(say::g_unknown(code), dialect::instead_of_g(code))
+            }
+            (b'M', Some(code)) => match u8::try_from(code) {
+                Ok(code) if !has_m(code) => {
+                    advised(say::m_unknown(code), dialect::instead_of_m(code))
+                }
+                _ => continue,
+            },
+            _ => continue,
+        };
+        found.push(message);
+        if found.len() > MOST_MESSAGES {
+            break;
+        }
+    }
+    // The first one is what the block is refused for.
+    found.into_iter().skip(1).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_messages::Language;
+
+    fn form(text: &str) -> Option<String> {
+        let message = two_block_form(text, Syntax::default())?;
+        Some(message.text(Language::En))
+    }
+
+    #[test]
+    fn cycles_of_one_block_have_a_form_of_two() {
+        let said = |text: &str, first: &str, second: &str| {
+            let form = form(text).expect(text);
+            assert!(form.contains(first) && form.contains(second), "{form}");
+        };
+        let g71 = "N5 G71 P10 Q20 U0.4 W0.1 D2000 F120;";
+        said(g71, "G71 U2", "G71 P10 Q20 U0.4 W0.1 F120");
+        said("G72 P1 Q2 W.1 D1.5", "G72 W1.5", "G72 P1 Q2 W.1");
+        said(
+            "G73 P1 Q2 I5. K2. U.4 D3",
+            "G73 U5. W2. R3",
+            "G73 P1 Q2 U.4",
+        );
+        let g76 = "G76 X18.05 Z-20 K0.974 D400 A60 F1.5";
+        said(g76, "G76 P010060", "G76 X18.05 Z-20 P974 Q400 F1.5");
+        assert_eq!(form("G71 P10 Q20"), None);
+        assert_eq!(form("G01 X5 D2000"), None);
+        assert_eq!(form("(G71 D1) G01 X5"), None);
+    }
+
+    #[test]
+    fn every_foreign_word_of_a_block_is_found_once() {
+        let record = Syntax::default().model.record();
+        let found = |text: &str| further_foreign_words(text, record, &|code| code != 6).len();
+        assert_eq!(found("G21 G17 G40 G80 M06 T0101"), 3);
+        assert_eq!(found("G00 X5 Y1 Y2 A5"), 2);
+        assert_eq!(found("G21 G21"), 0);
+        assert_eq!(found("G01 X5"), 0);
+        assert!(found(&"G21 G17 Y1 A1 B1 C1 D1 E1 V1 ".repeat(9)) <= MOST_MESSAGES);
+    }
+}

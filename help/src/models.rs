@@ -1,0 +1,128 @@
+//! The topics of a model: those of the GSK980TD that hold there, and its own codes and
+//! parameters.
+
+use std::sync::LazyLock;
+
+use gsk_core::model::{ModelId, Record};
+use gsk_messages::{Language, Message, say};
+
+use crate::subject::Subject;
+use crate::table::{Topic, texts, topics};
+
+/// Texts about codes that only one model has, or that mean something else in it.
+const OWN_TEXTS: [(ModelId, &str); 3] = [
+    (
+        ModelId::Gsk980mdi,
+        include_str!("../../assets/help/models/gsk980mdi.tsv"),
+    ),
+    (
+        ModelId::Hx31,
+        include_str!("../../assets/help/models/hx31.tsv"),
+    ),
+    (
+        ModelId::Ncb08,
+        include_str!("../../assets/help/models/ncb08.tsv"),
+    ),
+];
+
+/// All topics of a model by ascending subject.
+pub fn topics_of(model: ModelId) -> &'static [Topic] {
+    // Each when it is asked for: a run has one model, as a rule.
+    static MODELS: [LazyLock<Vec<Topic>>; 3] = [
+        LazyLock::new(|| collect(ModelId::Gsk980mdi)),
+        LazyLock::new(|| collect(ModelId::Hx31)),
+        LazyLock::new(|| collect(ModelId::Ncb08)),
+    ];
+    match model {
+        ModelId::Gsk980td => topics(),
+        ModelId::Gsk980mdi => &MODELS[0],
+        ModelId::Hx31 => &MODELS[1],
+        ModelId::Ncb08 => &MODELS[2],
+    }
+}
+
+/// The topic of a model about a subject.
+pub fn topic_of(model: ModelId, subject: Subject<'_>) -> Option<&'static Topic> {
+    let all = topics_of(model);
+    let at = all.binary_search_by(|topic| topic.subject.cmp(&subject));
+    all.get(at.ok()?)
+}
+
+fn collect(model: ModelId) -> Vec<Topic> {
+    let record = model.record();
+    let table = OWN_TEXTS.iter().find(|(of, _)| *of == model);
+    let table = table.map_or("", |(_, table)| *table);
+    let own = texts(table, |written| Some(Subject::of_program(written)));
+    let mut all: Vec<Topic> = own.map(|topic| topic.of(model)).collect();
+    all.extend(codes(record).map(|topic| topic.of(model)));
+    all.extend(parameters(record).map(|topic| topic.of(model)));
+    all.extend(
+        topics()
+            .iter()
+            .filter(|topic| holds(topic, record))
+            .copied(),
+    );
+    // What has a text of the model stands before what has none, and before the others.
+    all.sort_by_key(|topic| topic.subject);
+    all.dedup_by_key(|topic| topic.subject);
+    all
+}
+
+/// Whether a topic of the GSK980TD says what the model does.
+fn holds(topic: &Topic, record: &Record) -> bool {
+    let Subject::Code(name) = topic.subject else {
+        return true;
+    };
+    let main = ModelId::default().record();
+    // `G65 H01` belongs to G65.
+    let code = name.split(' ').next().unwrap_or(name);
+    let number = |letter| {
+        code.strip_prefix(letter)
+            .and_then(|it| it.parse::<u8>().ok())
+    };
+    if let Some(number) = number('G') {
+        let meaning = main.g_code(number.into());
+        return meaning.is_some() && meaning == record.g_code(number.into());
+    }
+    if let Some(number) = number('M') {
+        let does = |record: &Record| record.m_function(number).map(|it| it.does);
+        return does(main).is_some() && does(main) == does(record);
+    }
+    true
+}
+
+/// The codes of a model that its tables have no text about: what they mean.
+fn codes(record: &'static Record) -> impl Iterator<Item = Topic> {
+    let main = ModelId::default().record();
+    let g = record
+        .g
+        .iter()
+        .filter(|(number, meaning)| main.g_code(i64::from(**number)) != Some(**meaning));
+    let g = g.map(|(number, meaning)| (format!("G{number:02}"), meaning.text()));
+    let m = record.m.iter().filter(|(number, function)| {
+        main.m_function(**number)
+            .is_none_or(|it| it.does != function.does)
+    });
+    let m = m.map(|(number, function)| (format!("M{number:02}"), function.does.text()));
+    g.chain(m).map(|(code, meaning)| {
+        let said = say::help_code_of_model(&code, meaning, record.name());
+        Topic::of_text(Subject::Code(code.leak()), both(&said))
+    })
+}
+
+/// The parameters that only a model has.
+fn parameters(record: &'static Record) -> impl Iterator<Item = Topic> {
+    record.parameters.iter().map(|(number, parameter)| {
+        let (low, high) = parameter.range;
+        let rule = [Language::Zh, Language::En].map(|language| {
+            let name = parameter.name(language);
+            let said = say::help_parameter_of_model(name, low, high, &parameter.unit);
+            &*said.text(language).leak()
+        });
+        Topic::of_text(Subject::Notion(format!("P{number}").leak()), rule)
+    })
+}
+
+fn both(said: &Message) -> [&'static str; 2] {
+    [Language::Zh, Language::En].map(|language| &*said.text(language).leak())
+}

@@ -1,0 +1,118 @@
+//! What is taken without an alarm and yet may be a slip: words that no code of their block
+//! uses, and M codes of which only the ladder knows what they do.
+
+use gsk_core::command::Source;
+use gsk_core::program::Block;
+use gsk_messages::{Message, say};
+
+use crate::block;
+use crate::memory::MillMemory;
+use crate::modal::{Hole, Motion};
+use crate::state::State;
+use crate::words::{OneShot, Switch, Words};
+
+/// A kind of slip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slip {
+    /// A word that no code of its block uses.
+    WordWithoutEffect(char),
+    /// An M code that the ladder carries out.
+    LadderCode(i64),
+}
+
+impl Slip {
+    /// Its name, for tools that sort what is found.
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::WordWithoutEffect(_) => "word-without-effect",
+            Self::LadderCode(_) => "ladder-code",
+        }
+    }
+
+    /// In words.
+    pub fn message(self) -> Message {
+        match self {
+            Self::WordWithoutEffect(letter) => say::caution_mill_word(letter),
+            Self::LadderCode(code) => say::caution_mill_ladder_code(code),
+        }
+    }
+}
+
+/// A slip and its block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Caution {
+    /// What.
+    pub slip: Slip,
+    /// Where it was met first.
+    pub source: Source,
+}
+
+impl Caution {
+    /// In words, with the line.
+    pub fn sentence(&self) -> Message {
+        say::in_line(self.source.line, self.slip.message())
+    }
+}
+
+/// The slips of a block that was carried out and is no call of a macro; `state` is that
+/// after it.
+pub(crate) fn slips<'a>(
+    block: &'a Block,
+    words: &'a Words,
+    state: &'a State,
+    memory: &'a MillMemory,
+) -> impl Iterator<Item = Slip> + 'a {
+    let m = words.letters.m.map(gsk_core::program::Number::integer);
+    let ladder = m
+        .filter(|code| block::is_of_ladder(*code, memory))
+        .map(Slip::LadderCode);
+    let written = block.words().iter();
+    let unused = written.filter(move |word| !is_used(word.address, words, state, memory));
+    let unused = unused.map(|word| Slip::WordWithoutEffect(char::from(word.address)));
+    ladder.into_iter().chain(unused)
+}
+
+fn is_used(address: u8, words: &Words, state: &State, memory: &MillMemory) -> bool {
+    let one_shot = words.one_shot;
+    let is = |code: OneShot| one_shot == Some(code);
+    let arc = one_shot.is_none() && matches!(state.modal.motion, Motion::Arc { .. });
+    let hole = state.modal.hole.filter(|_| one_shot.is_none());
+    let scaling = words.scaling == Some(Switch::On);
+    let rotation = words.rotation == Some(Switch::On);
+    let calls = words.letters.m.is_some_and(|code| {
+        let code = code.integer();
+        matches!(code, 98 | 99) || memory.model.subprogram_of_m(code).is_some()
+    });
+    match address {
+        b'X' => !is(OneShot::OffsetInput),
+        b'Y' | b'Z' | b'A' | b'B' | b'C' => !is(OneShot::OffsetInput) && !is(OneShot::Dwell),
+        b'I' | b'J' => arc || scaling,
+        b'K' => arc || scaling || hole.is_some(),
+        b'R' => arc && hole.is_none() || hole.is_some() || rotation || is(OneShot::OffsetInput),
+        b'Q' => hole.is_some_and(takes_q),
+        b'P' => {
+            calls
+                || scaling
+                || words.additional
+                || hole.is_some()
+                || is(OneShot::Dwell)
+                || is(OneShot::OffsetInput)
+                || is(OneShot::FurtherReference)
+        }
+        b'L' => calls || hole.is_some() || is(OneShot::OffsetInput),
+        _ => true,
+    }
+}
+
+/// Whether Q is a depth or a shift of a cycle.
+const fn takes_q(hole: Hole) -> bool {
+    matches!(
+        hole,
+        Hole::HighSpeedPeck
+            | Hole::Peck
+            | Hole::LeftTap
+            | Hole::RightTap
+            | Hole::FineBore
+            | Hole::BackBore
+    )
+}
