@@ -1,6 +1,6 @@
 //! A line of JSON put together number by number: files of moves hold millions of them.
 
-use gsk_core::units::nearest;
+use gsk_core::units::round_to_i64;
 
 /// Millionths in one.
 const ONE: u64 = 1_000_000;
@@ -52,7 +52,7 @@ impl Line {
     fn decimal(&mut self, value: f64) {
         let millionths = value * ONE as f64;
         if millionths.abs() < EXACT {
-            self.millionths(nearest(millionths));
+            self.millionths(round_to_i64(millionths));
         } else if millionths.is_finite() {
             self.text(&serde_json::Value::from(millionths.round() / ONE as f64).to_string());
         } else {

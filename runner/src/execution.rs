@@ -76,6 +76,7 @@ pub trait Watcher {
 #[derive(Clone, Debug, PartialEq)]
 enum End {
     M30,
+    M02,
     M99,
     Text,
     /// An alarm, or a message of the ladder: both hold the program.
@@ -184,6 +185,7 @@ pub fn execute<'a>(
         file: name.to_owned(),
         end: match end {
             End::M30 => report::End::M30,
+            End::M02 => report::End::M02,
             End::M99 => report::End::M99,
             End::Text => report::End::Text,
             End::Alarm(_) => report::End::Alarm,
@@ -271,7 +273,7 @@ impl Run<'_> {
                 let more = self.parts < limits.parts;
                 match end {
                     // A part more: the cycle is started again.
-                    End::M30 | End::Text if more && self.parts > 0 => {
+                    End::M30 | End::M02 | End::Text if more && self.parts > 0 => {
                         if self.may_begin_another() {
                             self.press_again();
                         } else if self.ended.is_none() {
@@ -387,8 +389,12 @@ impl Run<'_> {
                     self.ended = Some(End::Alarm(alarm.clone()));
                 }
                 Event::PartFinished => self.parts += 1,
-                Event::ProgramEnded { m30 } if self.ended.is_none() => {
-                    self.ended = Some(if *m30 { End::M30 } else { End::Text });
+                Event::ProgramEnded { m30, m02 } if self.ended.is_none() => {
+                    self.ended = Some(match (m30, m02) {
+                        (_, true) => End::M02,
+                        (true, false) => End::M30,
+                        (false, false) => End::Text,
+                    });
                 }
                 Event::AlarmRaised(_) | Event::ProgramEnded { .. } | Event::Advised(_) => {}
             }

@@ -3,7 +3,9 @@
 
 use gsk_core::alarm::Alarm;
 use gsk_core::command::{ExecutedMove, MoveKind};
-use gsk_core::preview::{Bounds, End, Preview, Progress, preview_beyond_alarms, preview_while};
+use gsk_core::preview::{
+    Bounds, Caution, End, Preview, Progress, preview_beyond_alarms, preview_while,
+};
 use gsk_core::setup::Setup;
 use gsk_core::units::Point;
 use gsk_messages::{Language, say};
@@ -41,18 +43,20 @@ pub fn look(name: String, setup: &Setup, goes_on: &mut dyn FnMut(&Progress) -> b
     seen.into_look(name, setup, &preview)
 }
 
-/// As [`look`], behind alarms too: all that were found, the first one first.
+/// As [`look`], behind alarms too: all that were found, the first one first, and the likely
+/// slips.
 pub fn look_beyond(
     name: String,
     setup: &Setup,
     goes_on: &mut dyn FnMut(&Progress) -> bool,
-) -> (FirstLook, Vec<Alarm>) {
+) -> (FirstLook, Vec<Alarm>, Vec<Caution>) {
     let mut seen = Seen::default();
     let programs = &setup.memory.programs;
     let preview = preview_beyond_alarms(setup, programs, &mut |it| seen.take(it), goes_on);
     let further = preview.further.alarms.iter();
     let alarms = preview.alarm.iter().chain(further).cloned().collect();
-    (seen.into_look(name, setup, &preview), alarms)
+    let look = seen.into_look(name, setup, &preview);
+    (look, alarms, preview.cautions)
 }
 
 /// What the moves say.

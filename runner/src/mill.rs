@@ -12,6 +12,7 @@ use crate::decimal::Line;
 use crate::moves::rounded;
 use crate::report::{
     AlarmReport, Bounds, Final, MillPlace, PathReport, Place, Report, Seconds, ToolSeconds,
+    WarningReport,
 };
 
 pub use gsk_milling::MillSetup;
@@ -71,7 +72,11 @@ fn of(
         },
         coolant: modal.coolant,
         parameters_changed: BTreeMap::new(),
-        warnings: Vec::new(),
+        warnings: preview
+            .cautions
+            .iter()
+            .map(|it| WarningReport::of_mill(it, language))
+            .collect(),
         path: Some(PathReport {
             more_alarms: preview.further.iter().map(told).collect(),
             unchecked_behind: None,

@@ -3,6 +3,7 @@
 
 mod canvas;
 mod clip;
+mod coverage;
 mod dimensions;
 mod drawing;
 mod extent;

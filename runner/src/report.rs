@@ -28,6 +28,7 @@ pub use part::{CollisionReport, PartReport, in_words};
 pub use spent::{Seconds, ToolSeconds};
 
 use crate::moves::diameter_z;
+use crate::words::beginning;
 
 /// An alarm in a result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -44,6 +45,9 @@ pub struct AlarmReport {
     pub text: String,
     /// Line of the block, from 1.
     pub line: Option<u32>,
+    /// Column in the line, in characters from 1, where the text of the block is at fault.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub column: Option<u32>,
     /// Its sequence number; not part of the JSON.
     #[serde(skip)]
     pub sequence: Option<u32>,
@@ -69,6 +73,8 @@ pub struct WarningReport {
     pub program: ProgramId,
     /// Line of its block, from 1.
     pub line: u32,
+    /// First and last column of what it is about, in characters from 1.
+    pub columns: Option<(u32, u32)>,
     /// In words.
     pub text: String,
     /// In words, with the line.
@@ -76,11 +82,24 @@ pub struct WarningReport {
 }
 
 impl WarningReport {
+    /// What a mill takes without an alarm.
+    pub(crate) fn of_mill(caution: &gsk_milling::Caution, language: Option<Language>) -> Self {
+        Self {
+            rule: caution.slip.id(),
+            program: caution.source.program,
+            line: caution.source.line,
+            columns: None,
+            text: said(&caution.slip.message(), language),
+            sentence: said(&caution.sentence(), language),
+        }
+    }
+
     fn new(caution: &Caution, language: Option<Language>) -> Self {
         Self {
             rule: caution.slip.id(),
             program: caution.source.program,
             line: caution.source.line,
+            columns: caution.columns(),
             text: said(&caution.slip.message(), language),
             sentence: said(&caution.sentence(), language),
         }
@@ -262,7 +281,7 @@ impl AlarmReport {
         let block = alarm.source.and_then(|source| {
             programs
                 .get(source.program)
-                .map(|program| program.line(source.line).trim().to_owned())
+                .map(|program| beginning(program.line(source.line).trim()).into_owned())
         });
         Self {
             class: class_name(alarm.class()),
@@ -274,6 +293,7 @@ impl AlarmReport {
             },
             text: alarm.text(language.unwrap_or(Language::Zh)),
             line: alarm.source.map(|source| source.line),
+            column: column_of(alarm),
             sequence: alarm
                 .source
                 .and_then(|source| source.sequence.map(u32::from)),
@@ -291,6 +311,14 @@ impl AlarmReport {
             }),
         }
     }
+}
+
+/// The column of an alarm in its own line; in the profile of a cycle it is one of another
+/// line.
+fn column_of(alarm: &Alarm) -> Option<u32> {
+    let detail = alarm.detail.as_ref()?;
+    let own = detail.id() == gsk_messages::Id::AtColumn;
+    own.then(|| detail.plain_value("column")?.parse().ok())?
 }
 
 impl Report {

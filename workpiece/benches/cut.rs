@@ -1,11 +1,14 @@
-//! What cutting costs: a tick of a finishing cut along parts of many corners, and the
-//! half section put together for a picture.
+//! What cutting costs: a tick of a finishing cut along parts of many corners, an arc, and
+//! the half section put together for a picture.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use gsk_units::Point;
 use gsk_workpiece::grid::to_grid;
+use gsk_workpiece::motion::{Kind, Motion};
 use gsk_workpiece::part::Part;
 use gsk_workpiece::region::Region;
+use gsk_workpiece::scene::{Cutter, Scene};
+use gsk_workpiece::stock::Stock;
 use gsk_workpiece::tool::{Shape, Tool};
 
 /// Length of the part, mm.
@@ -47,5 +50,33 @@ fn cut(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, cut);
+/// Arcs of 90° one after another, each a tenth of a millimetre deeper than the one before:
+/// their chords cut at once.
+fn arcs(criterion: &mut Criterion) {
+    let mut scene = Scene::new(&Stock::bar(50.0, 0.0, 220.0));
+    let cutter = Cutter::new(Shape::of(&Tool::turning()));
+    let mut count = 0;
+    criterion.bench_function("an arc of 90 degrees", |bencher| {
+        bencher.iter(|| {
+            let (row, column) = (count / 50, count % 50);
+            let center = Point::new(30.0 - 0.1 * f64::from(row % 100), -4.0 * f64::from(column));
+            count += 1;
+            let at = |x: f64, z: f64| Point::new(center.x + x, center.z + z);
+            scene.carry_out(
+                &cutter,
+                &Motion {
+                    from: at(-3.5, 3.5),
+                    to: at(-3.5, -3.5),
+                    kind: Kind::Arc {
+                        center,
+                        clockwise: true,
+                    },
+                    turning: true,
+                },
+            )
+        });
+    });
+}
+
+criterion_group!(benches, cut, arcs);
 criterion_main!(benches);

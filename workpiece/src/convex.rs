@@ -9,7 +9,16 @@
 //! ```
 //!
 //! A convex polygon sweeps along a straight line exactly over the hull of its first
-//! and last position.
+//! and last position. Along a path of several lines the outline is the convolution of
+//! the polygon with the path walked there and back:
+//!
+//! ```text
+//!        ____              ________
+//!       / P  \            /        \___
+//!      0------1      ->   |             \      each piece of the path once on each
+//!              \          \___    2     |     side, the edges of P between them
+//!               2              \_______/
+//! ```
 
 use crate::grid::{Contour, GridPoint, moved, turn};
 use crate::region::Bounds;
@@ -51,6 +60,77 @@ pub fn sweep(polygon: &[GridPoint], from: GridPoint, to: GridPoint) -> Contour {
         return at(from).collect();
     }
     hull(at(from).chain(at(to)))
+}
+
+/// What a convex polygon sweeps over on a path, as one closed polygon. Where the path
+/// bends more than the polygon can follow, and where it crosses itself, the outline
+/// crosses itself, too: a point lies in the sweep where it goes round it at least once.
+pub fn sweep_along(polygon: &[GridPoint], path: &[GridPoint]) -> Contour {
+    let mut path = path.to_vec();
+    path.dedup();
+    match path[..] {
+        [] => return Contour::new(),
+        [from] => return sweep(polygon, from, from),
+        [from, to] => return sweep(polygon, from, to),
+        _ => {}
+    }
+    if polygon.len() < 3 {
+        return Contour::new();
+    }
+    let back = path.iter().rev().skip(1);
+    let walk: Vec<GridPoint> = path.iter().chain(back).copied().collect();
+    // The walk ends where it begins, turned about: the first piece follows the last.
+    let pieces = walk.len() - 1;
+    let mut outline = Contour::with_capacity(2 * pieces + 2 * polygon.len());
+    let mut corner = extreme(polygon, 0, walk[pieces - 1], walk[pieces]);
+    for (index, pair) in walk.windows(2).enumerate() {
+        let (from, to) = (pair[0], pair[1]);
+        let before = walk[(index + pieces - 1) % pieces];
+        let leading = extreme(polygon, corner, from, to);
+        let bend = turn(before, from, to);
+        outline.push(moved(polygon[corner], from));
+        while corner != leading {
+            let count = polygon.len();
+            // A turn to the right goes back over edges of the polygon.
+            corner = (corner + if bend < 0 { count - 1 } else { 1 }) % count;
+            outline.push(moved(polygon[corner], from));
+        }
+        outline.push(moved(polygon[corner], to));
+    }
+    outline.dedup();
+    outline
+}
+
+/// The corner of a convex polygon that lies farthest to the right of a direction; the
+/// last of two. The search begins at a corner that may be near it.
+fn extreme(polygon: &[GridPoint], begin: usize, from: GridPoint, to: GridPoint) -> usize {
+    let (dx, dy) = (
+        i64::from(to.x) - i64::from(from.x),
+        i64::from(to.y) - i64::from(from.y),
+    );
+    // How far a step along the polygon goes to the right.
+    let gain = |a: usize, b: usize| {
+        let (a, b) = (polygon[a], polygon[b]);
+        (i64::from(b.x) - i64::from(a.x)) * dy - (i64::from(b.y) - i64::from(a.y)) * dx
+    };
+    let count = polygon.len();
+    let mut at = begin;
+    // Once round finds it from everywhere: the gain changes its sign twice.
+    for _ in 0..count {
+        let previous = (at + count - 1) % count;
+        if gain(previous, at) >= 0 {
+            break;
+        }
+        at = previous;
+    }
+    for _ in 0..count {
+        let next = (at + 1) % count;
+        if gain(at, next) < 0 {
+            break;
+        }
+        at = next;
+    }
+    at
 }
 
 /// A convex polygon made smaller about its middle, so that each side comes in by at

@@ -3,6 +3,7 @@
 use gsk_units::{Axis, Point};
 
 use crate::curve::Arc;
+use crate::grid::{GridPoint, to_grid};
 
 /// A piece of motion, part coordinates (X a radius, mm).
 #[derive(Clone, Debug, PartialEq)]
@@ -37,8 +38,13 @@ pub enum Kind {
 }
 
 impl Motion {
+    /// Its straight pieces on the grid.
+    pub(crate) fn path(&self) -> Vec<GridPoint> {
+        self.points().into_iter().map(to_grid).collect()
+    }
+
     /// Its straight pieces, from point to point.
-    pub(crate) fn points(&self) -> Vec<Point> {
+    fn points(&self) -> Vec<Point> {
         match &self.kind {
             Kind::Rapid | Kind::Line | Kind::Thread(_) => vec![self.from, self.to],
             Kind::Arc { center, clockwise } => {

@@ -12,7 +12,7 @@
 
 use gsk_units::Point;
 
-use crate::convex::sweep;
+use crate::convex::{sweep, sweep_along};
 use crate::grid::{Contour, GridPoint, PER_MM, to_grid};
 use crate::region::{Bounds, Region};
 
@@ -109,6 +109,12 @@ impl Part {
         self.remove(&[swept])
     }
 
+    /// Takes away what a convex polygon covers on a path of straight pieces, and on its
+    /// mirror image beyond the spindle axis: the part turns.
+    pub fn cut_along(&mut self, polygon: &[GridPoint], path: &[GridPoint]) -> Removed {
+        self.remove(&both_sides(sweep_along(polygon, path)))
+    }
+
     /// Takes away what polygons cover.
     pub fn remove(&mut self, swept: &[Contour]) -> Removed {
         let mut removed = Removed::default();
@@ -123,6 +129,10 @@ impl Part {
                 let number = first + index as i32;
                 let low = number * SLAB;
                 let within = clipped(contour, low - 1, low + SLAB + 1);
+                // Beside what is left in the slab the sweep is in the air.
+                if !Bounds::of(&within).is_some_and(|bounds| slab.meets(&bounds)) {
+                    continue;
+                }
                 let left = slab.region.without(&[within]);
                 if left == slab.region {
                     continue;
@@ -162,12 +172,20 @@ impl Part {
             let Some(bounds) = Bounds::of(contour) else {
                 continue;
             };
-            for slab in &self.slabs {
-                if slab.meets(&bounds) {
-                    let common = slab.region.common(core::slice::from_ref(contour));
+            for (index, slab) in self.slabs.iter().enumerate() {
+                if !slab.meets(&bounds) {
+                    continue;
+                }
+                let low = (self.first + index as i32) * SLAB;
+                let within = clipped(contour, low - 1, low + SLAB + 1);
+                if Bounds::of(&within).is_some_and(|bounds| slab.meets(&bounds)) {
+                    let common = slab.region.common(&[within]);
                     touched.extend_from_slice(common.contours());
                 }
             }
+        }
+        if touched.is_empty() {
+            return Region::default();
         }
         Region::of(&touched)
     }
@@ -233,7 +251,21 @@ impl Part {
     }
 }
 
-/// A convex polygon between two positions of Z, grid units; crossings are rounded.
+/// A contour, and its mirror image if it reaches beyond the spindle axis: the half
+/// section stands for the other half, too.
+pub(crate) fn both_sides(contour: Contour) -> Vec<Contour> {
+    if contour.iter().all(|point| point.y >= 0) {
+        return vec![contour];
+    }
+    let mirrored = contour
+        .iter()
+        .rev()
+        .map(|point| GridPoint::new(point.x, -point.y))
+        .collect();
+    vec![contour, mirrored]
+}
+
+/// A polygon between two positions of Z, grid units; crossings are rounded.
 fn clipped(contour: &[GridPoint], low: i32, high: i32) -> Contour {
     let Some(bounds) = Bounds::of(contour) else {
         return Contour::new();

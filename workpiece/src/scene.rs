@@ -3,10 +3,10 @@
 use gsk_units::Point;
 
 use crate::collision::{Collision, Obstacle, Toucher};
-use crate::convex::{shrunk, sweep};
-use crate::grid::{Contour, GridPoint, to_grid};
+use crate::convex::{shrunk, sweep, sweep_along};
+use crate::grid::{Contour, GridPoint, from_grid, to_grid};
 use crate::motion::{Kind, Motion};
-use crate::part::{Part, Removed};
+use crate::part::{Part, Removed, both_sides};
 use crate::region::{Bounds, Region};
 use crate::stock::Stock;
 use crate::tool::Shape;
@@ -33,6 +33,15 @@ pub struct Outcome {
     pub removed: Removed,
     /// The first collision of the motion.
     pub collision: Option<Collision>,
+}
+
+/// Stock that a motion went through without cutting it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Intrusion {
+    /// By the insert in a rapid.
+    pub insert: Region,
+    /// By what must touch nothing.
+    pub body: Region,
 }
 
 /// A tool ready to be moved about.
@@ -103,65 +112,104 @@ impl Scene {
 
     /// Moves a tool: what its insert meets is cut away; the first collision is reported.
     pub fn carry_out(&mut self, cutter: &Cutter, motion: &Motion) -> Outcome {
-        let mut outcome = Outcome::default();
-        let threading = matches!(motion.kind, Kind::Thread(_));
-        for pair in motion.points().windows(2) {
-            let (from, to) = (pair[0], pair[1]);
-            let by_insert = self.insert_hit(cutter, motion, from, to);
-            outcome.collision = outcome.collision.or(by_insert);
-            if !threading {
-                let removed = self.part.cut(&cutter.shape.cutting, from, to);
-                outcome.removed.add(removed);
-            }
-            let by_body = cutter
-                .body
-                .iter()
-                .find_map(|(toucher, contour)| self.hit(*toucher, contour, from, to, Some(&[])));
-            outcome.collision = outcome.collision.or(by_body);
-        }
+        let path = motion.path();
+        let mut outcome = Outcome {
+            collision: self.insert_hit(cutter, motion, &path),
+            removed: Removed::default(),
+        };
         if let Kind::Thread(imprints) = &motion.kind {
             for position in imprints {
-                let removed = self.part.cut(&cutter.shape.cutting, *position, *position);
+                let removed = self
+                    .part
+                    .cut_along(&cutter.shape.cutting, &[to_grid(*position)]);
                 outcome.removed.add(removed);
             }
+            self.groove = Some(motion.to);
+        } else {
+            outcome.removed = self.part.cut_along(&cutter.shape.cutting, &path);
+            self.groove = None;
         }
-        self.groove = threading.then_some(motion.to);
+        let by_body = || {
+            let mut body = cutter.body.iter();
+            body.find_map(|(toucher, contour)| self.hit(*toucher, contour, &path, Some(&[])))
+        };
+        outcome.collision = outcome.collision.or_else(by_body);
         outcome
     }
 
-    /// What the insert hits on a straight way: the stock in a rapid or with a standing
+    /// Moves a tool through stock of which it is not known where it is: returns what of
+    /// it must be air, if the motion is right, and takes that and the cut away.
+    pub fn intrude(&mut self, cutter: &Cutter, motion: &Motion) -> Intrusion {
+        let path = motion.path();
+        let swept = |contour: &[GridPoint]| both_sides(sweep_along(contour, &path));
+        let mut intrusion = Intrusion::default();
+        if matches!(motion.kind, Kind::Rapid) {
+            let touched = self.part.touched(&swept(&cutter.clear));
+            let groove = self.groove.filter(|end| *end == motion.from);
+            intrusion.insert = match groove {
+                Some(end) => {
+                    let own = sweep(&cutter.shape.cutting, to_grid(end), to_grid(end));
+                    touched.without(&[own])
+                }
+                None => touched,
+            };
+        }
+        self.part.remove(intrusion.insert.contours());
+        self.groove = None;
+        match &motion.kind {
+            Kind::Rapid => {}
+            Kind::Thread(imprints) => {
+                for position in imprints {
+                    self.part
+                        .cut_along(&cutter.shape.cutting, &[to_grid(*position)]);
+                }
+                self.groove = Some(motion.to);
+            }
+            Kind::Line | Kind::Arc { .. } => {
+                self.part.cut_along(&cutter.shape.cutting, &path);
+            }
+        }
+        for (_, contour) in &cutter.body {
+            let touched = self.part.touched(&swept(contour));
+            if !touched.is_empty() {
+                self.part.remove(touched.contours());
+                intrusion.body = intrusion.body.with(touched.contours());
+            }
+        }
+        intrusion
+    }
+
+    /// What the insert hits on its path: the stock in a rapid or with a standing
     /// spindle, everything else always.
     fn insert_hit(
         &self,
         cutter: &Cutter,
         motion: &Motion,
-        from: Point,
-        to: Point,
+        path: &[GridPoint],
     ) -> Option<Collision> {
         let (toucher, stock) = match motion.kind {
             Kind::Rapid => (Toucher::RapidInsert, true),
             _ if !motion.turning => (Toucher::StandingInsert, true),
             _ => (Toucher::Insert, false),
         };
-        let groove = self.groove.filter(|end| *end == from);
+        let groove = self.groove.filter(|end| *end == motion.from);
         let own: Vec<Contour> = groove
             .map(|end| sweep(&cutter.shape.cutting, to_grid(end), to_grid(end)))
             .into_iter()
             .collect();
-        self.hit(toucher, &cutter.clear, from, to, stock.then_some(&own))
+        self.hit(toucher, &cutter.clear, path, stock.then_some(&own))
     }
 
-    /// The first obstacle that a contour meets on a straight way; the stock only if it
-    /// may not be met, but for where the tool stands in a groove of its own.
+    /// The first obstacle that a contour meets on a path; the stock only if it may not
+    /// be met, but for where the tool stands in a groove of its own.
     fn hit(
         &self,
         toucher: Toucher,
         contour: &[GridPoint],
-        from: Point,
-        to: Point,
+        path: &[GridPoint],
         stock: Option<&[Contour]>,
     ) -> Option<Collision> {
-        let swept = both_sides(sweep(contour, to_grid(from), to_grid(to)));
+        let swept = both_sides(sweep_along(contour, path));
         let bounds = Bounds::of(swept.iter().flatten())?;
         let met = |common: &Region| !common.is_empty();
         let touched = |swept: &[Contour]| {
@@ -175,8 +223,7 @@ impl Scene {
             return Some(first_touch(
                 (toucher, Obstacle::Stock),
                 contour,
-                from,
-                to,
+                path,
                 &touched,
             ));
         }
@@ -186,37 +233,40 @@ impl Scene {
             .find(|(_, region, _)| met(&region.common(&swept)))
             .map(|(obstacle, region, _)| {
                 let touched = |swept: &[Contour]| region.common(swept);
-                first_touch((toucher, *obstacle), contour, from, to, &touched)
+                first_touch((toucher, *obstacle), contour, path, &touched)
             })
     }
 }
 
-/// A contour, and its mirror image if it reaches beyond the spindle axis: the half
-/// section stands for the other half, too.
-fn both_sides(contour: Contour) -> Vec<Contour> {
-    if contour.iter().all(|point| point.y >= 0) {
-        return vec![contour];
-    }
-    let mirrored = contour
-        .iter()
-        .map(|point| GridPoint::new(point.x, -point.y))
-        .collect();
-    vec![contour, mirrored]
-}
-
-/// Looks for the first touch on a way that ends in one, to a thousandth of it.
+/// Looks for the first touch on a path that meets something, to a thousandth of a piece
+/// of it.
 fn first_touch(
     (toucher, obstacle): (Toucher, Obstacle),
     contour: &[GridPoint],
-    from: Point,
-    to: Point,
+    path: &[GridPoint],
     touched: &dyn Fn(&[Contour]) -> Region,
 ) -> Collision {
     const HALVINGS: u32 = 10;
-    let until = |part: f64| {
-        let end = from + (to - from) * part;
-        touched(&both_sides(sweep(contour, to_grid(from), to_grid(end))))
+    let along = |path: &[GridPoint]| touched(&both_sides(sweep_along(contour, path)));
+    // The first piece that meets it.
+    let (mut clear, mut touching) = (0, path.len().saturating_sub(1));
+    while touching > clear + 1 {
+        let middle = usize::midpoint(clear, touching);
+        if along(&path[..=middle]).is_empty() {
+            clear = middle;
+        } else {
+            touching = middle;
+        }
+    }
+    let (from, to) = (path[clear], path[touching]);
+    let at = |part: f64| {
+        let between = |from: i32, to: i32| {
+            let way = f64::from(to) - f64::from(from);
+            from.saturating_add(libm::round(way * part) as i32)
+        };
+        GridPoint::new(between(from.x, to.x), between(from.y, to.y))
     };
+    let until = |part: f64| along(&[from, at(part)]);
     let (mut clear, mut touching) = (0.0, 1.0);
     for _ in 0..HALVINGS {
         let middle = (clear + touching) / 2.0;
@@ -226,9 +276,8 @@ fn first_touch(
             touching = middle;
         }
     }
-    let tip = from + (to - from) * touching;
-    let contact = until(touching);
-    Collision::new(toucher, obstacle, tip, &contact, &until(1.0))
+    let (contact, whole) = (until(touching), along(path));
+    Collision::new(toucher, obstacle, from_grid(at(touching)), &contact, &whole)
 }
 
 #[cfg(test)]

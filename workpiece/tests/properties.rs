@@ -9,7 +9,8 @@
 )]
 
 use gsk_units::Point;
-use gsk_workpiece::grid::{GridPoint, grid};
+use gsk_workpiece::curve::Arc;
+use gsk_workpiece::grid::{GridPoint, grid, to_grid};
 use gsk_workpiece::part::Part;
 use gsk_workpiece::region::Region;
 use gsk_workpiece::tool::{Shape, Tool};
@@ -93,6 +94,55 @@ proptest! {
             prop_assert!(part.volume() >= 0.0);
             before = after;
         }
+    }
+
+    #[test]
+    fn a_path_cut_at_once_leaves_what_its_pieces_leave(
+        tool in 0..4_usize,
+        path in proptest::collection::vec((500..22_000, -45_000..3_000), 1..12),
+        there_and_back in proptest::bool::ANY,
+    ) {
+        let mut path: Vec<(i32, i32)> = path;
+        if there_and_back {
+            path.extend(path.clone().iter().rev().skip(1));
+        }
+        let mut pieces = Part::new(&bar());
+        let mut whole = pieces.clone();
+        cut(&mut pieces, &(tool, path[0], path[0]));
+        for pair in path.windows(2) {
+            cut(&mut pieces, &(tool, pair[0], pair[1]));
+        }
+        let path: Vec<GridPoint> = path.iter().map(|at| to_grid(point(*at))).collect();
+        whole.cut_along(&Shape::of(&tools()[tool]).cutting, &path);
+        let off = difference(&pieces.section(), &whole.section());
+        prop_assert!(off < ROUNDING, "{off} mm²");
+    }
+
+    #[test]
+    fn an_arc_cut_at_once_leaves_what_its_chords_leave(
+        tool in 0..4_usize,
+        center in (2_000..22_000, -45_000..3_000),
+        radius in 200..3_000,
+        turns in (0.0..1.0_f64, -1.0..1.0_f64),
+    ) {
+        let arc = Arc {
+            center: point(center),
+            radius: f64::from(radius) / 1000.0,
+            begin: turns.0 * core::f64::consts::TAU,
+            sweep: turns.1 * core::f64::consts::TAU,
+        };
+        let points: Vec<Point> = arc.points().collect();
+        let shape = Shape::of(&tools()[tool]);
+        let mut pieces = Part::new(&bar());
+        let mut whole = pieces.clone();
+        let path: Vec<GridPoint> = points.iter().map(|at| to_grid(*at)).collect();
+        for pair in path.windows(2) {
+            pieces.cut_along(&shape.cutting, pair);
+        }
+        whole.cut_along(&shape.cutting, &path);
+        let off = difference(&pieces.section(), &whole.section());
+        // Each chord rounds its crossings anew.
+        prop_assert!(off < 2.0 * ROUNDING, "{off} mm²");
     }
 
     #[test]

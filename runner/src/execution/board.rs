@@ -12,7 +12,7 @@ use crate::board::{Answer, Operator, PulseBoard};
 const RESET_KEY: BitAddress = BitAddress::new(Area::X, 26, 0);
 const MACHINE_ZERO_KEY: BitAddress = BitAddress::new(Area::X, 20, 3);
 const FEED_HOLD_KEY: BitAddress = BitAddress::new(Area::X, 24, 7);
-/// DM00, the decode signal of M00.
+/// DM00, the decode signal of M00: up until its FIN, and only then does the program stop.
 const PROGRAM_STOP: BitAddress = BitAddress::new(Area::F, 9, 7);
 
 /// The key of an axis that leads to its machine zero.
@@ -61,8 +61,8 @@ pub(super) struct Standing {
     ticks: u32,
     /// The question was put.
     asked: bool,
-    /// M00 was carried out last.
-    program_stop: bool,
+    /// The line of the last M00.
+    program_stop: Option<u32>,
 }
 
 impl Run<'_> {
@@ -145,7 +145,11 @@ impl Run<'_> {
     pub(super) fn attend(&mut self) {
         let state = self.simulation.cnc.run_state();
         if state == RunState::Run {
-            let program_stop = self.simulation.cnc.plc().memory().bit(PROGRAM_STOP);
+            let cnc = &self.simulation.cnc;
+            let program_stop = match cnc.plc().memory().bit(PROGRAM_STOP) {
+                true => Some(cnc.cursor().line),
+                false => self.standing.program_stop,
+            };
             self.standing = Standing {
                 program_stop,
                 ..Standing::default()
@@ -194,7 +198,7 @@ impl Run<'_> {
     /// Where the program has come to a stop, and how.
     fn place(&self, hold: bool) -> Message {
         let line = self.simulation.cnc.cursor().line;
-        match self.standing.program_stop {
+        match self.standing.program_stop == Some(line) {
             _ if hold => say::run_feed_hold(line),
             true => say::run_program_stop(line),
             false => say::run_stop(line),

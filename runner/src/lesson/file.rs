@@ -1,5 +1,6 @@
 //! A lesson as its file says it (RON), and the rules that it keeps.
 
+use gsk_core::units::{NonFinite, find_non_finite};
 use gsk_messages::{Message, say};
 use gsk_panel::keys::{KEYS, Key, Role};
 use gsk_panel::script::{Action, Expect, Line, Script};
@@ -24,7 +25,7 @@ pub enum LessonError {
         /// Line, from 1.
         line: usize,
         /// What is wrong there.
-        reason: String,
+        reason: Message,
     },
     /// It breaks a rule.
     Rule {
@@ -43,7 +44,9 @@ impl LessonError {
     /// What is said of it.
     pub fn message(&self) -> Message {
         match self {
-            Self::Syntax { file, line, reason } => say::lesson_file_line(file, line, reason),
+            Self::Syntax { file, line, reason } => {
+                say::lesson_file_line(file, line, reason.clone())
+            }
             Self::Rule {
                 file,
                 step: Some(step),
@@ -149,10 +152,17 @@ pub(super) fn read<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Les
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    if let Some(NonFinite { line, token }) = find_non_finite(text) {
+        return Err(LessonError::Syntax {
+            file: file.to_owned(),
+            line,
+            reason: say::number_not_finite(token),
+        });
+    }
     options.from_str(text).map_err(|error| LessonError::Syntax {
         file: file.to_owned(),
         line: error.span.start.line,
-        reason: error.code.to_string(),
+        reason: say::as_written(error.code),
     })
 }
 

@@ -103,7 +103,7 @@ fn errors_name_file_step_field_and_rule() {
         ("params: [\"1.3\"]", "begins: \"1.3\" is not read"),
         ("offsets: [\"99=1\"]", "begins: 99=1: "),
         ("slides: (9999, 0)", "beyond their ends"),
-        ("absolute: (NaN, 0)", "NaN is no coordinate"),
+        ("absolute: (NaN, 0)", "NaN is not a finite number"),
         ("offsets: [\"1=NaN\"]", "\"1=NaN\" is not read"),
         ("programs: [\"G00 X1;\"]", "begins with its number"),
         ("before: [\"load a.nc\"]", "needs a file"),

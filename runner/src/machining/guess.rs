@@ -1,25 +1,42 @@
 //! A job for a program that has none: its tools from what it does with each, its stock
 //! from where it cuts. What comes of it is a guess, and is said to be one.
+//!
+//! ```text
+//!            rapids: air, or a collision
+//!         ..................................
+//!   ██████┌───────────────────────────────┐ :  the largest bar that is cut and that
+//!         │  cuts: stock, then air        │ :  neither a rapid nor the back of a tool
+//!   ─ · ─ ┴ · ─ · ─ · ─ · ─ · ─ · ─ · ─ · ┴ ─> Z     goes through
+//! ```
 
-use std::collections::BTreeMap;
+mod tools;
+mod uses;
 
-use gsk_core::command::{ExecutedMove, MoveKind};
+use std::collections::{BTreeMap, BTreeSet};
+
+use gsk_core::command::{ExecutedMove, ProgramId, Source};
 use gsk_core::memory::Offsets;
 use gsk_core::preview::{Progress, preview_while};
 use gsk_core::setup::Setup;
-use gsk_core::units::{Diameter, Point};
-use gsk_workpiece::collision::Toucher;
+use gsk_core::units::Diameter;
+use gsk_workpiece::collision::{Obstacle, Toucher};
+use gsk_workpiece::grid::{GridPoint, grid, mm};
 use gsk_workpiece::job::{Job, Place};
+use gsk_workpiece::motion::Kind;
+use gsk_workpiece::region::{Bounds, Region};
+use gsk_workpiece::scene::{Cutter, Scene};
 use gsk_workpiece::stock::{Form, Stock};
-use gsk_workpiece::tool::{Insert, Letter, Tool};
+use gsk_workpiece::tool::{Shape, Tool};
 
 use super::Machining;
 use crate::curves::RapidRates;
+use tools::{Known, Pose, SLIMMEST};
+use uses::{Step, Use, Work, steps, uses};
 
 /// Moves that a guess looks at: the first of a program.
 pub const MOST_MOVES: usize = 20_000;
-/// Moves with which a bar is tried.
-const TRIED_MOVES: usize = 3_000;
+/// Motions with which tools and bars are tried.
+const TRIED: usize = 2_000;
 /// Bars that are tried.
 const MOST_BARS: usize = 8;
 /// Stock between the deepest cut and the jaws, mm.
@@ -38,36 +55,13 @@ const WALL: f64 = 10.0;
 const APPROACH: f64 = 10.0;
 /// Fronts that are tried.
 const MOST_FRONTS: usize = 4;
-/// A length that is nothing, mm.
-const NOTHING: f64 = 1e-6;
-/// Width of a grooving tool whose width nothing shows, mm.
-const GROOVE: f64 = 3.0;
-/// How far the steps of a wide groove overlap, mm.
-const OVERLAP: f64 = 0.5;
-/// A drill whose diameter nothing shows, mm.
-const DRILL: f64 = 10.0;
-
-/// What a program does with a tool.
-#[derive(Clone, Debug, Default)]
-struct Use {
-    offset: u8,
-    threads: bool,
-    /// Feeds along the spindle axis, towards the chuck and away from it.
-    along: [u32; 2],
-    /// The longest of them along Z, mm.
-    longest: f64,
-    /// Feeds straight in, and at the spindle axis.
-    plunges: u32,
-    drills: u32,
-    /// How often it leaves a cut towards the axis and away from it.
-    leaves: [u32; 2],
-    /// The steepest way back into the part, degrees.
-    steepest: f64,
-    /// Nearest to the axis within the part, mm of radius.
-    nearest: Option<f64>,
-    /// Where its cuts begin, Z.
-    positions: Vec<f64>,
-}
+/// Depth of a metric outside thread over its lead, radii.
+const THREAD_DEPTH: f64 = 0.613_4;
+/// A tool that goes through so little of the stock stands right, mm² of the half
+/// section.
+const RIGHT: f64 = 1.0;
+/// Another pose must go through so much less.
+const BETTER: f64 = 0.5;
 
 /// A bar and tools to learn on where no program says what is cut: the tip of the first
 /// tool stands before the bar at power-on, and no offset is right, so that the tools
@@ -103,279 +97,453 @@ pub fn of_program(setup: &Setup, go_on: &mut dyn FnMut(&Progress) -> bool) -> Op
 
 /// A job for these moves of a program; `None` for one that cuts nothing.
 pub fn guess(moves: &[ExecutedMove], offsets: &Offsets, rates: RapidRates) -> Option<Job> {
-    let cuts: Vec<&ExecutedMove> = moves.iter().filter(|executed| is_cut(executed)).collect();
-    let deepest = cuts.iter().map(|cut| cut.from.z.min(cut.to.z));
-    let deepest = deepest.reduce(f64::min)?;
-    let front = fronts(&cuts).into_iter().fold(0.0, f64::max);
-    let uses = uses(moves, front);
-    let tools: BTreeMap<u8, Tool> = uses
+    let steps = steps(&moves[..moves.len().min(MOST_MOVES)], rates);
+    let cuts: Vec<&Step> = steps.iter().filter(|step| step.is_cut()).collect();
+    let deepest = |cut: &&Step| cut.motion.from.z.min(cut.motion.to.z);
+    let deepest = cuts.iter().map(deepest).reduce(f64::min)?;
+    let fronts = fronts(&cuts);
+    let front = fronts.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let uses = uses(moves, &steps, front);
+    if uses.is_empty() {
+        return None;
+    }
+    let mut guess = Guess {
+        tried: &steps[..steps.len().min(TRIED)],
+        offsets,
+        radii: Vec::new(),
+        fronts,
+        deepest,
+        poses: BTreeMap::new(),
+        slim: BTreeMap::new(),
+        uses,
+    };
+    for (number, used) in &guess.uses {
+        let poses = guess.known(0.0, front).poses(used);
+        if let Some(pose) = poses.first() {
+            guess.poses.insert(*number, *pose);
+            guess.slim.insert(*number, pose.levels()[0]);
+        }
+    }
+    guess.radii = guess.radii(&cuts);
+    let intrusions = guess.settle_poses();
+    let (radius, front) = guess.bar(&intrusions)?;
+    Some(guess.fitted(radius, front))
+}
+
+/// Where the front of a bar may lie: at the facing cuts and before them, at the zero of
+/// the program, or where its cuts begin if the zero lies at the chuck.
+fn fronts(cuts: &[&Step]) -> Vec<f64> {
+    let ends = |cut: &&Step| (cut.motion.from, cut.motion.to);
+    let begins = || cuts.iter().map(ends).map(|(from, to)| from.z.max(to.z));
+    let highest = begins().fold(f64::NEG_INFINITY, f64::max);
+    let deepest = cuts.iter().map(ends).map(|(from, to)| from.z.min(to.z));
+    let deepest = deepest.fold(f64::INFINITY, f64::min);
+    let at_the_face = highest <= APPROACH || -deepest >= highest;
+    let faced = cuts
         .iter()
-        .map(|(number, used)| (*number, tool(used, &uses, offsets)))
-        .collect();
-    let bore = bore(&uses, &tools);
-    let job = |radius: f64, front: f64| {
-        let mut stock = Stock::bar(radius * 2.0, front, front - deepest.min(0.0) + TO_JAWS);
+        .map(ends)
+        .filter(|(from, to)| from.z == to.z && from.x.abs().min(to.x.abs()) < THINNEST)
+        .map(|(_, to)| to.z)
+        .reduce(f64::max);
+    match faced {
+        // A cut behind the zero of the face parts the bar off, or faces deeper steps.
+        Some(faced) if !at_the_face || faced >= -FACE => return vec![faced + FACE, faced],
+        _ if at_the_face => return vec![0.0],
+        _ => {}
+    }
+    let mut begins: Vec<f64> = begins().collect();
+    begins.sort_by(|a, b| b.total_cmp(a));
+    begins.dedup_by(|a, b| (*a - *b).abs() < 0.01);
+    begins.truncate(MOST_FRONTS);
+    begins
+}
+
+/// What a program does, and what is believed of its tools so far.
+struct Guess<'a> {
+    tried: &'a [Step],
+    offsets: &'a Offsets,
+    uses: BTreeMap<u8, Use>,
+    /// Radii that a bar may have, the largest first, mm.
+    radii: Vec<f64>,
+    /// Where its front may lie, Z.
+    fronts: Vec<f64>,
+    deepest: f64,
+    poses: BTreeMap<u8, Pose>,
+    /// How slim each tool is with which its pose was judged.
+    slim: BTreeMap<u8, u8>,
+}
+
+/// Stock that a step goes through and that must not be there.
+struct Intruded {
+    tool: u8,
+    /// In a rapid; else by what does not cut.
+    rapid: bool,
+    region: Region,
+    bounds: Bounds,
+}
+
+impl Guess<'_> {
+    const fn known(&self, radius: f64, front: f64) -> Known<'_> {
+        Known {
+            uses: &self.uses,
+            offsets: self.offsets,
+            radius,
+            front,
+        }
+    }
+
+    fn is_internal(&self, tool: u8) -> bool {
+        let is_drill = |used: &Use| used.work == Some(Work::Drill);
+        self.poses.get(&tool).is_some_and(|pose| pose.internal)
+            || self.uses.get(&tool).is_some_and(is_drill)
+    }
+
+    /// Whether its cuts show how wide the bar is.
+    fn is_outside(&self, tool: u8) -> bool {
+        let faces = |used: &Use| used.work == Some(Work::FaceGroove);
+        !self.is_internal(tool) && !self.uses.get(&tool).is_some_and(faces)
+    }
+
+    /// Where outside cuts begin and end, and a little more than the widest cut along.
+    fn radii(&self, cuts: &[&Step]) -> Vec<f64> {
+        let outside = |cut: &&&Step| self.is_outside(cut.tool) && !cut.threads;
+        let mut radii: Vec<f64> = cuts
+            .iter()
+            .filter(outside)
+            .flat_map(|cut| [cut.motion.from.x.abs(), cut.motion.to.x.abs()])
+            .filter(|radius| *radius > THINNEST)
+            .collect();
+        let widest = self.widest();
+        let crests = self
+            .uses
+            .iter()
+            .filter(|(tool, _)| !self.is_internal(**tool));
+        let crests = crests.filter_map(|(_, used)| {
+            let (low, high) = used.crests?;
+            Some((low + THREAD_DEPTH * used.lead).max(high))
+        });
+        let inside = self.uses.values().map(|used| used.farthest_cut);
+        radii.push(if widest > 0.0 {
+            widest + SKIN
+        } else if let Some(faced) = radii.iter().copied().reduce(f64::max) {
+            // Nothing is turned along: what is faced is faced from outside the bar.
+            faced
+        } else if let Some(crest) = crests.reduce(f64::max) {
+            crest
+        } else {
+            inside.fold(0.0, f64::max) + WALL
+        });
+        radii.sort_by(|a, b| b.total_cmp(a));
+        radii.dedup_by(|a, b| (*a - *b).abs() < 0.01);
+        radii.truncate(MOST_BARS);
+        radii
+    }
+
+    /// The greatest radius of a cut along the outside, mm.
+    fn widest(&self) -> f64 {
+        let outside = self.uses.iter().filter(|(tool, _)| self.is_outside(**tool));
+        outside.map(|(_, used)| used.widest).fold(0.0, f64::max)
+    }
+
+    /// Radius of the hole that inside tools find, mm; none where a drill makes it.
+    fn bore(&self) -> Option<f64> {
+        if self
+            .uses
+            .values()
+            .any(|used| used.work == Some(Work::Drill))
+        {
+            return None;
+        }
+        self.uses
+            .iter()
+            .filter(|(tool, _)| self.is_internal(**tool))
+            .filter_map(|(_, used)| used.nearest)
+            .reduce(f64::min)
+            .filter(|radius| *radius > 0.5)
+    }
+
+    fn stock(&self, radius: f64, front: f64) -> Stock {
+        let mut stock = Stock::bar(radius * 2.0, front, front - self.deepest.min(0.0) + TO_JAWS);
         stock.chuck.diameter.0 = stock.chuck.diameter.0.max(radius * CHUCK);
-        if let Some(bore) = bore.filter(|bore| *bore < radius) {
+        if let Some(bore) = self.bore().filter(|bore| *bore < radius) {
             stock.form = Form::Tube {
                 diameter: Diameter(radius * 2.0),
                 bore: Diameter(bore * 2.0),
             };
         }
-        Job {
-            tools: tools.clone(),
-            ..Job::new(stock)
-        }
-    };
-    // The largest bar that is cut and that no rapid goes through; else the one that the
-    // fewest do.
-    let tried = &moves[..moves.len().min(TRIED_MOVES)];
-    let mut least: Option<(usize, Job)> = None;
-    for radius in radii(&cuts, &tools) {
-        for front in fronts(&cuts) {
-            let job = job(radius, front);
-            let Some(hits) = rapids_through(&job, tried, rates) else {
+        stock
+    }
+
+    fn tools(&self, radius: f64, front: f64, slim: &BTreeMap<u8, u8>) -> BTreeMap<u8, Tool> {
+        let known = self.known(radius, front);
+        let tool = |(number, used): (&u8, &Use)| {
+            let pose = self.poses.get(number)?;
+            let slim = slim.get(number).copied().unwrap_or(0);
+            Some((*number, known.tool(used, *pose, slim)))
+        };
+        self.uses.iter().filter_map(tool).collect()
+    }
+
+    /// What the program goes through in the largest bar.
+    fn intrusions(&self) -> Vec<Intruded> {
+        let radius = self.radii.first().copied().unwrap_or(THINNEST);
+        let front = self.fronts.first().copied().unwrap_or(0.0);
+        let tools = self.tools(radius, front, &self.slim);
+        let cutters: BTreeMap<u8, Cutter> = tools
+            .iter()
+            .map(|(number, tool)| (*number, Cutter::new(Shape::of(tool))))
+            .collect();
+        let mut scene = Scene::new(&self.stock(radius, front));
+        let mut intrusions = Vec::new();
+        for step in self.tried {
+            let Some(cutter) = cutters.get(&step.tool) else {
                 continue;
             };
-            if hits == 0 {
-                return Some(job);
-            }
-            if least.as_ref().is_none_or(|(fewest, _)| hits < *fewest) {
-                least = Some((hits, job));
-            }
-        }
-    }
-    least.map(|(_, job)| job)
-}
-
-/// Radii that a bar may have, the largest first: where outside cuts begin and end, and a
-/// little more than the widest cut along it.
-fn radii(cuts: &[&ExecutedMove], tools: &BTreeMap<u8, Tool>) -> Vec<f64> {
-    let is_outside = |cut: &&&ExecutedMove| {
-        let tool = tools.get(&cut.conditions.tool);
-        tool.is_none_or(|tool| !tool.is_internal())
-    };
-    let outside = || cuts.iter().filter(is_outside);
-    let mut radii: Vec<f64> = outside()
-        .flat_map(|cut| [cut.from.x, cut.to.x])
-        .filter(|radius| *radius > THINNEST)
-        .collect();
-    let widest = |along: f64, cut: &&ExecutedMove| match cut.from.z == cut.to.z {
-        true => along,
-        false => along.max(cut.from.x.min(cut.to.x)),
-    };
-    let along = outside().fold(0.0, widest);
-    let inside = cuts.iter().fold(0.0, widest) + WALL;
-    radii.push(if along > 0.0 { along + SKIN } else { inside });
-    radii.sort_by(|a, b| b.total_cmp(a));
-    radii.dedup_by(|a, b| (*a - *b).abs() < 0.01);
-    radii.truncate(MOST_BARS);
-    radii
-}
-
-/// Where the front of a bar may lie: at the facing cuts and before them, at the zero of
-/// the program, or where its cuts begin if the zero lies at the chuck.
-fn fronts(cuts: &[&ExecutedMove]) -> Vec<f64> {
-    let faced = cuts
-        .iter()
-        .filter(|cut| cut.from.z == cut.to.z && cut.from.x.min(cut.to.x) < THINNEST)
-        .map(|cut| cut.to.z)
-        .reduce(f64::max);
-    if let Some(faced) = faced {
-        return vec![faced + FACE, faced];
-    }
-    let mut begins: Vec<f64> = cuts.iter().map(|cut| cut.from.z.max(cut.to.z)).collect();
-    begins.sort_by(|a, b| b.total_cmp(a));
-    begins.dedup_by(|a, b| (*a - *b).abs() < 0.01);
-    match begins.first() {
-        Some(first) if *first > APPROACH => {
-            begins.truncate(MOST_FRONTS);
-            begins
-        }
-        _ => vec![0.0],
-    }
-}
-
-fn is_cut(executed: &ExecutedMove) -> bool {
-    !matches!(executed.kind, MoveKind::Rapid | MoveKind::Dwell)
-}
-
-/// How many rapids go through the stock; none of a job that is not cut.
-fn rapids_through(job: &Job, moves: &[ExecutedMove], rates: RapidRates) -> Option<usize> {
-    let mut machining = Machining::new(job.clone());
-    for executed in moves {
-        machining.moved(executed, rates);
-    }
-    let hits = |finding: &&super::Finding| finding.collision.toucher == Toucher::RapidInsert;
-    let is_cut = machining.removed_volume() > 0.0;
-    is_cut.then(|| machining.findings().iter().filter(hits).count())
-}
-
-fn uses(moves: &[ExecutedMove], front: f64) -> BTreeMap<u8, Use> {
-    let mut uses = BTreeMap::<u8, Use>::new();
-    let mut last: Option<&ExecutedMove> = None;
-    for executed in moves {
-        let conditions = &executed.conditions;
-        let used = uses.entry(conditions.tool).or_default();
-        if conditions.offset != 0 {
-            used.offset = conditions.offset;
-        }
-        let before = last.filter(|it| it.conditions.tool == conditions.tool);
-        used.take(executed, before, front);
-        last = Some(executed);
-    }
-    uses.retain(|number, used| *number != 0 && used.cuts());
-    uses
-}
-
-impl Use {
-    fn cuts(&self) -> bool {
-        self.threads || self.along != [0, 0] || self.plunges > 0 || self.drills > 0
-    }
-
-    fn take(&mut self, executed: &ExecutedMove, before: Option<&ExecutedMove>, front: f64) {
-        let (from, to) = (executed.from, executed.to);
-        let way = to - from;
-        if to.z < front && executed.kind != MoveKind::Dwell {
-            let nearest = from.x.min(to.x);
-            self.nearest = Some(self.nearest.map_or(nearest, |known| known.min(nearest)));
-        }
-        let after_cut_along = before
-            .is_some_and(|before| is_cut(before) && (before.to.z - before.from.z).abs() > NOTHING);
-        if after_cut_along && way.x.abs() > NOTHING && way.z >= -NOTHING {
-            self.leaves[usize::from(way.x > 0.0)] += 1;
-        }
-        match executed.kind {
-            MoveKind::Rapid | MoveKind::Dwell => {}
-            MoveKind::Thread | MoveKind::RunOut => self.threads = true,
-            MoveKind::Feed | MoveKind::Clockwise | MoveKind::CounterClockwise => {
-                self.take_cut(from, way);
+            let intrusion = scene.intrude(cutter, &step.motion);
+            for (rapid, region) in [(true, intrusion.insert), (false, intrusion.body)] {
+                if let Some(bounds) = region.bounds() {
+                    intrusions.push(Intruded {
+                        tool: step.tool,
+                        rapid: rapid || matches!(step.motion.kind, Kind::Rapid),
+                        region,
+                        bounds,
+                    });
+                }
             }
         }
+        intrusions
     }
 
-    fn take_cut(&mut self, from: Point, way: Point) {
-        if way.z.abs() <= NOTHING {
-            if way.x < 0.0 {
-                self.plunges += 1;
-                self.positions.push(from.z);
+    /// Takes for each tool the pose in which it goes through least of the stock.
+    fn settle_poses(&mut self) -> Vec<Intruded> {
+        let of_tool = |intrusions: &[Intruded], tool: u8| -> f64 {
+            let own = intrusions.iter().filter(|it| it.tool == tool);
+            own.map(|it| it.region.area()).sum()
+        };
+        let first = self.intrusions();
+        let mut least: BTreeMap<u8, (f64, Pose, u8)> = BTreeMap::new();
+        for (tool, pose) in &self.poses {
+            let area = of_tool(&first, *tool);
+            if area > RIGHT {
+                least.insert(*tool, (area, *pose, pose.levels()[0]));
             }
-        } else if from.x.abs() <= NOTHING && way.x.abs() <= NOTHING {
-            self.drills += 1;
-        } else {
-            self.along[usize::from(way.z > 0.0)] += 1;
-            self.longest = self.longest.max(way.z.abs());
-            if way.z < 0.0 && way.x < 0.0 {
-                let steep = libm::atan2(-way.x, -way.z).to_degrees();
-                self.steepest = self.steepest.max(steep);
+        }
+        let others: BTreeMap<u8, Vec<(Pose, u8)>> = least
+            .keys()
+            .filter_map(|tool| Some((*tool, self.other_poses(self.uses.get(tool)?))))
+            .collect();
+        let most = others.values().map(Vec::len).max().unwrap_or(0);
+        if most == 0 {
+            return first;
+        }
+        for index in 0..most {
+            for (tool, (_, pose, slim)) in &least {
+                let next = others.get(tool).and_then(|poses| poses.get(index));
+                let (pose, slim) = next.copied().unwrap_or((*pose, *slim));
+                self.poses.insert(*tool, pose);
+                self.slim.insert(*tool, slim);
             }
+            let intrusions = self.intrusions();
+            for (tool, (area, pose, slim)) in &mut least {
+                let other = of_tool(&intrusions, *tool);
+                let Some((tried, level)) = others.get(tool).and_then(|poses| poses.get(index))
+                else {
+                    continue;
+                };
+                let factor = if tried == pose { 1.0 } else { BETTER };
+                if other < *area * factor && *area > RIGHT {
+                    (*area, *pose, *slim) = (other, *tried, *level);
+                }
+            }
+        }
+        for (tool, (_, pose, slim)) in least {
+            self.poses.insert(tool, pose);
+            self.slim.insert(tool, slim);
+        }
+        self.intrusions()
+    }
+
+    /// What is tried when a tool goes through stock: its pose with edges that suit
+    /// shoulders, steps and narrow places, then the other poses with them all.
+    fn other_poses(&self, used: &Use) -> Vec<(Pose, u8)> {
+        let mut poses = self.known(0.0, 0.0).poses(used);
+        // An inside that is nowhere wider than where it is entered is not cut.
+        let bores = used
+            .nearest
+            .is_some_and(|nearest| nearest < used.farthest_cut);
+        poses.retain(|pose| bores || !pose.internal);
+        let levels = |pose: Pose| pose.levels().map(|slim| (pose, slim));
+        poses.into_iter().flat_map(levels).skip(1).collect()
+    }
+
+    /// Radius and front of the largest bar that is cut and that nothing goes through; if
+    /// there is none, of the one that the fewest rapids go through.
+    fn bar(&self, intrusions: &[Intruded]) -> Option<(f64, f64)> {
+        let widest = self.widest();
+        let bore = self.bore().unwrap_or(0.0);
+        let mut least: Option<(Misfit, (f64, f64))> = None;
+        for radius in &self.radii {
+            for front in &self.fronts {
+                if !self.is_cut(*radius, *front) {
+                    continue;
+                }
+                let bar = Region::rectangle(
+                    GridPoint::new(grid(front - 2.0 * FARTHEST), grid(bore)),
+                    GridPoint::new(grid(*front), grid(*radius)),
+                );
+                let Some(bounds) = bar.bounds() else {
+                    continue;
+                };
+                let through = |it: &&Intruded| {
+                    it.bounds.meets(&bounds) && is_thick(&it.region.common(bar.contours()))
+                };
+                let rapids = intrusions.iter().filter(|it| it.rapid).filter(through);
+                let bodies = || {
+                    intrusions
+                        .iter()
+                        .filter(|it| !it.rapid)
+                        .any(|it| through(&it))
+                };
+                let rapids = rapids.count();
+                let found = (rapids, *radius < widest, bodies());
+                if least.as_ref().is_none_or(|(known, _)| found < *known) {
+                    least = Some((found, (*radius, *front)));
+                }
+                if found == (0, false, false) {
+                    return Some((*radius, *front));
+                }
+            }
+        }
+        least.map(|(_, bar)| bar)
+    }
+
+    fn is_cut(&self, radius: f64, front: f64) -> bool {
+        let bore = self.bore().unwrap_or(0.0);
+        self.uses.iter().any(|(tool, used)| {
+            let cuts = match self.is_internal(*tool) {
+                true => used.farthest_cut > bore || used.work == Some(Work::Drill),
+                false => used.nearest_cut < radius,
+            };
+            cuts && used.deepest < front
+        })
+    }
+
+    /// The job with a bar, its tools as slim as the program needs them.
+    fn fitted(&self, radius: f64, front: f64) -> Job {
+        let mut slim = BTreeMap::new();
+        let mut job = Job::new(self.stock(radius, front));
+        job.tools = self.tools(radius, front, &slim);
+        let mut hits = self.hits(&job);
+        if hits.jaws {
+            self.clear_jaws(&mut job);
+            hits = self.hits(&job);
+        }
+        // The fewest hits of each tool, and how slim it is then.
+        let mut fewest: BTreeMap<u8, (usize, u8)> = BTreeMap::new();
+        for level in 1..=SLIMMEST {
+            if hits.of_tools.is_empty() {
+                break;
+            }
+            for (tool, count) in &hits.of_tools {
+                fewest.entry(*tool).or_insert((*count, 0));
+                slim.insert(*tool, level);
+            }
+            let tried: BTreeSet<u8> = hits.of_tools.keys().copied().collect();
+            job.tools = self.tools(radius, front, &slim);
+            hits = self.hits(&job);
+            for tool in tried {
+                let count = hits.of_tools.get(&tool).copied().unwrap_or(0);
+                let known = fewest.entry(tool).or_insert((count, level));
+                if count < known.0 {
+                    *known = (count, level);
+                }
+            }
+        }
+        slim.extend(fewest.iter().map(|(tool, (_, level))| (*tool, *level)));
+        job.tools = self.tools(radius, front, &slim);
+        job
+    }
+
+    /// Makes the bar stand out as far as tools reach that cut it.
+    fn clear_jaws(&self, job: &mut Job) {
+        let reach = |tool: &Tool| {
+            let shape = Shape::of(tool);
+            let body = shape.body.iter().flat_map(|(_, contour)| contour);
+            let least = shape.cutting.iter().chain(body).map(|point| point.x).min();
+            least.map_or(0.0, mm)
+        };
+        let reach: BTreeMap<u8, f64> = job
+            .tools
+            .iter()
+            .map(|(number, tool)| (*number, reach(tool)))
+            .collect();
+        let cuts = self.tried.iter().filter(|step| step.is_cut());
+        let least = cuts.filter_map(|step| {
+            let reach = reach.get(&step.tool)?;
+            Some(step.motion.from.z.min(step.motion.to.z) + reach)
+        });
+        let Some(least) = least.reduce(f64::min) else {
+            return;
+        };
+        let stock = &mut job.stock;
+        let overhang = (stock.face - least + TO_JAWS).min(FARTHEST);
+        if overhang > stock.overhang {
+            stock.length += overhang - stock.overhang;
+            stock.overhang = overhang;
         }
     }
 
-    /// Whether it only goes in and out of grooves within the part; a chamfer at their
-    /// edge is no turning.
-    fn grooves(&self) -> bool {
-        self.plunges > 0 && self.longest <= GROOVE && self.nearest.is_some()
-    }
-
-    /// Whether its cuts lie on the inside.
-    const fn is_internal(&self) -> bool {
-        self.leaves[0] > self.leaves[1]
-    }
-
-    /// The least distance between its plunges, mm.
-    fn step(&self) -> Option<f64> {
-        let mut positions = self.positions.clone();
-        positions.sort_by(f64::total_cmp);
-        let steps = positions.windows(2).map(|pair| pair[1] - pair[0]);
-        steps.filter(|step| *step > 0.1).min_by(f64::total_cmp)
-    }
-}
-
-fn tool(used: &Use, uses: &BTreeMap<u8, Use>, offsets: &Offsets) -> Tool {
-    let row = offsets.get(used.offset);
-    let (nose, tip) = (row.r.abs(), row.t);
-    let internal = match tip {
-        0 | 9 => used.is_internal(),
-        tip => matches!(tip, 1 | 2 | 6),
-    };
-    let mut tool = if used.threads {
-        let mut tool = Tool::threading(60.0);
-        tool.tip = if internal { 6 } else { 8 };
-        return tool;
-    } else if used.drills > 0 && used.along == [0, 0] {
-        let bored = uses.values().filter(|other| other.is_internal());
-        let nearest = bored.filter_map(|other| other.nearest);
-        let diameter = nearest
-            .reduce(f64::min)
-            .map_or(DRILL, |radius| 2.0 * radius);
-        return Tool::drill(diameter.max(1.0));
-    } else if used.grooves() {
-        // A groove that is wider than its tool is cut in steps of less than the tool.
-        let step = used.step().filter(|step| *step < GROOVE);
-        Tool::grooving(step.map_or(GROOVE, |step| (step + OVERLAP).min(GROOVE)))
-    } else if internal {
-        Tool::boring()
-    } else {
-        turning(used.steepest)
-    };
-    let left_hand = used.along[1] > used.along[0];
-    tool.tip = match (tip, internal, left_hand) {
-        (1..=8, ..) => tip,
-        (_, true, false) => 2,
-        (_, true, true) => 1,
-        (_, false, false) => 3,
-        (_, false, true) => 4,
-    };
-    if nose > 0.0 {
-        match &mut tool.insert {
-            Insert::Turning { nose: own, .. }
-            | Insert::Grooving { nose: own, .. }
-            | Insert::Threading { nose: own, .. } => *own = nose,
-            Insert::Drill { .. } => {}
+    fn hits(&self, job: &Job) -> Hits {
+        let mut machining = Machining::new(job.clone());
+        for (line, step) in (1..).zip(self.tried) {
+            // Each motion is counted by itself.
+            let source = Source {
+                program: ProgramId::External,
+                line,
+                sequence: None,
+            };
+            machining.carry_out(Some(source), step.tool, &step.motion);
         }
-    }
-    if tool.check().is_ok() {
-        tool
-    } else {
-        Tool::turning()
-    }
-}
-
-/// An outside tool whose back clears a contour that goes in so steeply, degrees.
-fn turning(steepest: f64) -> Tool {
-    // An edge of 16 mm: shoulders are finished in one go.
-    let insert = |letter, entering, nose| Insert::Turning {
-        letter,
-        entering,
-        size: 15.875,
-        nose,
-    };
-    // What is left between the second edge and the spindle axis.
-    let clears = |letter: Letter, entering: f64| 180.0 - entering - letter.corner();
-    let insert = if steepest <= clears(Letter::C, 95.0) {
-        insert(Letter::C, 95.0, 0.8)
-    } else if steepest <= clears(Letter::D, 93.0) {
-        insert(Letter::D, 93.0, 0.4)
-    } else {
-        insert(Letter::V, 93.0, 0.4)
-    };
-    Tool {
-        insert,
-        ..Tool::turning()
+        let mut hits = Hits::default();
+        for finding in machining.findings() {
+            let collision = finding.collision;
+            match (collision.toucher, collision.obstacle) {
+                (Toucher::RapidInsert, Obstacle::Stock) => hits.count(finding.tool),
+                (Toucher::RapidInsert | Toucher::StandingInsert, _) => {}
+                (_, Obstacle::Jaws | Obstacle::Chuck) => hits.jaws = true,
+                (Toucher::Body(_), _) => hits.count(finding.tool),
+                (Toucher::Insert, _) => {}
+            }
+        }
+        hits
     }
 }
 
-/// Radius of the hole that inside tools find, mm; none where a drill makes it.
-fn bore(uses: &BTreeMap<u8, Use>, tools: &BTreeMap<u8, Tool>) -> Option<f64> {
-    let drills = |tool: &Tool| matches!(tool.insert, Insert::Drill { .. });
-    if tools.values().any(drills) {
-        return None;
+/// What is wrong with a bar, the worst first: rapids through it, cuts along that are wider,
+/// whether a body goes through it.
+type Misfit = (usize, bool, bool);
+
+/// What guessed tools hit.
+#[derive(Default)]
+struct Hits {
+    jaws: bool,
+    /// Findings by tool: its body anywhere, its insert in a rapid in the stock.
+    of_tools: BTreeMap<u8, usize>,
+}
+
+impl Hits {
+    fn count(&mut self, tool: u8) {
+        *self.of_tools.entry(tool).or_default() += 1;
     }
-    let inside = |number: &u8| tools.get(number).is_some_and(Tool::is_internal);
-    uses.iter()
-        .filter(|(number, _)| inside(number))
-        .filter_map(|(_, used)| used.nearest)
-        .reduce(f64::min)
-        .filter(|radius| *radius > 0.5)
+}
+
+/// No bar is longer, mm.
+const FARTHEST: f64 = 2_000.0;
+
+/// Whether a region is more than what rounding leaves: surfaces slide along each other.
+fn is_thick(region: &Region) -> bool {
+    const THIN: i32 = 50;
+    region.bounds().is_some_and(|bounds| {
+        bounds.high.x - bounds.low.x > THIN && bounds.high.y - bounds.low.y > THIN
+    })
 }

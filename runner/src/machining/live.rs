@@ -97,9 +97,9 @@ impl Live {
         };
         self.change_stock(simulation);
         if !manner.rapid && manner.source.is_some() && cnc.is_moving() {
-            self.machining.mounting.settle(tool, &frame);
+            self.machining.track.mounting_mut().settle(tool, &frame);
         }
-        let tip = |slide| self.machining.mounting.tip(tool, slide, &frame);
+        let tip = |slide| self.machining.mounting().tip(tool, slide, &frame);
         let slide = cnc.position_machine();
         let now = Last {
             slide,

@@ -8,21 +8,22 @@ pub mod guess;
 pub mod ideal;
 pub mod live;
 mod mounting;
+mod track;
 
 use std::collections::BTreeMap;
 
-use gsk_core::command::{ExecutedMove, MoveKind, Source, ThreadStart};
-use gsk_core::units::{Feed, Point};
+use gsk_core::command::{ExecutedMove, Source};
 use gsk_workpiece::collision::Collision;
 use gsk_workpiece::job::Job;
-use gsk_workpiece::motion::{Kind, Motion, ThreadPath};
+use gsk_workpiece::motion::Motion;
 use gsk_workpiece::region::Region;
 use gsk_workpiece::scene::{Cutter, Outcome, Scene};
 use gsk_workpiece::tool::{Insert, Shape};
 
 pub use mounting::Mounting;
+use track::Track;
 
-use crate::curves::{RapidRates, rapid_bend};
+use crate::curves::RapidRates;
 
 /// Findings that are kept.
 const MOST_FINDINGS: usize = 100;
@@ -46,9 +47,7 @@ pub struct Machining {
     job: Job,
     scene: Scene,
     cutters: BTreeMap<u8, Cutter>,
-    mounting: Mounting,
-    /// Angle of the spindle where the last thread ended, turns.
-    phase: f64,
+    track: Track,
     /// Volume of what was parted off, mm³.
     parted: f64,
     findings: Vec<Finding>,
@@ -64,9 +63,8 @@ impl Machining {
             .collect();
         Self {
             scene: Scene::new(&job.stock),
-            mounting: Mounting::of(&job),
+            track: Track::of(&job),
             cutters,
-            phase: 0.0,
             parted: 0.0,
             findings: Vec::new(),
             job,
@@ -95,7 +93,7 @@ impl Machining {
 
     /// How tools and part stand to the slide.
     pub const fn mounting(&self) -> &Mounting {
-        &self.mounting
+        self.track.mounting()
     }
 
     /// A new piece of stock is clamped; the tools stay where they are.
@@ -107,73 +105,10 @@ impl Machining {
 
     /// A move of the program.
     pub fn moved(&mut self, executed: &ExecutedMove, rates: RapidRates) {
-        if executed.kind == MoveKind::Dwell {
-            return;
+        let tool = executed.conditions.tool;
+        for motion in self.track.motions(executed, rates) {
+            self.carry_out(Some(executed.source), tool, &motion);
         }
-        let conditions = &executed.conditions;
-        let (tool, frame) = (conditions.tool, &conditions.frame);
-        if executed.kind != MoveKind::Rapid {
-            self.mounting.settle(tool, frame);
-        }
-        let shift = frame.machine(Point::default()) - self.mounting.zero_of(tool, frame);
-        let at = |point: Point| point + shift;
-        let (from, to) = (at(executed.from), at(executed.to));
-        let turning = conditions.rpm > 0.0;
-        let motion = |from, to, kind| Motion {
-            from,
-            to,
-            kind,
-            turning,
-        };
-        let source = Some(executed.source);
-        match executed.kind {
-            MoveKind::Dwell => {}
-            MoveKind::Rapid => {
-                let bend = rapid_bend(from, to, rates).unwrap_or(to);
-                self.carry_out(source, tool, &motion(from, bend, Kind::Rapid));
-                if bend != to {
-                    self.carry_out(source, tool, &motion(bend, to, Kind::Rapid));
-                }
-            }
-            MoveKind::Feed => self.carry_out(source, tool, &motion(from, to, Kind::Line)),
-            MoveKind::Clockwise | MoveKind::CounterClockwise => {
-                let kind = match executed.center {
-                    Some(center) => Kind::Arc {
-                        center: at(center),
-                        clockwise: executed.kind == MoveKind::Clockwise,
-                    },
-                    None => Kind::Line,
-                };
-                self.carry_out(source, tool, &motion(from, to, kind));
-            }
-            MoveKind::Thread | MoveKind::RunOut => {
-                let kind = self.thread(executed, from, to);
-                self.carry_out(source, tool, &motion(from, to, kind));
-            }
-        }
-    }
-
-    /// Where a thread meets the drawn plane; a tap is a straight cut.
-    fn thread(&mut self, executed: &ExecutedMove, from: Point, to: Point) -> Kind {
-        let (Some(thread), Some(Feed::PerRevolution(lead))) =
-            (executed.conditions.thread, executed.feed)
-        else {
-            return Kind::Line;
-        };
-        let path = ThreadPath {
-            from,
-            to,
-            long: thread.long,
-            lead,
-            increase: thread.increase,
-            phase: match thread.start {
-                ThreadStart::AtIndex { degrees } => degrees / 360.0,
-                ThreadStart::Continued => self.phase,
-            },
-        };
-        let (imprints, phase) = path.imprints();
-        self.phase = phase;
-        Kind::Thread(imprints)
     }
 
     /// Moves a tool about the part.

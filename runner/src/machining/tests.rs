@@ -8,6 +8,7 @@ use gsk_core::preview::preview;
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
+use gsk_core::units::Point;
 use gsk_workpiece::collision::{Obstacle, Toucher};
 use gsk_workpiece::stock::{Form, Stock};
 use gsk_workpiece::tool::{Insert, Tool};
@@ -244,4 +245,179 @@ fn the_bar_to_practise_on_is_sound_and_the_first_tool_stands_before_it() {
         tip.x > job.stock.radius() && tip.z > job.stock.front(),
         "{tip:?}"
     );
+}
+
+/// Programs of parts that are right, and what their guessed part has in common with them:
+/// points of the half section that are stock, and such that are not, X as a diameter.
+type GuessedPart = (
+    &'static str,
+    &'static str,
+    &'static [(f64, f64)],
+    &'static [(f64, f64)],
+);
+
+const HEAD: &str = "G50 X120 Z80\nM03 S500\n";
+
+const GUESSED: [GuessedPart; 18] = [
+    (
+        "facing with G94",
+        "T0101\nG00 X52 Z2\nG94 X20 Z-2 F100\nZ-4\nZ-6\nZ-8\nG00 X100 Z80",
+        &[(19.0, -7.0), (50.0, -9.0)],
+        &[(24.0, -7.5), (50.0, -7.5)],
+    ),
+    (
+        "facing with G72, finished away from the chuck",
+        "T0101\nG00 X52 Z2\nG72 W2 R1\nG72 P10 Q20 U0.2 W0.1 F100\nN10 G00 Z-12\nG01 X30 F60\n\
+         Z-6\nX20\nZ0\nN20 Z2\nG70 P10 Q20\nG00 X100 Z80",
+        &[(19.0, -5.0), (29.0, -11.0), (50.0, -12.5)],
+        &[(22.5, -5.0), (32.5, -11.0)],
+    ),
+    (
+        "facing with G01",
+        "T0101\nG00 X52 Z0\nG01 X-1.6 F100\nG00 Z2\nX46\nG01 Z-20\nX52\nG00 X100 Z80",
+        &[(45.0, -10.0), (45.0, -0.1), (50.0, -21.0)],
+        &[(47.0, -10.0), (10.0, 0.1)],
+    ),
+    (
+        "an internal thread in a drilled and bored hole",
+        "T0101\nG00 X0 Z5\nG01 Z-40 F60\nG00 Z80\nT0202\nG00 X24 Z3\nG90 X25 Z-30 F100\nX26\nX27\n\
+         X28.4\nG00 Z80\nT0303\nG00 X26 Z5\nG92 X28.9 Z-25 F1.5\nX29.4\nX29.8\nX30\nG00 Z80",
+        &[(30.2, -10.0), (28.6, -28.0)],
+        &[(28.2, -28.0), (22.0, -30.0)],
+    ),
+    (
+        "an internal thread in a tube",
+        "T0101\nG00 X18 Z5\nG76 P010060 Q100 R0.05\nG76 X21.5 Z-25 P800 Q300 F1.5\nG00 Z80",
+        &[(21.8, -10.0), (30.0, -30.0)],
+        &[(17.5, -10.0)],
+    ),
+    (
+        "a groove in the face with G74",
+        "T0101\nG00 X30 Z3\nG74 R0.5\nG74 Z-6 Q2000 F50\nG00 X100 Z80",
+        &[(25.0, -3.0), (35.0, -3.0), (30.0, -6.5)],
+        &[(30.0, -5.0)],
+    ),
+    (
+        "a groove in the face with G01",
+        "T0101\nG00 X30 Z3\nG01 Z-6 F30\nG04 X1\nG00 Z3\nX100 Z80",
+        &[(25.0, -3.0), (35.0, -3.0), (30.0, -6.5)],
+        &[(30.0, -5.0)],
+    ),
+    (
+        "a groove and parting off",
+        "T0101\nG00 X44 Z-20\nG01 X30 F40\nG00 X44\nZ-40\nG01 X-0.4 F30\nG00 X100 Z80",
+        &[(20.0, -41.0)],
+        &[(20.0, -38.0)],
+    ),
+    (
+        "a deep groove with G75",
+        "T0101\nG00 X62 Z-20\nG75 R1\nG75 X12 P3000 F40\nG00 X100 Z80",
+        &[(10.0, -19.0), (60.0, -22.0)],
+        &[(14.0, -18.0)],
+    ),
+    (
+        "a groove in a bore",
+        "T0101\nG00 X18 Z3\nG90 X20 Z-30 F80\nX22\nG00 Z80\nT0202\nG00 X20 Z3\nZ-15\n\
+         G01 X28 F30\nX20\nG00 Z80",
+        &[(23.0, -8.0), (23.0, -20.0), (28.5, -13.5)],
+        &[(27.0, -13.5), (21.0, -25.0)],
+    ),
+    (
+        "a left-hand tool from a groove on",
+        "T0101\nG00 X54 Z-43\nG01 X44 F40\nG00 X54\nX100 Z80\nT0202\nG00 X54 Z-40\nG00 X48\n\
+         G01 Z-10 F80\nX54\nG00 Z-40\nX44\nG01 Z-10\nX54\nG00 X100 Z80",
+        &[(43.0, -20.0), (47.0, -8.0)],
+        &[(45.0, -20.0)],
+    ),
+    (
+        "an undercut between shoulders",
+        "T0101\nG00 X46 Z2\nG01 Z-45 F100\nX54\nG00 Z2\nX46\nG01 Z-8 F80\nX36 Z-20\nZ-35\nX46 Z-38\n\
+         X54\nG00 X100 Z80",
+        &[(45.0, -5.0), (35.0, -25.0), (45.0, -42.0)],
+        &[(37.0, -25.0), (47.0, -42.0)],
+    ),
+    (
+        "without a T word",
+        "G00 X52 Z2\nG90 X46 Z-30 F100\nX42\nX38\nG00 X100 Z80",
+        &[(37.0, -20.0), (50.0, -31.0)],
+        &[(39.0, -20.0)],
+    ),
+    (
+        "beyond the axis",
+        "T0101\nG00 X-52 Z2\nX-46\nG01 Z-25 F100\nX-52\nG00 Z2\nX-42\nG01 Z-25\nX-52\nG00 X-120 Z80",
+        &[(41.0, -20.0), (47.0, -27.0)],
+        &[(43.0, -20.0)],
+    ),
+    (
+        "a tapered thread",
+        "T0101\nG00 X34 Z6\nG92 X29.6 Z-20 R-1 F1.5\nX29 R-1\nX28.2 R-1\nG00 X100 Z80",
+        &[(26.0, -3.0), (27.5, -15.0)],
+        &[],
+    ),
+    (
+        "rapids away from shoulders",
+        "T0101\nG00 X46 Z2\nG01 Z-30 F100\nG00 X52\nZ2\nX40\nG01 Z-20\nG00 X52\nX100 Z80",
+        &[(39.0, -10.0), (45.0, -25.0), (47.0, -31.0)],
+        &[(41.0, -10.0), (47.0, -20.0)],
+    ),
+    (
+        "rapids away from faced steps",
+        "T0101\nG00 X52 Z-2\nG01 X30 F60\nG00 Z2\nX52\nZ-4\nG01 X30\nG00 Z2\nX100 Z80",
+        &[(29.0, -1.0), (45.0, -5.0)],
+        &[(31.0, -3.0)],
+    ),
+    (
+        "a tube, faced and turned",
+        "T0101\nG00 X54 Z0\nG01 X18 F80\nG00 Z2\nX46\nG01 Z-20 F100\nX52\nG00 X100 Z80",
+        &[(45.0, -10.0)],
+        &[(47.0, -10.0), (30.0, 0.1)],
+    ),
+];
+
+#[test]
+fn parts_that_are_right_collide_with_no_guessed_tool() {
+    for (name, text, stock, air) in GUESSED {
+        let head = match text.contains("X-52") {
+            true => HEAD.replace("X120", "X-120"),
+            false => HEAD.to_owned(),
+        };
+        let setup = setup(&[&format!("{head}{text}\nM30\n")]);
+        let job = guessed(&setup);
+        job.check().unwrap();
+        let machining = carried_out(&setup, job.clone());
+        assert_eq!(machining.findings(), [], "{name}: {job:?}");
+        let section = machining.scene().part().section();
+        let has = |&(x, z): &(f64, f64)| {
+            section.contains(gsk_workpiece::grid::to_grid(Point::new(x / 2.0, z)))
+        };
+        assert!(stock.iter().all(has), "{name}: too much is cut, {job:?}");
+        assert!(!air.iter().any(has), "{name}: too little is cut, {job:?}");
+    }
+}
+
+#[test]
+fn a_machine_zero_that_is_not_known_is_not_in_the_part() {
+    let head = "M03 S500\nT0101\nG00 X46 Z2\nG01 Z-20 F100\nX52\n";
+    let job = || {
+        let mut job = Job::new(Stock::bar(50.0, 0.0, 60.0));
+        job.tools.insert(1, Tool::turning());
+        job
+    };
+    // The machine zero is taken to lie nowhere: neither the way there nor back collides.
+    for text in [
+        "G28 U0 W0\nG00 X44 Z2\nG01 Z-10\nM30\n",
+        "G28 X60 Z5\nG00 W5\nU2\nX44 Z2\nG01 Z-10\nM30\n",
+        "G28 U0\nG28 W0\nG00 Z2\nX44\nG01 Z-10\nM30\n",
+    ] {
+        let setup = setup(&[&format!("{head}{text}")]);
+        let machining = carried_out(&setup, job());
+        assert_eq!(machining.findings(), [], "{text}");
+        let radius = machining.scene().part().greatest_radius(-5.0, -2.0);
+        assert!((radius - 22.0).abs() < 1e-9, "{text}: {radius}");
+    }
+    // Where it is known, the way back goes through the bar.
+    let mut setup = setup(&[&format!("{head}G28 U0 W0\nM30\n")]);
+    setup.absolute = Some(Point::new(0.0, -40.0));
+    let machining = carried_out(&setup, job());
+    assert!(!machining.findings().is_empty());
 }

@@ -2,7 +2,7 @@
 //! around it.
 
 use gsk_core::command::{ExecutedMove, MoveKind};
-use gsk_core::units::Point;
+use gsk_core::units::{PerAxis, Point};
 
 use super::extent::{Extent, Size};
 use super::labels::Labels;
@@ -85,6 +85,19 @@ impl Drawing {
             *end = executed.to;
         }
         let (from, to) = (executed.from, executed.to);
+        let unplaced = executed.conditions.unplaced;
+        if !unplaced.is_none() {
+            // To the edge of the picture, or from there.
+            let known = |end: PerAxis<bool>| !end.x && !end.z;
+            if known(unplaced.from) {
+                self.reach(made, from);
+                self.line(made, from, beyond(from, unplaced.to));
+            } else if known(unplaced.to) {
+                self.reach(made, to);
+                self.line(made, beyond(to, unplaced.from), to);
+            }
+            return;
+        }
         self.reach(made, from);
         self.reach(made, to);
         match executed.kind {
@@ -220,6 +233,21 @@ impl Drawing {
             self.labels.suit(pixel * NUMBER);
         }
     }
+}
+
+/// A point beyond every picture, in the axes that are not known.
+fn beyond(point: Point, unplaced: PerAxis<bool>) -> Point {
+    /// mm.
+    const FAR: f64 = 100_000.0;
+    let outwards = if point.x < 0.0 { -FAR } else { FAR };
+    Point::new(
+        if unplaced.x {
+            point.x + outwards
+        } else {
+            point.x
+        },
+        if unplaced.z { point.z + FAR } else { point.z },
+    )
 }
 
 #[cfg(test)]

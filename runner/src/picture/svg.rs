@@ -5,12 +5,14 @@ use std::fmt::Write;
 use gsk_messages::Language;
 
 use super::clip::clipped;
+use super::coverage::Coverage;
 use super::drawing::Drawing;
 use super::extent::Size;
 use super::layout::Layout;
 use super::legend::{EDGE, GAP, SAMPLE, width};
 use super::numbers::HEIGHT;
 use super::pens::{ARM, DIMENSION, MARK, Pen};
+use super::pieces::Made;
 
 /// The whole file.
 pub fn render(drawing: &Drawing, language: Language) -> String {
@@ -18,10 +20,19 @@ pub fn render(drawing: &Drawing, language: Language) -> String {
     let mut out = open(drawing.look().size);
     grid(&mut out, &layout);
     scenery(&mut out, drawing, &layout);
+    let mut covered: Vec<(Made, Coverage)> = Vec::new();
     for (made, points) in drawing.pieces().strokes() {
         let points = points.map(|point| layout.place(point));
+        let known = covered.iter().position(|(known, _)| *known == made);
+        let index = known.unwrap_or_else(|| {
+            covered.push((made, Coverage::new(layout.frame)));
+            covered.len() - 1
+        });
+        let Some((_, coverage)) = covered.get_mut(index) else {
+            continue;
+        };
         clipped(points, layout.frame, |part| {
-            polyline(&mut out, Pen::of(made), part);
+            coverage.bare(part, |part| polyline(&mut out, Pen::of(made), part));
         });
     }
     for mark in drawing

@@ -43,6 +43,8 @@ pub struct Annotation {
     pub rule: String,
     /// Line of the file, from 1; none where it has no line there.
     pub line: Option<u32>,
+    /// First column in the line, in characters from 1, and the last one where it is known.
+    pub columns: Option<(u32, Option<u32>)>,
     /// In words.
     pub text: String,
 }
@@ -50,18 +52,27 @@ pub struct Annotation {
 /// What is wrong in a program, in the order of its report: alarms, collisions, what
 /// keeps it from its end, likely slips.
 pub fn annotations(report: &Report, language: Option<Language>) -> Vec<Annotation> {
-    let annotation = |level, rule: &str, line, text| Annotation {
+    let annotation = |level, rule: &str, line: Option<u32>, text| Annotation {
         file: report.file.clone(),
         level,
         rule: rule.to_owned(),
         line,
+        columns: None,
         text,
+    };
+    let at = |columns: Option<(u32, Option<u32>)>, annotation: Annotation| Annotation {
+        columns: columns.filter(|_| annotation.line.is_some()),
+        ..annotation
     };
     let more = report.path.iter().flat_map(|path| &path.more_alarms);
     let alarms = report.alarm.iter().chain(more).map(|alarm| {
         let rule = format!("{}{:03}", alarm.class, alarm.number);
         let line = own_line(alarm.program, alarm.line);
-        annotation(Level::Error, &rule, line, text(alarm, language))
+        let column = alarm.column.map(|column| (column, None));
+        at(
+            column,
+            annotation(Level::Error, &rule, line, text(alarm, language)),
+        )
     });
     let mut all: Vec<Annotation> = alarms.collect();
     let collisions = report.part.iter().flat_map(|part| &part.collisions);
@@ -81,7 +92,8 @@ pub fn annotations(report: &Report, language: Option<Language>) -> Vec<Annotatio
             Some(_) => it.text.clone(),
             None => in_program(Some(it.program), it.sentence.clone()),
         };
-        annotation(Level::Warning, it.rule, line, text)
+        let columns = it.columns.map(|(first, last)| (first, Some(last)));
+        at(columns, annotation(Level::Warning, it.rule, line, text))
     }));
     all
 }
@@ -126,9 +138,15 @@ pub fn github(annotations: &[Annotation]) -> String {
     let mut out = String::new();
     for it in annotations {
         let file = property(&it.file);
-        let line = it
+        let mut line = it
             .line
             .map_or(String::new(), |line| format!(",line={line}"));
+        if let Some((first, last)) = it.columns {
+            let _ = write!(line, ",col={first}");
+            if let Some(last) = last {
+                let _ = write!(line, ",endColumn={last}");
+            }
+        }
         let (level, rule, said) = (it.level.name(), property(&it.rule), data(&it.text));
         let _ = writeln!(out, "::{level} file={file}{line},title={rule}::{said}");
     }
@@ -155,7 +173,11 @@ pub fn sarif(annotations: &[Annotation], version: &str) -> String {
     let results: Vec<Value> = annotations.iter().map(result).collect();
     let rules: Vec<Value> = rules.iter().map(|id| json!({ "id": id })).collect();
     let driver = json!({ "name": "gsk980td", "version": version, "rules": rules });
-    let run = json!({ "tool": { "driver": driver }, "results": results });
+    let run = json!({
+        "tool": { "driver": driver },
+        "columnKind": "unicodeCodePoints",
+        "results": results,
+    });
     let log = json!({ "$schema": SCHEMA, "version": SARIF, "runs": [run] });
     format!("{log:#}\n")
 }
@@ -163,7 +185,14 @@ pub fn sarif(annotations: &[Annotation], version: &str) -> String {
 fn result(it: &Annotation) -> Value {
     let mut place = json!({ "artifactLocation": { "uri": uri(&it.file) } });
     if let Some(line) = it.line {
-        place["region"] = json!({ "startLine": line });
+        let mut region = json!({ "startLine": line });
+        if let Some((first, last)) = it.columns {
+            region["startColumn"] = first.into();
+            if let Some(last) = last {
+                region["endColumn"] = (last + 1).into();
+            }
+        }
+        place["region"] = region;
     }
     json!({
         "ruleId": it.rule,
@@ -206,6 +235,7 @@ mod tests {
             level: Level::Error,
             rule: "PS010".to_owned(),
             line,
+            columns: None,
             text: text.to_owned(),
         }
     }

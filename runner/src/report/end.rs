@@ -8,6 +8,8 @@ use serde::{Serialize, Serializer};
 pub enum End {
     /// M30.
     M30,
+    /// M02, on models that have it.
+    M02,
     /// M99 in the main program.
     M99,
     /// The end of the text.
@@ -31,6 +33,7 @@ impl End {
     pub const fn name(self) -> &'static str {
         match self {
             Self::M30 => "M30",
+            Self::M02 => "M02",
             Self::M99 => "M99",
             Self::Text => "EOF",
             Self::Alarm => "alarm",
@@ -44,7 +47,7 @@ impl End {
 
     /// Whether it is the program's own.
     pub(crate) const fn is_own(self) -> bool {
-        matches!(self, Self::M30 | Self::M99 | Self::Text)
+        matches!(self, Self::M30 | Self::M02 | Self::M99 | Self::Text)
     }
 }
 
@@ -58,6 +61,7 @@ impl From<preview::End> for End {
     fn from(end: preview::End) -> Self {
         match end {
             preview::End::M30 => Self::M30,
+            preview::End::M02 => Self::M02,
             preview::End::M99 => Self::M99,
             preview::End::Text => Self::Text,
             preview::End::Alarm => Self::Alarm,

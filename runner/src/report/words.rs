@@ -89,7 +89,7 @@ impl Report {
             End::Asked => say::report_asked(),
             End::Collision => say::report_ended_by_collision(),
             End::Limit => say::report_given_up(say::report_limit()),
-            End::M30 | End::M99 | End::Text => say::report_ended(self.end.name()),
+            End::M30 | End::M02 | End::M99 | End::Text => say::report_ended(self.end.name()),
         }
     }
 

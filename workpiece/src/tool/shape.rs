@@ -99,8 +99,12 @@ impl Shape {
             }
             Holder::Bar { diameter, length } => {
                 let begin = SHANK_BACK;
-                // The insert stands out of the bar a little, so that it may bore.
-                let out = (OUT_OF_HOLDER * outline.out).max(0.3);
+                // The insert stands out of the bar a little, so that it may bore; a blade
+                // as far as it reaches.
+                let out = match &outline.blade {
+                    Some(blade) => blade.reach.max(outline.out),
+                    None => (OUT_OF_HOLDER * outline.out).max(0.3),
+                };
                 let end = length.max(begin + 1.0);
                 add(BodyPart::Holder, (begin, end), (out, out + diameter));
                 let middle = out + diameter / 2.0;

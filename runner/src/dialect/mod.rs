@@ -1,12 +1,14 @@
-//! A program read with the eyes of another control model: which of its codes mean
+//! A program read with the eyes of another control model: what of it means
 //! something else there, and the same program in the numbers of the other one, as far
-//! as those codes mean the same.
+//! as its codes mean the same.
+
+mod conventions;
 
 use gsk_core::model::{GCode, MCode, Record};
 use gsk_messages::{Message, say};
 
 /// A code of one model as another one reads it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// Line of the text, from 1.
     pub line: u32,
@@ -16,9 +18,13 @@ pub struct Finding {
     pub outcome: Outcome,
 }
 
+pub use conventions::Difference;
+
 /// What becomes of a code in another model.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
+    /// What it stands for is another thing there, whatever the codes; in how many blocks.
+    Otherwise(Difference, usize),
     /// The model that the program was written for does not have it.
     Foreign,
     /// It has another number there.
@@ -83,6 +89,13 @@ impl Finding {
         let letter = code.get(..1).unwrap_or_default();
         let written = |number: u8| format!("{letter}{number:02}");
         match &self.outcome {
+            Outcome::Otherwise(difference, blocks) => conventions::Met {
+                difference: difference.clone(),
+                line: self.line,
+                code: code.clone(),
+                blocks: *blocks,
+            }
+            .text(from, to),
             Outcome::Foreign => say::dialect_foreign(code, from.name()),
             Outcome::Renumbered { here, number } => {
                 say::dialect_renumbered(code, here.text(), written(*number), to.name())
@@ -117,7 +130,7 @@ impl Finding {
         match self.outcome {
             Outcome::Renumbered { number, .. } => Some(number),
             Outcome::Differs { number, .. } => number,
-            Outcome::Foreign | Outcome::Missing { .. } => None,
+            Outcome::Foreign | Outcome::Missing { .. } | Outcome::Otherwise(..) => None,
         }
     }
 }
@@ -131,7 +144,16 @@ pub fn compare(text: &str, from: &Record, to: &Record) -> Vec<Finding> {
             .filter_map(|word| look(word, block, from, to));
         codes.collect::<Vec<_>>()
     };
-    blocks(text).iter().flat_map(found).collect()
+    let blocks = blocks(text);
+    let otherwise = conventions::differences(&blocks, from, to);
+    let otherwise = otherwise.into_iter().map(|met| Finding {
+        line: met.line,
+        code: met.code,
+        outcome: Outcome::Otherwise(met.difference, met.blocks),
+    });
+    let mut all: Vec<Finding> = otherwise.chain(blocks.iter().flat_map(found)).collect();
+    all.sort_by_key(|finding| finding.line);
+    all
 }
 
 /// The program in the numbers of the other model, where they say the same; all else
@@ -166,9 +188,30 @@ struct Word<'a> {
 struct Block<'a> {
     line: u32,
     words: Vec<Word<'a>>,
+    /// It calculates.
+    has_formula: bool,
 }
 
 impl Block<'_> {
+    /// Whether it has words or calculates.
+    const fn says_something(&self) -> bool {
+        !self.words.is_empty() || self.has_formula
+    }
+
+    /// Its words of a letter.
+    fn codes(&self, letter: u8) -> impl Iterator<Item = &Word<'_>> {
+        self.words.iter().filter(move |word| word.letter == letter)
+    }
+
+    /// Whether a G code of it has a meaning.
+    fn means(&self, record: &Record, is: impl Fn(GCode) -> bool) -> bool {
+        self.codes(b'G').any(|word| {
+            let code = word.value.parse::<u8>().ok();
+            let meaning = code.and_then(|code| record.g_code(code.into()));
+            meaning.is_some_and(&is)
+        })
+    }
+
     fn has(&self, letter: u8) -> bool {
         self.words.iter().any(|word| word.letter == letter)
     }
@@ -179,13 +222,14 @@ impl Block<'_> {
     }
 }
 
-/// The blocks of a text with a word in them; comments are passed over.
+/// The blocks of a text that say something; comments are passed over.
 fn blocks(text: &str) -> Vec<Block<'_>> {
     let bytes = text.as_bytes();
     let mut blocks = Vec::new();
     let mut block = Block {
         line: 1,
         words: Vec::new(),
+        has_formula: false,
     };
     let mut line = 1;
     let (mut at, mut comment) = (0, false);
@@ -197,13 +241,15 @@ fn blocks(text: &str) -> Vec<Block<'_>> {
             let next = Block {
                 line,
                 words: Vec::new(),
+                has_formula: false,
             };
             let done = core::mem::replace(&mut block, next);
-            blocks.extend(Some(done).filter(|it| !it.words.is_empty()));
+            blocks.extend(Some(done).filter(Block::says_something));
         }
         match byte {
             b'(' => comment = true,
             b')' => comment = false,
+            b'#' | b'=' | b'[' if !comment => block.has_formula = true,
             _ if !comment && byte.is_ascii_alphabetic() => {
                 let word = word(text, at);
                 at = word.number.1.max(at + 1);
@@ -216,7 +262,7 @@ fn blocks(text: &str) -> Vec<Block<'_>> {
         }
         at += 1;
     }
-    blocks.extend(Some(block).filter(|it| !it.words.is_empty()));
+    blocks.extend(Some(block).filter(Block::says_something));
     blocks
 }
 
@@ -271,11 +317,11 @@ fn look(word: &Word<'_>, block: &Block<'_>, from: &Record, to: &Record) -> Optio
         return found(Outcome::Foreign);
     };
     let there = means(to, number);
-    if there.is_some_and(|there| same(here, there, block)) {
+    let same = |there| same(here, there, block) && words_mean_the_same(here, block, from, to);
+    if there.is_some_and(same) {
         return None;
     }
-    let other = (0..=u8::MAX)
-        .find(|number| means(to, *number).is_some_and(|there| same(here, there, block)));
+    let other = (0..=u8::MAX).find(|number| means(to, *number).is_some_and(same));
     found(match (there, other) {
         (None, None) => Outcome::Missing { here },
         (None, Some(number)) => Outcome::Renumbered { here, number },
@@ -285,6 +331,21 @@ fn look(word: &Word<'_>, block: &Block<'_>, from: &Record, to: &Record) -> Optio
             number,
         },
     })
+}
+
+/// Whether the words beside a code mean the same in both models: S beside the code that sets
+/// coordinates, threads an inch and run-outs beside a thread.
+fn words_mean_the_same(here: Meaning, block: &Block<'_>, from: &Record, to: &Record) -> bool {
+    let (one, other) = (&from.conventions, &to.conventions);
+    match here {
+        Meaning::G(GCode::Coordinates, _) if block.has(b'S') => {
+            one.limits_speed_by_coordinates == other.limits_speed_by_coordinates
+        }
+        Meaning::G(GCode::Thread, _) if one.x != other.x => {
+            !b"IJKQ".iter().any(|letter| block.has(*letter))
+        }
+        _ => true,
+    }
 }
 
 fn meaning_of_g(record: &Record, number: u8) -> Option<Meaning> {
@@ -363,6 +424,63 @@ mod tests {
                 "4: G92 is thread cycle here, in 华兴 31/32 coordinate system set, no motion (decided, not in its manual)",
             ]
         );
+    }
+
+    /// A mill counts X as a distance, whatever the codes say: 002, coordinates of the lathe
+    /// 000 table 3-5.
+    #[test]
+    fn what_lies_in_no_code_is_listed_too() {
+        let (td, mdi) = (ModelId::Gsk980td, ModelId::Gsk980mdi);
+        let text = "G00 X20 Z2\nG01 X30 Z-20 F100\nM30\n";
+        assert_eq!(
+            list(text, td, mdi),
+            [
+                "1: X20: X is a diameter in GSK980TD and a distance in GSK980MDi: the path along X, its length and its feed change (2 blocks)"
+            ]
+        );
+        assert_eq!(list(text, mdi, td).len(), 1);
+        let kinds = |text, from, to| -> Vec<Difference> {
+            let (from, to): (ModelId, ModelId) = (from, to);
+            let all = compare(text, from.record(), to.record());
+            let otherwise = all.into_iter().filter_map(|it| match it.outcome {
+                Outcome::Otherwise(difference, _) => Some(difference),
+                _ => None,
+            });
+            otherwise.collect()
+        };
+        assert_eq!(
+            kinds("G00 Z1\nG01 W-2\nT0101\nG03 Z5 R5\n", td, mdi),
+            [
+                Difference::Increments('W'),
+                Difference::FirstFeed,
+                Difference::Tool,
+                Difference::Plane,
+            ]
+        );
+        assert_eq!(kinds("G04 X1\nG01 Z1 F100\n", td, mdi), []);
+        assert_eq!(
+            kinds("G00 Y1\n#1=2\nM98 P5 L2\n", mdi, td),
+            [
+                Difference::Address('Y'),
+                Difference::Macros,
+                Difference::CallCount
+            ]
+        );
+        let hx31 = ModelId::Hx31;
+        assert_eq!(
+            kinds("G01 Z20000 F12000\n", hx31, td),
+            [
+                Difference::Range('Z', "-9999.999~9999.999".to_owned()),
+                Difference::Feed(12_000.0),
+            ]
+        );
+        assert_eq!(
+            kinds("S6000\n", td, hx31),
+            [Difference::Range('S', "0~5000".to_owned())]
+        );
+        // S beside G50 is a limit on lathes that say so.
+        assert!(!list("G50 S2000\n", td, mdi).is_empty());
+        assert_eq!(list("G50 S2000\n", td, ModelId::Ncb08), [""; 0]);
     }
 
     #[test]

@@ -1,0 +1,126 @@
+//! Lines without what would be drawn over itself: half pixels that a pen has covered.
+//!
+//! A path of micrometres, thousands of times up and down, comes to a few lines: a picture
+//! has no more pieces than half pixels.
+
+use super::numbers::Area;
+
+type Pixel = (f64, f64);
+
+/// Cells of a pixel, along each side.
+const CELLS: f64 = 2.0;
+
+/// The cells of a frame that one pen has covered.
+pub(super) struct Coverage {
+    /// Its upper left corner.
+    corner: Pixel,
+    columns: usize,
+    covered: Vec<bool>,
+}
+
+impl Coverage {
+    /// Of a frame, nothing covered yet.
+    pub(super) fn new(frame: Area) -> Self {
+        let cells = |low: f64, high: f64| ((high - low) * CELLS).ceil().max(0.0) as usize + 2;
+        let (left, top, right, bottom) = frame;
+        let columns = cells(left, right);
+        let rows = cells(top, bottom);
+        Self {
+            corner: (left, top),
+            columns,
+            covered: vec![false; columns * rows],
+        }
+    }
+
+    /// Hands out the parts of a line of points, clipped to the frame, that cover cells
+    /// which are free.
+    pub(super) fn bare(&mut self, points: &[Pixel], mut each: impl FnMut(&[Pixel])) {
+        let mut begin = 0;
+        for (index, pair) in points.windows(2).enumerate() {
+            if !self.cover(pair[0], pair[1]) {
+                if index > begin {
+                    each(&points[begin..=index]);
+                }
+                begin = index + 1;
+            }
+        }
+        if points.len() > begin + 1 {
+            each(&points[begin..]);
+        }
+    }
+
+    /// Covers the cells of a piece; returns whether one of them was free.
+    fn cover(&mut self, from: Pixel, to: Pixel) -> bool {
+        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+        let steps = (dx.abs().max(dy.abs()) * CELLS).ceil().max(1.0);
+        let mut bare = false;
+        for step in 0..=steps as u32 {
+            let part = f64::from(step) / steps;
+            let column = (from.0 + dx * part - self.corner.0) * CELLS;
+            let row = (from.1 + dy * part - self.corner.1) * CELLS;
+            // Saturates: what lies on the frame is in its outermost cells.
+            let index = row as usize * self.columns + column as usize;
+            if let Some(cell) = self.covered.get_mut(index)
+                && !*cell
+            {
+                *cell = true;
+                bare = true;
+            }
+        }
+        bare
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame() -> Area {
+        (10.0, 20.0, 110.0, 70.0)
+    }
+
+    fn bare(coverage: &mut Coverage, points: &[Pixel]) -> Vec<Vec<Pixel>> {
+        let mut parts = Vec::new();
+        coverage.bare(points, |part| parts.push(part.to_vec()));
+        parts
+    }
+
+    #[test]
+    fn a_line_up_and_down_is_drawn_once() {
+        let mut coverage = Coverage::new(frame());
+        let line = [(50.0, 30.0), (50.0, 60.0)];
+        assert_eq!(bare(&mut coverage, &line), [line.to_vec()]);
+        for step in 0..1000 {
+            let to = 30.0 + f64::from(step) * 0.03;
+            assert!(bare(&mut coverage, &[(50.0, 30.0), (50.0, to), (50.0, 31.0)]).is_empty());
+        }
+    }
+
+    #[test]
+    fn what_is_new_of_a_line_keeps_its_points() {
+        let mut coverage = Coverage::new(frame());
+        bare(&mut coverage, &[(20.0, 30.0), (60.0, 30.0)]);
+        let line = [
+            (20.0, 30.0),
+            (60.0, 30.0),
+            (60.0, 50.0),
+            (80.0, 50.0),
+            (60.0, 50.0),
+        ];
+        assert_eq!(bare(&mut coverage, &line), [line[1..4].to_vec()]);
+    }
+
+    #[test]
+    fn the_edges_of_the_frame_are_part_of_it() {
+        let mut coverage = Coverage::new(frame());
+        let round = [
+            (10.0, 20.0),
+            (110.0, 20.0),
+            (110.0, 70.0),
+            (10.0, 70.0),
+            (10.0, 20.0),
+        ];
+        assert_eq!(bare(&mut coverage, &round), [round.to_vec()]);
+        assert!(bare(&mut coverage, &round).is_empty());
+    }
+}
