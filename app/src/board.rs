@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
-use gsk_link::{Event, Link, LinkConfig, LinkState};
+use gsk_link::{Event, Link, LinkConfig, LinkState, Protocol};
 
 use gsk_messages::Message;
 
@@ -45,6 +45,9 @@ pub struct Board {
     pub link: Link,
     carrier: Carrier,
     ending: Ending,
+    lookahead: Duration,
+    /// It makes what it holds, whatever becomes of this program.
+    by_lines: bool,
 }
 
 impl Drop for Board {
@@ -67,6 +70,8 @@ impl Board {
         let ending = Ending::heard()?;
         let carrier = Carrier::open(&config, program)?;
         Ok(Self {
+            lookahead: config.lookahead(),
+            by_lines: config.protocol == Protocol::Line,
             link: Link::open(config, &drives(parameters), Duration::ZERO),
             carrier,
             ending,
@@ -110,6 +115,12 @@ impl Board {
             Err(error) => self.link.lost(ports::gone(&error)),
         }
         self.link.tick(self.carrier.now());
+        let jump = self.carrier.take_jump();
+        if jump >= self.lookahead {
+            self.link.stop_after_absence();
+        }
+        let moves = matches!(self.link.state(), LinkState::Moving | LinkState::Homing);
+        self.carrier.renew(moves && self.by_lines);
         self.carrier.stop_with(&self.link.stop_bytes());
         let count = self.carrier.write(self.link.tx());
         self.link.consumed(count);

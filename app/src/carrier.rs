@@ -7,7 +7,8 @@ use std::thread;
 use gsk_link::LinkConfig;
 use web_time::{Duration, Instant};
 
-use crate::guard::{Guard, GuardError};
+use crate::guard::{Guard, GuardError, Orphan};
+use crate::host_clock::HostClock;
 
 /// How long the last bytes for a board may take.
 const LAST_WORDS: Duration = Duration::from_millis(500);
@@ -30,7 +31,10 @@ pub struct Line {
 pub struct Carrier {
     /// None when it was closed.
     guard: Option<Guard>,
-    opened: Instant,
+    clock: HostClock,
+    /// When the port was looked at last.
+    looked: Duration,
+    lookahead: Duration,
     /// What is not whole yet, outward and inward.
     collected: [Vec<u8>; 2],
     /// The traffic since it was last taken; only while it is watched.
@@ -46,7 +50,9 @@ impl Carrier {
     pub fn open(config: &LinkConfig, program: &Path) -> Result<Self, GuardError> {
         Ok(Self {
             guard: Some(Guard::open(program, &config.port, config.baud)?),
-            opened: Instant::now(),
+            clock: HostClock::start(),
+            looked: Duration::ZERO,
+            lookahead: config.lookahead(),
             collected: [Vec::new(), Vec::new()],
             pieces: Vec::new(),
             watched: false,
@@ -61,9 +67,14 @@ impl Carrier {
         }
     }
 
-    /// Time since the port was opened.
+    /// Time since the port was opened, sleep of the computer included.
     pub fn now(&self) -> Duration {
-        self.opened.elapsed()
+        self.clock.now()
+    }
+
+    /// Time that only the clock on the wall shows since the last call.
+    pub fn take_jump(&mut self) -> Duration {
+        self.clock.take_jump()
     }
 
     /// The process that holds the port.
@@ -78,12 +89,23 @@ impl Carrier {
     pub fn read(&mut self) -> io::Result<Vec<u8>> {
         let guard = self.guard.as_mut();
         let bytes = guard.map_or_else(|| Ok(Vec::new()), Guard::read)?;
+        self.looked = self.clock.now();
         self.note(false, &bytes);
         Ok(bytes)
     }
 
-    /// Writes as much as the port takes now. Of a port that is gone the next read tells.
+    /// Writes as much as the port takes now; nothing where the port was not looked at for
+    /// longer than the lookahead: the program was stopped or asleep since, the board has
+    /// run dry, and what would move it again waits until that has been judged. Of a port
+    /// that is gone the next read tells.
     pub fn write(&mut self, bytes: &[u8]) -> usize {
+        if self.clock.now().saturating_sub(self.looked) > self.lookahead {
+            return 0;
+        }
+        self.write_now(bytes)
+    }
+
+    fn write_now(&mut self, bytes: &[u8]) -> usize {
         let guard = self.guard.as_mut();
         let count = guard.map_or(bytes.len(), |guard| guard.write(bytes));
         self.note(true, &bytes[..count]);
@@ -98,12 +120,26 @@ impl Carrier {
         }
     }
 
+    /// To be called all the time, `moves`: with slides or spindle in motion. A program that
+    /// falls silent then leaves a board that is stopped.
+    pub fn renew(&mut self, moves: bool) {
+        if let Some(guard) = &mut self.guard {
+            guard.renew(moves, self.lookahead);
+        }
+    }
+
+    /// What has become of the board after [`Carrier::read`] has failed, if the port did
+    /// not.
+    pub fn take_orphan(&mut self) -> Option<Orphan> {
+        self.guard.as_mut().and_then(Guard::take_orphan)
+    }
+
     /// Writes all of it, or as much as is taken within half a second, and closes the
     /// port: the last bytes for the board stop it.
     pub fn end(&mut self, mut bytes: &[u8]) {
         let begun = Instant::now();
         while !bytes.is_empty() && begun.elapsed() < LAST_WORDS {
-            let count = self.write(bytes);
+            let count = self.write_now(bytes);
             bytes = &bytes[count..];
             if count == 0 {
                 thread::sleep(AGAIN);
@@ -133,7 +169,7 @@ impl Carrier {
 
     fn note(&mut self, outward: bool, bytes: &[u8]) {
         if self.watched && !bytes.is_empty() {
-            let at = self.opened.elapsed();
+            let at = self.clock.now();
             self.pieces.push((at, outward, bytes.to_vec()));
         }
     }

@@ -40,6 +40,11 @@ impl Ending {
         Ok(ending)
     }
 
+    /// Asks for the end: the window cannot be used any more.
+    pub fn ask(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
     /// Whether the end has been asked for.
     pub fn is_asked(&self) -> bool {
         self.0.load(Ordering::Relaxed)

@@ -19,12 +19,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
 use std::thread;
 
+use crossbeam::channel::{Receiver, bounded};
 use gsk_messages::{Message, say};
 use web_time::{Duration, Instant};
 
-use frame::{Kind, Reader};
+use frame::{Kind, Lease, Reader};
 
-use crate::platform::ToHolder;
+use crate::platform::{self, ToHolder};
 use crate::ports;
 
 /// The hidden command of the holder.
@@ -38,8 +39,29 @@ const STARTS_WITHIN: Duration = Duration::from_secs(10);
 const ENDS_WITHIN: Duration = Duration::from_secs(5);
 /// Between two looks whether it has.
 const LOOK: Duration = Duration::from_millis(2);
+/// The holder stops the board when the program was silent for so long with slides or
+/// spindle in motion. The lookahead is made by then.
+const SILENT: Duration = Duration::from_secs(1);
+/// The lease is renewed so often at least.
+const RENEW: Duration = Duration::from_millis(100);
+/// Bytes for the board may be under way to the holder for so long beyond the lookahead.
+const ON_THE_WAY: Duration = Duration::from_millis(100);
 /// What may wait for the holder before nothing more is taken.
 const MOST_WAITING: usize = frame::MOST;
+
+/// Now, by a clock that this process and the holder read, ms.
+fn now_ms() -> u64 {
+    platform::shared_time().as_millis() as u64
+}
+
+/// The board after its holder has ended before the program has.
+#[derive(Debug)]
+pub enum Orphan {
+    /// The holder stopped it because the program was silent; what the board answered.
+    Stopped(Vec<u8>),
+    /// Another holder stops it; what the board answered comes out here.
+    BeingStopped(Receiver<Vec<u8>>),
+}
 
 /// Why there is no port that another process holds.
 #[derive(Debug, thiserror::Error)]
@@ -93,6 +115,9 @@ pub struct Guard {
     /// Frames the holder has not taken yet.
     waiting: Vec<u8>,
     stop: Vec<u8>,
+    lease: Lease,
+    renewed: Instant,
+    orphan: Option<Orphan>,
     program: PathBuf,
     port: String,
     baud: u32,
@@ -117,6 +142,9 @@ impl Guard {
             reader: Reader::default(),
             waiting: Vec::new(),
             stop: Vec::new(),
+            lease: Lease::default(),
+            renewed: Instant::now(),
+            orphan: None,
             program: program.to_owned(),
             port: port.to_owned(),
             baud,
@@ -165,6 +193,10 @@ impl Guard {
             match self.reader.take() {
                 Ok(Some((Kind::Data, more))) => bytes.extend(more),
                 Ok(Some((Kind::Gone, number))) => return Err(port_error(&number)),
+                Ok(Some((Kind::Stopped, answered))) => {
+                    self.orphan = Some(Orphan::Stopped(answered));
+                    return Err(ErrorKind::TimedOut.into());
+                }
                 Ok(None) if bytes.is_empty() => {
                     return heard.map(|()| bytes).map_err(|_| self.is_alone());
                 }
@@ -180,10 +212,36 @@ impl Guard {
         if bytes.is_empty() || self.waiting.len() > MOST_WAITING {
             return 0;
         }
-        let count = bytes.len().min(frame::MOST);
-        frame::put(&mut self.waiting, Kind::Data, &bytes[..count]);
+        let count = bytes.len().min(frame::MOST_DATED);
+        frame::put_dated(&mut self.waiting, now_ms(), &bytes[..count]);
+        self.renewed = Instant::now();
         self.speak();
         count
+    }
+
+    /// To be called all the time. `moves`: slides or spindle are in motion, and a program
+    /// that falls silent leaves a board that is stopped; bytes that come later than the
+    /// lookahead are not written.
+    pub fn renew(&mut self, moves: bool, lookahead: Duration) {
+        let lease = match moves {
+            true => Lease {
+                silent_ms: SILENT.as_millis() as u32,
+                stale_ms: (lookahead + ON_THE_WAY).as_millis() as u32,
+            },
+            false => Lease::default(),
+        };
+        let due = moves && self.renewed.elapsed() >= RENEW;
+        if (due || lease != self.lease) && self.waiting.len() <= MOST_WAITING {
+            self.lease = lease;
+            self.renewed = Instant::now();
+            frame::put(&mut self.waiting, Kind::Lease, &lease.to_bytes());
+            self.speak();
+        }
+    }
+
+    /// What has become of the board after [`Guard::read`] has failed, if the port did not.
+    pub const fn take_orphan(&mut self) -> Option<Orphan> {
+        self.orphan.take()
     }
 
     /// From now on these bytes stop the board when the program is gone; none: nothing
@@ -226,18 +284,37 @@ impl Guard {
         }
     }
 
+    /// Leaves the board to the holder, which stops it; what the board answers.
+    fn leave(mut self) -> Vec<u8> {
+        self.holder.hang_up();
+        let begun = Instant::now();
+        let mut answered = Vec::new();
+        while begun.elapsed() < ENDS_WITHIN && self.hear(READ_WAIT).is_ok() {
+            while let Ok(Some((kind, bytes))) = self.reader.take() {
+                if kind == Kind::Data {
+                    answered.extend(bytes);
+                }
+            }
+        }
+        answered
+    }
+
     /// The holder has ended by itself, and nobody holds the board: another one stops it.
     fn is_alone(&mut self) -> io::Error {
         let stop = core::mem::take(&mut self.stop);
         if !stop.is_empty() {
             let (program, port, baud) = (self.program.clone(), self.port.clone(), self.baud);
-            // Dropped, it stops the board; the control does not wait for that.
+            let (answer, answered) = bounded(1);
+            // The control does not wait for it.
             let stop_board = move || {
                 if let Ok(mut guard) = Self::open(&program, &port, baud) {
                     guard.stop_with(&stop);
+                    // Who asked may have gone.
+                    let _ = answer.try_send(guard.leave());
                 }
             };
             let _ = thread::Builder::new().spawn(stop_board);
+            self.orphan = Some(Orphan::BeingStopped(answered));
         }
         io::Error::new(
             ErrorKind::ConnectionAborted,

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use gsk_core::preview::Progress;
 use gsk_core::setup::Setup;
+use gsk_core::units::{NonFinite, find_non_finite};
 use gsk_messages::{Message, say};
 use gsk_runner::machining::{Machining, guess};
 use gsk_workpiece::grid::from_grid;
@@ -71,6 +72,15 @@ pub enum JobError {
         /// What is wrong there.
         error: Box<ron::Error>,
     },
+    /// A number that is not finite.
+    Number {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// As it is written.
+        token: String,
+    },
     /// A job that breaks a rule.
     Rule {
         /// The file.
@@ -89,6 +99,9 @@ impl JobError {
             Self::File(error) => error.message(),
             Self::Syntax { path, line, error } => {
                 say::job_file_line(path.display(), line, say::as_written(error))
+            }
+            Self::Number { path, line, token } => {
+                say::job_file_line(path.display(), line, say::number_not_finite(token))
             }
             Self::Rule { path, rule } => say::subject_reason(path.display(), rule.clone()),
             Self::NothingCut => say::job_cannot_be_guessed(),
@@ -109,6 +122,14 @@ impl Chosen {
     /// A part to be cut.
     pub fn machining(&self) -> Machining {
         Machining::new(self.job.clone())
+    }
+
+    /// Where nobody else says where the work lies on the machine, the job does: returns
+    /// what has to be said then.
+    pub fn set_work_zero(&self, setup: &mut Setup) -> Option<Message> {
+        let zero = self.job.zero.filter(|_| setup.absolute.is_none())?;
+        setup.absolute = Some(setup.start.unwrap_or_default() - zero.point());
+        Some(say::job_work_zero(zero.x.0, zero.z))
     }
 
     /// The name of its file.
@@ -182,6 +203,13 @@ fn options() -> ron::Options {
 /// # Errors
 /// The line, or the rule that is broken.
 pub fn parse(path: &Path, text: &str) -> Result<Job, JobError> {
+    if let Some(NonFinite { line, token }) = find_non_finite(text) {
+        return Err(JobError::Number {
+            path: path.to_owned(),
+            line,
+            token,
+        });
+    }
     let job: Job = options().from_str(text).map_err(|error| JobError::Syntax {
         path: path.to_owned(),
         line: error.span.start.line,

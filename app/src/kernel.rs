@@ -34,9 +34,12 @@ use gsk_panel::keys::Key;
 use gsk_panel::panel::KeyEvent;
 use gsk_panel::refusal::Press;
 use gsk_runner::partner::{Partner as _, Patience};
+use web_time::Duration;
 
 use crate::dnc::{Partner, Source};
+use crate::input_watch::InputWatch;
 use crate::pace::Speed;
+use crate::platform;
 use crate::retained;
 use crate::serial::SerialLine;
 pub use console::{
@@ -62,6 +65,8 @@ use waiting::Waiting;
 pub const PICTURE_TICKS: u64 = 25;
 /// Ticks between two looks at machine and PLC, for the views that show them.
 const MACHINE_TICKS: u64 = 50;
+/// A handwheel that was not turned for so long has come to rest.
+const WHEEL_RESTS: Duration = Duration::from_millis(300);
 /// Commands that wait for the kernel.
 const QUEUE: usize = 1024;
 
@@ -116,6 +121,10 @@ pub struct Kernel {
     part: PartSide,
     /// Commands so far: the window is heard.
     heard: u64,
+    /// What proves that held keys are still held.
+    watch: InputWatch,
+    /// After the display has hung the handwheel has to rest until then.
+    wheel_rests_until: Duration,
     quit: bool,
 }
 
@@ -156,8 +165,11 @@ impl Kernel {
             probing: None,
             part: PartSide::new(Arc::clone(&part)),
             heard: 0,
+            watch: InputWatch::default(),
+            wheel_rests_until: Duration::ZERO,
             quit: false,
         };
+        let watch = kernel.watch.clone();
         (
             kernel,
             Console {
@@ -168,6 +180,7 @@ impl Kernel {
                 part,
                 notices: from_kernel,
                 say: notices,
+                watch,
             },
         )
     }
@@ -348,6 +361,10 @@ impl Kernel {
 
     fn carry_out(&mut self, command: Command) {
         self.heard += 1;
+        if self.is_late(&command) {
+            self.say(Notice::Said(say::key_came_late()));
+            return;
+        }
         if matches!(
             command,
             Command::Key { down: true, .. } | Command::Tap(_) | Command::Type(_) | Command::Turn(_)
@@ -443,6 +460,26 @@ impl Kernel {
         }
     }
 
+    /// Whether something was pressed or turned that would move a real machine, and the
+    /// display has hung of late: nobody knows how long ago that was.
+    fn is_late(&mut self, command: &Command) -> bool {
+        let turns = matches!(command, Command::Turn(_));
+        let moves = match command {
+            Command::Key { key, down: true } | Command::Tap(key) => edges::moves(*key),
+            _ => turns,
+        };
+        if !moves || self.drive.is_none() {
+            return false;
+        }
+        let now = platform::time_with_sleep();
+        let late = !self.watch.is_fresh(now) || turns && now < self.wheel_rests_until;
+        if turns && late {
+            // A wheel that turns on does not take the axis along again.
+            self.wheel_rests_until = now + WHEEL_RESTS;
+        }
+        late
+    }
+
     /// Asks for parameters, pitch errors, offsets and variables as one; where the control
     /// does not take each of them, none.
     fn write(&mut self, requests: Vec<Request>) {
@@ -453,7 +490,7 @@ impl Kernel {
             _ => rights.parameters(),
         };
         if let Err(refusal) = requests.iter().try_for_each(taken) {
-            let why = gsk_project::refused(refusal);
+            let why = gsk_project::refusal_message(refusal);
             self.say(Notice::Said(say::commission_refused(why)));
             return;
         }
@@ -502,6 +539,18 @@ impl Kernel {
         let cnc = &self.emulator.simulation.cnc;
         let alarm = cnc.alarms().first().cloned();
         alarm.or_else(|| cnc.standing_message())
+    }
+
+    /// Nothing proves any more that the hand is at the machine: every key is let go, and
+    /// what the handwheel was turned by and the axis has not followed is dropped.
+    fn let_go(&mut self) {
+        self.release_all();
+        self.drop_wheel();
+    }
+
+    fn drop_wheel(&mut self) {
+        // It is no request that could be refused.
+        let _ = self.emulator.simulation.cnc.request(Request::DropWheel);
     }
 
     fn release_all(&mut self) {

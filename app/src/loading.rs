@@ -14,7 +14,7 @@ use gsk_core::plc::address::{AddressError, Area, BitAddress};
 use gsk_core::plc::{CompileErrors, Ladder};
 use gsk_core::program::{self, Program, ProgramMemory};
 use gsk_core::setup::{Setup, dnc_teach_ladder};
-use gsk_core::units::Point;
+use gsk_core::units::{NonFinite, Point, find_non_finite};
 use gsk_messages::{Language, Message, say};
 use gsk_milling::{MillSetup, WordError};
 use gsk_runner::report;
@@ -22,7 +22,7 @@ use gsk_runner::report;
 use crate::files::data_dir::DataDir;
 use crate::files::data_dir::DataError;
 use crate::files::program_file::{self, FileError, ProgramFile};
-use crate::files::subprograms::{self, Found};
+use crate::files::subprograms::{self, Calls, Found};
 use crate::platform;
 use crate::retained;
 use crate::saying::{lines, of_ladder};
@@ -82,6 +82,15 @@ pub enum LoadError {
         /// What is wrong there.
         error: Box<ron::Error>,
     },
+    /// A number of a machine file that is not finite.
+    MachineNumber {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// As it is written.
+        token: String,
+    },
     /// A machine file that breaks its rules.
     NoLathe {
         /// The file.
@@ -125,7 +134,10 @@ impl LoadError {
                 say::ladder_not_started(path.display(), of_ladder(errors))
             }
             Self::Machine { path, line, error } => {
-                say::machine_file_line(path.display(), line, error)
+                say::machine_file_line(path.display(), line, say::as_written(error))
+            }
+            Self::MachineNumber { path, line, token } => {
+                say::machine_file_line(path.display(), line, say::number_not_finite(token))
             }
             Self::NoLathe { path, rules } => {
                 let rules = rules.iter().cloned().map(say::indented);
@@ -189,6 +201,7 @@ pub fn mill(args: &SetupArgs) -> Result<(MillSetup, Setup), LoadError> {
         set.map_err(LoadError::ModelParameter)?;
     }
     let mut mill = MillSetup::default().with(&model);
+    mill.day_time = args.clock.unwrap_or_else(platform::day_time);
     let words = &args.mill;
     let wrong = |error: WordError| LoadError::MillWord(error.0);
     if let Some(start) = &words.mill_start {
@@ -232,10 +245,10 @@ fn apply_from(setup: &mut Setup, args: &SetupArgs, zero: Option<Point>) -> Resul
     if let (Some(start), Some(zero)) = (setup.start, zero) {
         setup.absolute = Some(start - zero);
     }
-    let model = &mut setup.memory.model;
-    if model.id() != args.model() {
-        *model = ControlModel::new(args.model());
+    if setup.memory.model.id() != args.model() {
+        setup.memory.set_model(ControlModel::new(args.model()));
     }
+    let model = &mut setup.memory.model;
     for (number, value) in &args.model_parameters {
         let set = model.set_parameter(*number, *value);
         set.map_err(LoadError::ModelParameter)?;
@@ -280,7 +293,10 @@ fn check_start(setup: &Setup) -> Result<(), LoadError> {
 
 fn parameter(setup: &mut Setup, word: ParameterWord) -> Result<(), LoadError> {
     let result = match word {
-        ParameterWord::Value { number, value } => setup.memory.parameters.set(number, value),
+        ParameterWord::Value { number, value } => {
+            let record = setup.memory.model.record();
+            setup.memory.parameters.set_of(record, number, value)
+        }
         ParameterWord::Bit { number, bit, state } => {
             setup.memory.parameters.set_bit(number, bit, state)
         }
@@ -331,6 +347,13 @@ pub fn machine(path: &Path) -> Result<LatheConfig, LoadError> {
 
 /// The lathe of a text that is read from this file.
 pub fn machine_of(path: &Path, text: &str) -> Result<LatheConfig, LoadError> {
+    if let Some(NonFinite { line, token }) = find_non_finite(text) {
+        return Err(LoadError::MachineNumber {
+            path: path.to_owned(),
+            line,
+            token,
+        });
+    }
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
     let config: LatheConfig = options.from_str(text).map_err(|error| LoadError::Machine {
@@ -352,7 +375,8 @@ pub fn machine_of(path: &Path, text: &str) -> Result<LatheConfig, LoadError> {
 /// and those of further files, and selects it.
 pub fn open(setup: &mut Setup, files: &[PathBuf]) -> Result<Notices, LoadError> {
     let (main, others) = files.split_first().ok_or(LoadError::NoProgram)?;
-    let (program, notices) = open_into(&mut setup.memory.programs, main, others)?;
+    let memory = &mut setup.memory;
+    let (program, notices) = open_into(&mut memory.programs, &memory.model, main, others)?;
     setup.memory.programs.open_external(program);
     setup.memory.programs.select(ProgramId::External);
     Ok(notices)
@@ -361,13 +385,15 @@ pub fn open(setup: &mut Setup, files: &[PathBuf]) -> Result<Notices, LoadError> 
 /// Reads a program file; what it needs besides is stored in the memory.
 pub fn open_into(
     programs: &mut ProgramMemory,
+    model: &ControlModel,
     main: &Path,
     others: &[PathBuf],
 ) -> Result<(Program, Notices), LoadError> {
     let ProgramFile { text, notices, .. } = program_file::read(main)?;
     let mut notices = Notices(notices);
-    let find = |calls, loaded: &_| subprograms::find(main, calls, loaded);
-    let program = take_in(programs, (main, text), others, &mut notices, find)?;
+    let find = |calls, loaded: &_| subprograms::find(main, calls, loaded, model);
+    let into = (programs, model);
+    let program = take_in(into, (main, text), others, &mut notices, find)?;
     Ok((program, notices))
 }
 
@@ -378,11 +404,13 @@ pub fn open_text(
     setup: &mut Setup,
     path: &Path,
     text: String,
-    find: impl FnOnce(BTreeSet<u16>, &BTreeSet<u16>) -> Vec<Found>,
+    find: impl FnOnce(Calls, &BTreeSet<u16>) -> Vec<Found>,
 ) -> Result<Notices, LoadError> {
     let mut notices = Notices::default();
-    let programs = &mut setup.memory.programs;
-    let program = take_in(programs, (path, text), &[], &mut notices, find)?;
+    let memory = &mut setup.memory;
+    let into = (&mut memory.programs, &memory.model);
+    let program = take_in(into, (path, text), &[], &mut notices, find)?;
+    let programs = &mut memory.programs;
     programs.open_external(program);
     programs.select(ProgramId::External);
     Ok(notices)
@@ -390,15 +418,15 @@ pub fn open_text(
 
 /// The program of a text that is run; what it needs besides is stored in the memory.
 fn take_in(
-    programs: &mut ProgramMemory,
+    (programs, model): (&mut ProgramMemory, &ControlModel),
     (main, text): (&Path, String),
     others: &[PathBuf],
     notices: &mut Notices,
-    find: impl FnOnce(BTreeSet<u16>, &BTreeSet<u16>) -> Vec<Found>,
+    find: impl FnOnce(Calls, &BTreeSet<u16>) -> Vec<Found>,
 ) -> Result<Program, LoadError> {
-    let calls = subprograms::calls(&text);
+    let calls = subprograms::calls(&text, model);
     let mut parts = program::split(text);
-    let begin = main_part(&parts);
+    let begin = main_part(&parts, model);
     let program = parts.remove(begin);
     if begin > 0 {
         let number = program.number().unwrap_or_default();
@@ -412,7 +440,10 @@ fn take_in(
     let mut loaded: BTreeSet<u16> = programs.iter().map(|(number, _)| number).collect();
     loaded.extend(program.number());
     for found in find(calls, &loaded) {
-        store(programs, &found.text, Some(found.number), &found.path)?;
+        let stored = store(programs, &found.text, Some(found.number), &found.path);
+        if found.named {
+            stored?;
+        }
     }
     Ok(program)
 }
@@ -439,21 +470,19 @@ pub fn with_keys_for_dnc(setup: &mut Setup) {
 
 /// Which program of a file is run: the first, unless another one calls it; then the
 /// first that none calls.
-fn main_part(parts: &[Program]) -> usize {
+fn main_part(parts: &[Program], model: &ControlModel) -> usize {
     let [first, others @ ..] = parts else {
         return 0;
     };
     let called =
         |number: Option<u16>, by: &BTreeSet<u16>| number.is_some_and(|number| by.contains(&number));
-    let by_others: BTreeSet<u16> = others
-        .iter()
-        .flat_map(|part| subprograms::calls(part.text()))
-        .collect();
+    let calls = |part: &Program| subprograms::calls(part.text(), model).numbers;
+    let by_others: BTreeSet<u16> = others.iter().flat_map(calls).collect();
     if !called(first.number(), &by_others) {
         return 0;
     }
     let mut all = by_others;
-    all.extend(subprograms::calls(first.text()));
+    all.extend(calls(first));
     let free = parts.iter().position(|part| !called(part.number(), &all));
     free.unwrap_or(0)
 }
@@ -496,6 +525,20 @@ mod tests {
     fn with(words: &SetupArgs) -> Result<Setup, LoadError> {
         let mut setup = Setup::at_the_panel();
         apply(&mut setup, words).map(|()| setup)
+    }
+
+    #[test]
+    fn no_number_of_a_machine_file_is_infinite() {
+        for (text, line) in [
+            ("(\n  x: (motor_turn: NaN),\n)", 2),
+            ("(z: (start: -1e999))", 1),
+        ] {
+            let refused = machine_of(Path::new("lathe.ron"), text)
+                .expect_err(text)
+                .to_string();
+            assert!(refused.contains(&format!("line {line}")), "{refused}");
+            assert!(refused.contains("is not a finite number"), "{refused}");
+        }
     }
 
     #[test]

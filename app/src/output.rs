@@ -19,8 +19,9 @@ use gsk_runner::words::clock;
 use indicatif::{ProgressBar, ProgressStyle};
 use web_time::{Duration, Instant};
 
-use crate::patience::Patience;
+use crate::platform;
 use crate::saying::of_system;
+use crate::work_limit::WorkLimit;
 
 /// A file cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -54,7 +55,8 @@ pub fn open(path: &Path) -> Result<Box<dyn Write>, WriteError> {
             io::stdout().lock(),
         )));
     }
-    let file = File::create(path).map_err(|error| WriteError::new(path, error))?;
+    let file = platform::refuse_device(path).and_then(|()| File::create(path));
+    let file = file.map_err(|error| WriteError::new(path, error))?;
     Ok(Box::new(BufWriter::with_capacity(AT_ONCE, file)))
 }
 
@@ -97,7 +99,8 @@ pub struct Reserved {
 /// A sentence with the name.
 pub fn reserve(path: &Path) -> Result<Reserved, WriteError> {
     let mut options = OpenOptions::new();
-    let opened = options.create(true).truncate(false).write(true).open(path);
+    options.create(true).truncate(false).write(true);
+    let opened = platform::refuse_device(path).and_then(|()| options.open(path));
     let file = opened.map_err(|error| WriteError::new(path, error))?;
     Ok(Reserved {
         file,
@@ -213,9 +216,9 @@ pub fn print_or_aside(text: &str, aside: bool) {
 }
 
 /// Watches a look through a program: a progress line while it takes long, and its end
-/// when patience is at an end.
+/// when it is given up.
 pub struct Watch {
-    patience: Patience,
+    limit: WorkLimit,
     bar: Option<ProgressBar>,
     lines: u64,
     /// When a progress line is shown, if ever.
@@ -224,11 +227,11 @@ pub struct Watch {
 
 /// Begins to watch a look through the selected program; `shown` unless others are
 /// looked through at the same time.
-pub fn watch(programs: &ProgramMemory, patience: Patience, shown: bool) -> Watch {
+pub fn watch(programs: &ProgramMemory, limit: WorkLimit, shown: bool) -> Watch {
     const SOON: Duration = Duration::from_millis(500);
     let selected = programs.current().and_then(|number| programs.get(number));
     Watch {
-        patience,
+        limit,
         bar: None,
         lines: selected.map_or(0, |program| u64::from(program.line_count())),
         shown_from: shown.then(|| Instant::now() + SOON),
@@ -248,7 +251,7 @@ impl Watch {
             let said = say::report_progress(progress.blocks, progress.moves, time);
             bar.set_message(said.to_string());
         }
-        self.patience.lasts(progress)
+        self.limit.allows(progress)
     }
 }
 

@@ -4,21 +4,21 @@
 use std::path::Path;
 
 use gsk_commission::{
-    Change, Direction, Fit, Imported, Measurement, Plan, PlanWish, Proposal, add_table, fit, plan,
-    read,
+    ApproachDirection, ImportedFile, Measurement, ParameterChange, PitchPlan, PitchPlanOptions,
+    Proposal, ScrewFit, fit_screw, plan_pitch_table, propose_table_values, read_measurement_file,
 };
 use gsk_core::memory::{Parameters, PitchTable};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
-use gsk_project::{Difference, Key, Set, State, Value};
+use gsk_project::{DataSet, ProjectDifference, ProjectKey, ProjectState, ProjectValue};
 
 use crate::files::program_file;
 
 /// The direction of motion in which the control makes up for nothing (006.0, 006.1).
-pub fn free_direction(axis: Axis, parameters: &Parameters) -> Direction {
+pub fn free_direction(axis: Axis, parameters: &Parameters) -> ApproachDirection {
     match parameters.reference_is_negative(axis) {
-        true => Direction::Minus,
-        false => Direction::Plus,
+        true => ApproachDirection::Minus,
+        false => ApproachDirection::Plus,
     }
 }
 
@@ -26,7 +26,7 @@ pub fn free_direction(axis: Axis, parameters: &Parameters) -> Direction {
 #[derive(Clone, Debug)]
 pub enum Found {
     /// Readings, what they say, and the table for it.
-    Measured(Measurement, Fit, Plan),
+    Measured(Measurement, ScrewFit, PitchPlan),
     /// Values of a table.
     Table(Proposal),
 }
@@ -45,9 +45,10 @@ impl Found {
 ///
 /// # Errors
 /// It cannot be read, or a line of it cannot be: with file and line.
-pub fn read_file(path: &Path) -> Result<Imported, Message> {
+pub fn read_file(path: &Path) -> Result<ImportedFile, Message> {
     let file = program_file::read(path).map_err(|error| error.message())?;
-    read(&file.text).map_err(|fault| say::pitch_file(path.display(), fault.message()))
+    read_measurement_file(&file.text)
+        .map_err(|fault| say::pitch_file(path.display(), fault.message()))
 }
 
 /// What a file says of an axis, for a control with these parameters.
@@ -55,9 +56,9 @@ pub fn read_file(path: &Path) -> Result<Imported, Message> {
 /// # Errors
 /// A file of the other axis, or one that does not fit.
 pub fn found(
-    imported: Imported,
+    imported: ImportedFile,
     axis: Axis,
-    wish: PlanWish,
+    wish: PitchPlanOptions,
     diameters: bool,
     (parameters, pitch): (&Parameters, &PitchTable),
 ) -> Result<Found, Message> {
@@ -65,18 +66,20 @@ pub fn found(
         return Err(say::pitch_other_axis(letter(other)));
     }
     match imported {
-        Imported::Table(_) if wish.interval.is_some() || diameters => Err(say::pitch_table_form()),
-        Imported::Table(table) => {
-            let proposal = add_table(axis, &table, parameters, pitch, wish.clear)?;
+        ImportedFile::Table(_) if wish.interval.is_some() || diameters => {
+            Err(say::pitch_table_form())
+        }
+        ImportedFile::Table(table) => {
+            let proposal = propose_table_values(axis, &table, parameters, pitch, wish.clear)?;
             Ok(Found::Table(proposal))
         }
-        Imported::Measured(measured) => {
+        ImportedFile::Measured(measured) => {
             let measured = match diameters {
                 true => measured.from_diameters(),
                 false => measured,
             };
-            let fit = fit(&measured, free_direction(axis, parameters))?;
-            let plan = plan(axis, &fit, parameters, pitch, wish)?;
+            let fit = fit_screw(&measured, free_direction(axis, parameters))?;
+            let plan = plan_pitch_table(axis, &fit, parameters, pitch, wish)?;
             Ok(Found::Measured(measured, fit, plan))
         }
     }
@@ -91,28 +94,31 @@ pub const fn letter(axis: Axis) -> char {
 }
 
 /// Changes as differences of what a control holds.
-pub fn differences(changes: &[Change], state: &State) -> Vec<Difference> {
+pub fn differences(changes: &[ParameterChange], state: &ProjectState) -> Vec<ProjectDifference> {
     let entries = state.entries();
-    let row = |key: Key, new: i64| Difference {
+    let row = |key: ProjectKey, new: i64| ProjectDifference {
         key,
         old: entries.get(&key).cloned(),
-        new: Some(Value::Whole(new)),
+        new: Some(ProjectValue::Whole(new)),
     };
     let mut rows = Vec::new();
     for change in changes {
         match *change {
-            Change::Value { number, value } => {
+            ParameterChange::Value { number, value } => {
                 rows.push(row(
-                    Key::Parameter(Set::Control, number, None),
+                    ProjectKey::Parameter(DataSet::Control, number, None),
                     value.into(),
                 ));
             }
-            Change::Bit { number, bit, on } => {
-                let key = Key::Parameter(Set::Control, number, Some(bit));
+            ParameterChange::Bit { number, bit, on } => {
+                let key = ProjectKey::Parameter(DataSet::Control, number, Some(bit));
                 rows.push(row(key, on.into()));
             }
-            Change::Pitch { axis, point, value } => {
-                rows.push(row(Key::Pitch(Set::Control, point, axis), value.into()));
+            ParameterChange::Pitch { axis, point, value } => {
+                rows.push(row(
+                    ProjectKey::Pitch(DataSet::Control, point, axis),
+                    value.into(),
+                ));
             }
         }
     }

@@ -13,7 +13,9 @@ use std::path::{Path, PathBuf};
 use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::setup::Setup;
 use gsk_messages::{Message, say};
-use gsk_project::{Files, Key, Problem, State, import, is_own};
+use gsk_project::{
+    ProjectFiles, ProjectKey, ProjectProblem, ProjectState, import, is_project_file,
+};
 
 use crate::files::atomic;
 use crate::files::data_dir::{DataDir, DataError};
@@ -60,9 +62,9 @@ pub enum ProjectError {
     /// The system refused.
     System(PathBuf, io::Error),
     /// What is wrong with its files.
-    Problems(PathBuf, Vec<Problem>),
+    Problems(PathBuf, Vec<ProjectProblem>),
     /// What the whole would break.
-    Faults(Vec<gsk_project::Fault>),
+    Faults(Vec<gsk_project::InvalidValue>),
     /// A project of another control model.
     OtherModel(PathBuf, ModelId),
     /// A password that opens nothing.
@@ -105,7 +107,7 @@ fn system(path: &Path) -> impl FnOnce(io::Error) -> ProjectError + '_ {
 /// A control of this model as it is delivered; the training lathe has a chuck.
 pub fn delivered(model: ModelId, machine: Option<&PathBuf>) -> Setup {
     let mut setup = loading::fitted(Setup::delivered(), machine);
-    setup.memory.model = ControlModel::new(model);
+    setup.memory.set_model(ControlModel::new(model));
     setup
 }
 
@@ -146,7 +148,7 @@ fn own_files(folder: &Path) -> Result<Vec<String>, ProjectError> {
                 if !inside.is_empty() || FOLDERS.contains(&name.as_str()) {
                     open.push(name);
                 }
-            } else if is_own(&name) {
+            } else if is_project_file(&name) {
                 found.push(name);
             }
         }
@@ -159,19 +161,19 @@ fn own_files(folder: &Path) -> Result<Vec<String>, ProjectError> {
 ///
 /// # Errors
 /// Everything that is wrong with it.
-pub fn read(folder: &Path) -> Result<(State, Encodings), ProjectError> {
+pub fn read(folder: &Path) -> Result<(ProjectState, Encodings), ProjectError> {
     if platform::is_taken(&folder.join(MARK)) {
         return Err(ProjectError::BrokenOff(folder.to_owned()));
     }
     if !is_project(folder) {
         return Err(ProjectError::NoProject(folder.to_owned()));
     }
-    let mut files = Files::new();
+    let mut files = ProjectFiles::new();
     let mut encodings = Encodings::new();
     let mut problems = Vec::new();
     for name in own_files(folder)? {
         let path = folder.join(&name);
-        let wrong = |line, rule| Problem {
+        let wrong = |line, rule| ProjectProblem {
             file: name.clone(),
             line,
             rule,
@@ -232,8 +234,8 @@ fn program_of(name: &str) -> Option<u16> {
 }
 
 /// What is wrong with a machine file or a job.
-fn checked(path: &Path, name: &str, text: &str) -> Vec<Problem> {
-    let wrong = |line: Option<usize>, rule| Problem {
+fn checked(path: &Path, name: &str, text: &str) -> Vec<ProjectProblem> {
+    let wrong = |line: Option<usize>, rule| ProjectProblem {
         file: name.to_owned(),
         line: line.and_then(|line| line.try_into().ok()),
         rule,
@@ -243,6 +245,9 @@ fn checked(path: &Path, name: &str, text: &str) -> Vec<Problem> {
             Ok(_) => Vec::new(),
             Err(LoadError::Machine { line, error, .. }) => {
                 vec![wrong(Some(line), say::as_written(error))]
+            }
+            Err(LoadError::MachineNumber { line, token, .. }) => {
+                vec![wrong(Some(line), say::number_not_finite(token))]
             }
             Err(LoadError::NoLathe { rules, .. }) => {
                 rules.into_iter().map(|rule| wrong(None, rule)).collect()
@@ -257,6 +262,9 @@ fn checked(path: &Path, name: &str, text: &str) -> Vec<Problem> {
         Ok(_) => Vec::new(),
         Err(JobError::Syntax { line, error, .. }) => {
             vec![wrong(Some(line), say::as_written(error))]
+        }
+        Err(JobError::Number { line, token, .. }) => {
+            vec![wrong(Some(line), say::number_not_finite(token))]
         }
         Err(JobError::Rule { rule, .. }) => vec![wrong(None, rule)],
         Err(error) => vec![wrong(None, error.message())],
@@ -286,8 +294,8 @@ fn encoding_of(path: &Path) -> Option<Encoding> {
 /// The folder holds something else; what could not be written.
 pub fn write(
     folder: &Path,
-    state: &State,
-    files: &Files,
+    state: &ProjectState,
+    files: &ProjectFiles,
     encodings: &Encodings,
 ) -> Result<Written, ProjectError> {
     let bytes = files.iter().map(|(name, text)| {
@@ -403,8 +411,8 @@ pub fn back_up(data: &Path, held: &Held) -> Result<PathBuf, ProjectError> {
 ///
 /// # Errors
 /// It is none.
-pub fn machine_text(path: &Path) -> Result<(Key, std::sync::Arc<str>), LoadError> {
+pub fn machine_text(path: &Path) -> Result<(ProjectKey, std::sync::Arc<str>), LoadError> {
     let text = program_file::read(path)?.text;
     loading::machine_of(path, &text)?;
-    Ok((Key::Machine, text.into()))
+    Ok((ProjectKey::Machine, text.into()))
 }

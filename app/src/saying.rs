@@ -4,9 +4,11 @@
 use std::fmt::Display;
 use std::io::{self, ErrorKind};
 
-use gsk_core::plc::{CompileError, CompileErrors, summary};
+use gsk_core::plc::{CompileError, CompileErrors, compile_summary};
 use gsk_link::Difference;
 use gsk_messages::{Message, say};
+
+use crate::platform::DeviceName;
 
 /// Messages one under the other.
 pub fn lines(messages: impl IntoIterator<Item = Message>) -> Message {
@@ -35,13 +37,16 @@ pub fn of_finding(error: &CompileError) -> Message {
 /// All that is wrong with a ladder, a line each, and how many they are.
 pub fn of_ladder(errors: &CompileErrors) -> Message {
     let found = errors.errors.iter().chain(&errors.warnings);
-    let summary = summary(errors.errors.len(), errors.warnings.len());
+    let summary = compile_summary(errors.errors.len(), errors.warnings.len());
     lines(found.map(of_finding).chain([summary]))
 }
 
 /// What the system said of a file, a port or a network address: in its own words, in Chinese
 /// with what they mean before them.
 pub fn of_system(error: &io::Error) -> Message {
+    if let Some(DeviceName(name)) = error.get_ref().and_then(|inner| inner.downcast_ref()) {
+        return say::file_name_device(name);
+    }
     of_kind(error.kind(), error)
 }
 

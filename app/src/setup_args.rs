@@ -13,8 +13,8 @@ use gsk_messages::{Message, say};
 use crate::files::models;
 
 pub use words::{
-    InputBit, OffsetWord, ParameterWord, WordError, any_model, duration_ms, feed, input_bit, model,
-    pair, switch, travel,
+    InputBit, OffsetWord, ParameterWord, WordError, any_model, duration_ms, feed, finite,
+    input_bit, model, pair, switch, travel,
 };
 use words::{model_parameter, moment, offset, parameter, spindle_speed};
 

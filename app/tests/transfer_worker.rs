@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use gsk_app::pc::worker::{Answer, Choice, Fate, News, Order, Question, Stage, ToSend, Worker};
 use gsk_messages::Language;
-use gsk_transfer::{FileName, Partition, Place};
+use gsk_transfer::{FileName, Partition, RemotePath};
 
 use crate::serial::{Control, folder};
 
@@ -78,7 +78,7 @@ fn to_send(folder: &Path, name: &str, text: &str) -> ToSend {
     std::fs::write(&path, text).expect("written");
     ToSend {
         path,
-        place: Place {
+        place: RemotePath {
             partition: Partition::User,
             name: FileName::new(name).expect("a name"),
         },
@@ -151,7 +151,9 @@ fn a_job_is_broken_off_at_once_and_leaves_nothing_half() {
     });
     let programs = listed.iter().flat_map(|(_, entries)| entries);
     assert!(
-        programs.into_iter().all(|it| it.name.program().is_none()),
+        programs
+            .into_iter()
+            .all(|it| it.name.program_number().is_none()),
         "{listed:?}"
     );
     // What comes next is not broken off with it.
@@ -184,7 +186,7 @@ fn what_the_control_sends_by_itself_comes_in_and_a_taken_name_offers_a_free_one(
         News::Asked(Question::AtControl { free, .. }) => Some(free),
         _ => None,
     });
-    assert_eq!(free, Some(FileName::of_program(8)));
+    assert_eq!(free, Some(FileName::from_program(8)));
     // The port is closed under the question: nothing is sent, and nobody waits for ever.
     worker.order(Order::Close);
     let (_, why, _) = over(&worker, &Choice::Skip);

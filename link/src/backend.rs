@@ -130,6 +130,11 @@ pub trait Backend: Positioned + Debug {
     /// Bytes came from the port.
     fn rx(&mut self, bytes: &[u8], now: HostTime);
 
+    /// The computer was away for longer than a board that makes what it holds is told
+    /// ahead: such a board is sent nothing before it has reported where it stands. A board
+    /// of timed steps notices by itself.
+    fn stop_after_absence(&mut self) {}
+
     /// The port failed: unplugged, or taken away.
     fn lost(&mut self, cause: Message);
 
@@ -179,6 +184,12 @@ pub trait Backend: Positioned + Debug {
     /// or nobody knows yet what the board is.
     fn stop_bytes(&self) -> Vec<u8>;
 
+    /// Whether a board answers so to [`stop_bytes`](Self::stop_bytes).
+    fn has_answered_stop(&self, answered: &[u8]) -> bool {
+        let _ = answered;
+        false
+    }
+
     /// The control forgot where the axes stand (power off): so does the link.
     fn forget_position(&mut self) {
         self.invalidate_position(Uncertainty::Unreferenced);
@@ -212,8 +223,9 @@ pub trait Backend: Positioned + Debug {
     /// Whether a stop is still under way: where the axes come to stand is not known.
     fn is_stopping(&self) -> bool;
 
-    /// Whether the board answers what it is asked.
-    fn is_responding(&self) -> bool {
+    /// Whether the board has answered a question that was asked no earlier than this.
+    fn has_answered_since(&self, moment: HostTime) -> bool {
+        let _ = moment;
         true
     }
 

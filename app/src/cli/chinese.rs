@@ -12,7 +12,7 @@ use clap::builder::{PossibleValue, Str, StyledStr};
 use clap::{Arg, Command, CommandFactory, Error};
 use gsk_messages::{Language, Message};
 use gsk_runner::picture::NoSize;
-use gsk_transfer::NameError;
+use gsk_transfer::FileNameError;
 
 use super::Cli;
 use crate::setup_args::WordError;
@@ -171,7 +171,7 @@ fn replaced(line: &str, english: &str, chinese: &str) -> Option<String> {
 fn reason(error: &Error) -> Option<(String, Message)> {
     let source = error.source()?;
     let word = || source.downcast_ref().map(WordError::message);
-    let name = || source.downcast_ref().map(NameError::message);
+    let name = || source.downcast_ref().map(FileNameError::message);
     let size = || source.downcast_ref().map(NoSize::message);
     let message = word().or_else(name).or_else(size)?;
     Some((source.to_string(), message))

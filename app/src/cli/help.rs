@@ -1,6 +1,7 @@
 //! Options of `help`.
 
 use clap::Args;
+use gsk_core::model::ModelId;
 
 /// `help`.
 #[derive(Args, Debug)]
@@ -14,4 +15,7 @@ pub struct HelpArgs {
     /// Print everything as one HTML page, to be read or printed
     #[arg(long, conflicts_with_all = ["topic", "list"])]
     pub document: bool,
+    /// The control model [default: gsk980td]
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::any_model())]
+    pub model: Option<ModelId>,
 }

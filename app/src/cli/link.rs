@@ -86,13 +86,13 @@ pub struct LinkTwinArgs {
     #[arg(long, default_value_t = 0, value_name = "MS")]
     pub delay_ms: u64,
     /// Speed of its spindle at full output, turns a minute
-    #[arg(long, default_value_t = 9999.0, value_name = "RPM")]
+    #[arg(long, default_value_t = 9999.0, value_name = "RPM", value_parser = setup_args::finite)]
     pub spindle_top: f64,
     /// Klipper: the speed of its spindle goes up and down by so many per cent
-    #[arg(long, default_value_t = 0.0, value_name = "PERCENT")]
+    #[arg(long, default_value_t = 0.0, value_name = "PERCENT", value_parser = setup_args::finite)]
     pub ripple: f64,
     /// Klipper: so often a second
-    #[arg(long, default_value_t = 0.5, value_name = "HZ")]
+    #[arg(long, default_value_t = 0.5, value_name = "HZ", value_parser = setup_args::finite)]
     pub ripple_hz: f64,
     /// Klipper: the index of its spindle stays away after so many seconds
     #[arg(long, value_name = "S")]

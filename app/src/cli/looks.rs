@@ -1,30 +1,39 @@
 //! Options of `check` and `plot`, which look at a program without a machine.
 
 use std::path::PathBuf;
-use std::time::Duration;
 
 use clap::{Args, ValueEnum};
+use gsk_core::preview::WorkBudget;
+use web_time::Duration;
 
 use super::PictureArgs;
 use crate::job::{JobArgs, PartArgs};
-use crate::patience::Patience;
 use crate::setup_args::{self, SetupArgs};
+use crate::work_limit::WorkLimit;
 
 /// When `check` and `plot` give a program up.
 #[derive(Args, Clone, Copy, Debug)]
-pub struct PatienceArgs {
-    /// Give a program up after so much time of this computer, for instance 90s, 10m
-    #[arg(long, default_value = "60s", value_name = "TIME", value_parser = setup_args::duration_ms)]
-    pub give_up: u64,
+pub struct LimitArgs {
     /// Give a program up after so many moves
-    #[arg(long, default_value_t = 200_000_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, default_value_t = WorkBudget::FULL.moves, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub most_moves: u64,
+    /// Give a program up after so many blocks; those of loops and subprograms count each time
+    #[arg(long, default_value_t = WorkBudget::FULL.work, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub most_blocks: u64,
+    /// Give a program up after so much time of this computer as well, for instance 90s, 10m [default: no limit]
+    #[arg(long, value_name = "TIME", value_parser = setup_args::duration_ms)]
+    pub give_up: Option<u64>,
 }
 
-impl PatienceArgs {
-    /// Begins now.
-    pub fn begin(self) -> Patience {
-        Patience::new(Duration::from_millis(self.give_up), self.most_moves)
+impl LimitArgs {
+    /// Limits from now on.
+    pub fn begin(self) -> WorkLimit {
+        let budget = WorkBudget {
+            moves: self.most_moves,
+            work: self.most_blocks,
+            ..WorkBudget::FULL
+        };
+        WorkLimit::new(budget).within(self.give_up.map(Duration::from_millis))
     }
 }
 
@@ -40,7 +49,7 @@ pub struct LookArgs {
     pub work_zero: Option<(f64, f64)>,
     /// When to give up.
     #[command(flatten)]
-    pub patience: PatienceArgs,
+    pub limits: LimitArgs,
 }
 
 /// `check`.

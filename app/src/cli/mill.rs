@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use crate::setup_args::WordError;
+use crate::setup_args::{WordError, finite};
 
 /// `mill`.
 #[derive(Debug, Subcommand)]
@@ -28,13 +28,13 @@ pub struct GearArgs {
     #[arg(long, value_name = "COUNTS")]
     pub counts: u32,
     /// Lead of the screw, mm
-    #[arg(long, value_name = "MM", required_unless_present = "pulses")]
+    #[arg(long, value_name = "MM", required_unless_present = "pulses", value_parser = finite)]
     pub lead: Option<f64>,
     /// Of a rotary axis or a spindle instead: pulses in a turn
     #[arg(long, value_name = "PULSES", conflicts_with = "lead")]
     pub pulses: Option<u32>,
     /// Output increment, mm: 0.001, or 0.0001 (001.1 = 1)
-    #[arg(long, value_name = "MM", default_value_t = 0.001)]
+    #[arg(long, value_name = "MM", default_value_t = 0.001, value_parser = finite)]
     pub increment: f64,
     /// Teeth on the screw or the table, on the motor
     #[arg(long, value_name = "ZM,ZD", default_value = "1,1", value_parser = teeth)]
@@ -45,7 +45,7 @@ pub struct GearArgs {
 #[derive(Args, Debug)]
 pub struct PitchArgs {
     /// Positions from the reference point, mm (degrees)
-    #[arg(value_name = "POSITION", allow_negative_numbers = true)]
+    #[arg(value_name = "POSITION", allow_negative_numbers = true, value_parser = finite)]
     pub positions: Vec<f64>,
     /// The axis of the table: X, Y, Z, A, B or C; a file that names another one is refused
     #[arg(long, value_name = "AXIS", value_parser = axis)]
@@ -54,7 +54,7 @@ pub struct PitchArgs {
     #[arg(long, value_name = "N")]
     pub origin: i64,
     /// 3624: the interval, mm (degrees)
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", value_parser = finite)]
     pub interval: f64,
     /// 3621, 3622: the least and the greatest number
     #[arg(long, value_name = "N,N", default_value = "0,1023", value_parser = window)]
@@ -70,7 +70,7 @@ pub struct PitchArgs {
     #[arg(long, value_name = "FILE")]
     pub export: Option<PathBuf>,
     /// 1260: a turn of a rotary axis, degrees; whether the table comes out even
-    #[arg(long, value_name = "DEGREES")]
+    #[arg(long, value_name = "DEGREES", value_parser = finite)]
     pub turn: Option<f64>,
 }
 

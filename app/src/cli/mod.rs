@@ -36,7 +36,7 @@ pub use lesson::{LessonCheckArgs, LessonCommand, LessonListArgs, LessonRunArgs};
 pub use link::{
     LinkArgs, LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs, LinkTwinArgs, TwinBoard,
 };
-pub use looks::{CheckArgs, Format, LookArgs, PatienceArgs, PlotArgs};
+pub use looks::{CheckArgs, Format, LimitArgs, LookArgs, PlotArgs};
 pub use lsp::LspArgs;
 pub use mill::{AXES_OF_MILLS, GearArgs, HomingArgs, MillCommand, MillKeysArgs, PitchArgs};
 pub use packages::{CompletionsArgs, ManArgs};

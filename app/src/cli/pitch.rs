@@ -46,7 +46,7 @@ pub struct PitchImportArgs {
     #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::model())]
     pub model: Option<ModelId>,
     /// Slide travel from point to point, mm [default: the coarsest that leaves 0.8 µm or less]
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = crate::setup_args::finite)]
     pub interval: Option<f64>,
     /// The table was empty when it was measured: what stands in it is dropped, not added to
     #[arg(long)]

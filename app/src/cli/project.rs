@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand, ValueEnum};
 use gsk_core::model::ModelId;
-use gsk_project::Section;
+use gsk_project::ProjectSection;
 
 /// What is done with a project.
 #[derive(Debug, Subcommand)]
@@ -70,8 +70,8 @@ pub struct ProjectImportArgs {
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
     /// Take over these parts alone, for instance parameters,offsets
-    #[arg(long, value_name = "PART", value_delimiter = ',', value_parser = sections(Section::is_in_control))]
-    pub only: Vec<Section>,
+    #[arg(long, value_name = "PART", value_delimiter = ',', value_parser = sections(ProjectSection::is_in_control))]
+    pub only: Vec<ProjectSection>,
     /// A password of the control: the rights of its operation level, for this once
     #[arg(long, value_name = "PASSWORD")]
     pub password: Option<String>,
@@ -97,7 +97,7 @@ pub struct ProjectDiffArgs {
     pub model: Option<ModelId>,
     /// Compare these parts alone, for instance parameters,offsets
     #[arg(long, value_name = "PART", value_delimiter = ',', value_parser = sections(|_| true))]
-    pub only: Vec<Section>,
+    pub only: Vec<ProjectSection>,
     /// How the list is written
     #[arg(long, value_enum, default_value_t = DiffFormat::Human)]
     pub format: DiffFormat,
@@ -113,10 +113,11 @@ pub enum DiffFormat {
 }
 
 /// The words of parts of the control.
-fn sections(taken: fn(Section) -> bool) -> impl TypedValueParser<Value = Section> {
-    let rows = Section::ALL.into_iter();
+fn sections(taken: fn(ProjectSection) -> bool) -> impl TypedValueParser<Value = ProjectSection> {
+    let rows = ProjectSection::ALL.into_iter();
     let words = rows.filter(|(section, _)| taken(*section));
     let words: Vec<&'static str> = words.map(|(_, word)| word).collect();
     // The parser takes no other word.
-    PossibleValuesParser::new(words).map(|word| Section::of_word(&word).unwrap_or(Section::Model))
+    PossibleValuesParser::new(words)
+        .map(|word| ProjectSection::from_word(&word).unwrap_or(ProjectSection::Model))
 }

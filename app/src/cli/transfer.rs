@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
-use gsk_transfer::{FileName, LineEnd, Partition};
+use gsk_transfer::{FileName, Partition, TextLineEnd};
 
 use crate::setup_args::{SetupArgs, WordError};
 
@@ -33,12 +33,12 @@ pub enum TextEnd {
 
 impl TextEnd {
     /// For the line.
-    pub const fn line_end(self) -> LineEnd {
+    pub const fn line_end(self) -> TextLineEnd {
         match self {
-            Self::Crlf => LineEnd::CrLf,
-            Self::Lf => LineEnd::Lf,
-            Self::Cr => LineEnd::Cr,
-            Self::Lfcrcr => LineEnd::LfCrCr,
+            Self::Crlf => TextLineEnd::CrLf,
+            Self::Lf => TextLineEnd::Lf,
+            Self::Cr => TextLineEnd::Cr,
+            Self::Lfcrcr => TextLineEnd::LfCrCr,
         }
     }
 }
@@ -110,7 +110,7 @@ fn partition(word: &str) -> Result<Partition, WordError> {
 }
 
 /// A name of a file at the control.
-fn name(word: &str) -> Result<FileName, gsk_transfer::NameError> {
+fn name(word: &str) -> Result<FileName, gsk_transfer::FileNameError> {
     FileName::new(word)
 }
 

@@ -69,7 +69,7 @@ fn check_file(
 ) -> Result<Report, CommandError> {
     let mut setup = setup.clone();
     loading::open(&mut setup, &[file.to_owned()])?.print(language);
-    let mut watch = output::watch(&setup.memory.programs, args.look.patience.begin(), alone);
+    let mut watch = output::watch(&setup.memory.programs, args.look.limits.begin(), alone);
     let name = file.display().to_string();
     let mut goes_on = |progress: &Progress| watch.goes_on(progress);
     if !args.part.wanted() {
@@ -77,6 +77,9 @@ fn check_file(
         return Ok(report);
     }
     let chosen = job::choose(&args.part.job, Some(file), &setup)?;
+    if let Some(said) = chosen.set_work_zero(&mut setup) {
+        complain!("gsk980td: {}", report::said(&said, language));
+    }
     let mut machining = chosen.machining();
     let rates = RapidRates::of(&setup.memory);
     let mut take = |executed: &ExecutedMove| {

@@ -1,7 +1,7 @@
 //! `help`: what a command does, and what a symbol of the control means.
 
 use clap::{Command, CommandFactory};
-use gsk_help::{Topic, article, ask, called, document, topics};
+use gsk_help::{Topic, article, ask_of, called, document, topics_of};
 use gsk_messages::{Language, say};
 use gsk_panel::glyphs::text_columns;
 
@@ -20,7 +20,8 @@ const LISTED: usize = 40;
 pub fn help(args: &HelpArgs, spoken: Option<Language>) -> Result<u8, CommandError> {
     let language = spoken.unwrap_or(Language::En);
     if args.list {
-        output::print(&headings(&topics().iter().collect::<Vec<_>>(), language));
+        let topics = topics_of(args.model.unwrap_or_default()).iter();
+        output::print(&headings(&topics.collect::<Vec<_>>(), language));
         return Ok(FINE);
     }
     if args.document {
@@ -52,7 +53,7 @@ pub fn help(args: &HelpArgs, spoken: Option<Language>) -> Result<u8, CommandErro
         return Ok(FINE);
     }
     let question = args.topic.join(" ");
-    let found = ask(&question);
+    let found = ask_of(args.model.unwrap_or_default(), &question);
     if found.is_empty() {
         return Err(CommandError::NoTopic(question));
     }

@@ -61,7 +61,7 @@ fn check(args: &LadderArgs) -> Result<u8, CommandError> {
                 ladder.rung_count(),
                 ladder.steps(),
                 ladder.level1_steps(),
-                ladder.parts(),
+                ladder.part_count(),
                 ladder.warnings().len(),
             ));
             Ok(FINE)
@@ -109,7 +109,7 @@ fn run(args: &LadderRunArgs) -> Result<u8, CommandError> {
         for (address, state) in &held {
             plc.memory_mut().set_bit(*address, *state);
         }
-        plc.slot();
+        plc.run_slot();
         if let Some(fault) = plc.fault() {
             output::complain_of(&fault.message());
             return Ok(ALARM);

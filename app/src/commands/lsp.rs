@@ -14,6 +14,7 @@ mod convert;
 mod desk;
 mod documents;
 mod folder;
+mod framing;
 mod looker;
 mod places;
 mod server;

@@ -74,7 +74,7 @@ fn check_file(
     let (_, mut programs) = loading::mill(&args.setup)?;
     loading::open(&mut programs, &[file.to_owned()])?.print(language);
     let programs = &programs.memory.programs;
-    let mut watch = output::watch(programs, args.look.patience.begin(), alone);
+    let mut watch = output::watch(programs, args.look.limits.begin(), alone);
     let name = file.display().to_string();
     let mut goes_on = |progress: &Progress| watch.goes_on(progress);
     Ok(mill::check(
@@ -112,7 +112,7 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
     let programs = &programs.memory.programs;
     let target = output::reserve(&args.output)?;
     let mut drawing = MillDrawing::new(title(&args.file), args.picture.look());
-    let mut watch = output::watch(programs, args.look.patience.begin(), true);
+    let mut watch = output::watch(programs, args.look.limits.begin(), true);
     let preview = preview_while(
         &setup,
         programs,
@@ -137,6 +137,6 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
     }
     Ok(match preview.end {
         End::Alarm | End::Limit => ALARM,
-        End::M30 | End::M99 | End::Text => FINE,
+        End::M30 | End::M02 | End::M99 | End::Text => FINE,
     })
 }

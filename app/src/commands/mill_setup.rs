@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gsk_commission::Imported;
+use gsk_commission::ImportedFile;
 use gsk_messages::{Language, Message, say};
 use gsk_milling::commissioning::{PitchTable, Teeth, backlash_rate, linear_gear, rotary_gear};
 use gsk_milling::keys::{KEYS, pressed};
@@ -156,9 +156,9 @@ fn add_file(
     }
     let file = program_file::read(path).map_err(LoadError::from)?;
     let at_file = |rule: Message| wrong(say::pitch_file(path.display(), rule));
-    let imported = gsk_commission::read_of(&file.text, &AXES_OF_MILLS);
+    let imported = gsk_commission::read_measurement_file_with_axes(&file.text, &AXES_OF_MILLS);
     let imported = imported.map_err(|fault| at_file(fault.message()))?;
-    let Imported::Table(read) = imported else {
+    let ImportedFile::Table(read) = imported else {
         return Err(at_file(say::mill_pitch_measured()));
     };
     let other = |axis: &char| args.axis.is_some_and(|wanted| wanted != *axis);
@@ -188,6 +188,9 @@ fn add_file(
         let Some(number) = table.number_at(position) else {
             let rule = match position {
                 0 => say::pitch_ren_at_zero(),
+                ..0 if !table.has_negative_side() => {
+                    say::mill_pitch_negative(row.end.0, args.origin)
+                }
                 _ => say::pitch_ren_off_grid(row.end.0),
             };
             return Err(at_line(row.line, rule));

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use gsk_commission::{
-    Change, Deviation, Fit, Plan, PlanWish, Travel, correction, interval_of, write_csv, write_ren,
+    AxisDeviation, ParameterChange, PitchPlan, PitchPlanOptions, ScrewFit, SlideTravel,
+    compute_correction, pitch_interval, write_csv, write_ren,
 };
 use gsk_core::battery::Memory;
 use gsk_core::memory::{Parameters, PitchTable};
@@ -47,8 +48,8 @@ fn import(args: &PitchImportArgs, language: Option<Language>) -> Result<u8, Comm
         },
         dry_run: args.dry_run,
     };
-    let wish = PlanWish {
-        interval: args.interval.map(Travel),
+    let wish = PitchPlanOptions {
+        interval: args.interval.map(SlideTravel),
         clear: args.clear,
     };
     let opened = project::open(&target)?;
@@ -103,12 +104,19 @@ fn import(args: &PitchImportArgs, language: Option<Language>) -> Result<u8, Comm
 }
 
 /// What readings say.
-fn fitted(readings: usize, runs: usize, fit: &Fit) -> Message {
+fn fitted(readings: usize, runs: usize, fit: &ScrewFit) -> Message {
     let play = match fit.backlash {
         Some(play) => say::commission_play(play.0),
         None => say::commission_play_unknown(),
     };
-    say::pitch_fit_said(readings, runs, fit.left.0.0, fit.left.1.0, fit.slope, play)
+    say::pitch_fit_said(
+        readings,
+        runs,
+        fit.residual.0.0,
+        fit.residual.1.0,
+        fit.slope_um_per_m,
+        play,
+    )
 }
 
 /// Corrections in force and to be, point by point.
@@ -124,8 +132,8 @@ fn compare(axis: Axis, (parameters, table): &(Parameters, PitchTable), found: &F
         let within = first.0 - plan.interval.0..=last.0 + plan.interval.0;
         positions.retain(|(_, at)| within.contains(&at.0));
     }
-    let before = correction(axis, parameters, table, positions.iter().map(|(_, at)| *at));
-    let after = correction(axis, &then, &new, positions.iter().map(|(_, at)| *at));
+    let before = compute_correction(axis, parameters, table, positions.iter().map(|(_, at)| *at));
+    let after = compute_correction(axis, &then, &new, positions.iter().map(|(_, at)| *at));
     let mut out = String::from("position,correction,proposed\n");
     let mut last = None;
     for ((at, old), (_, value)) in before.points().iter().zip(after.points()) {
@@ -140,17 +148,19 @@ fn compare(axis: Axis, (parameters, table): &(Parameters, PitchTable), found: &F
 }
 
 /// The points of the table with their positions, from minus to plus.
-fn points(axis: Axis, parameters: &Parameters) -> Vec<(u8, Travel)> {
-    let interval = interval_of(axis, parameters).unwrap_or(Travel(0.0)).0;
+fn points(axis: Axis, parameters: &Parameters) -> Vec<(u8, SlideTravel)> {
+    let interval = pitch_interval(axis, parameters)
+        .unwrap_or(SlideTravel(0.0))
+        .0;
     let origin = f64::from(parameters.pitch_origin(axis));
-    let place = |point: u8| Travel((f64::from(point) - origin) * interval);
+    let place = |point: u8| SlideTravel((f64::from(point) - origin) * interval);
     (0..=LAST).map(|point| (point, place(point))).collect()
 }
 
 /// Rows of an axis: point, far end of its interval, value in µm, for points that hold one.
-fn rows(axis: Axis, memory: &Memory) -> Vec<(u8, Travel, Deviation)> {
+fn rows(axis: Axis, memory: &Memory) -> Vec<(u8, SlideTravel, AxisDeviation)> {
     let parameters = &memory.parameters;
-    let Some(interval) = interval_of(axis, parameters) else {
+    let Some(interval) = pitch_interval(axis, parameters) else {
         return Vec::new();
     };
     let origin = parameters.pitch_origin(axis);
@@ -165,7 +175,11 @@ fn rows(axis: Axis, memory: &Memory) -> Vec<(u8, Travel, Deviation)> {
                 i32::from(point) - 1
             };
             let end = f64::from(ends - i32::from(origin)) * interval.0;
-            let row = (point, Travel(end), Deviation(f64::from(value) * unit));
+            let row = (
+                point,
+                SlideTravel(end),
+                AxisDeviation(f64::from(value) * unit),
+            );
             (value != 0).then_some(row)
         })
         .collect()
@@ -199,14 +213,14 @@ fn show(args: &PitchShowArgs, language: Option<Language>) -> Result<u8, CommandE
 
 fn show_axis(axis: Axis, memory: &Memory, format: PitchFormat, language: Option<Language>) {
     let parameters = &memory.parameters;
-    let interval = interval_of(axis, parameters).unwrap_or(Travel(0.0));
+    let interval = pitch_interval(axis, parameters).unwrap_or(SlideTravel(0.0));
     let positions = points(axis, parameters).into_iter().map(|(_, at)| at);
-    let curve = correction(axis, parameters, &memory.pitch, positions);
+    let curve = compute_correction(axis, parameters, &memory.pitch, positions);
     let rows = rows(axis, memory);
     match format {
         PitchFormat::Csv => output::print(&write_csv(&curve)),
         PitchFormat::Ren => {
-            let backlash = Deviation(parameters.backlash(axis) * 1000.0);
+            let backlash = AxisDeviation(parameters.backlash(axis) * 1000.0);
             output::print(&write_ren(axis, interval, backlash, &rows));
         }
         PitchFormat::Human | PitchFormat::Json => {
@@ -244,7 +258,7 @@ fn table_as_json(axis: Axis, memory: &Memory) -> Json {
         .collect();
     json!({
         "axis": letter(axis).to_string(),
-        "interval_mm": interval_of(axis, parameters).map(|it| it.0),
+        "interval_mm": pitch_interval(axis, parameters).map(|it| it.0),
         "origin": parameters.pitch_origin(axis),
         "factor": parameters.pitch_factor(),
         "compensated": parameters.pitch_compensated(),
@@ -259,11 +273,13 @@ fn as_json(axis: Axis, found: &Found) -> Json {
         .changes
         .iter()
         .map(|change| match *change {
-            Change::Value { number, value } => json!({"parameter": number, "value": value}),
-            Change::Bit { number, bit, on } => {
+            ParameterChange::Value { number, value } => {
+                json!({"parameter": number, "value": value})
+            }
+            ParameterChange::Bit { number, bit, on } => {
                 json!({"parameter": number, "bit": bit, "value": u8::from(on)})
             }
-            Change::Pitch { point, value, .. } => json!({"point": point, "value": value}),
+            ParameterChange::Pitch { point, value, .. } => json!({"point": point, "value": value}),
         })
         .collect();
     let fit = match found {
@@ -273,7 +289,7 @@ fn as_json(axis: Axis, found: &Found) -> Json {
     json!({"axis": letter(axis).to_string(), "fit": fit, "changes": changes})
 }
 
-fn fit_as_json(runs: usize, fit: &Fit, plan: &Plan) -> Json {
+fn fit_as_json(runs: usize, fit: &ScrewFit, plan: &PitchPlan) -> Json {
     let curve: Vec<Json> = fit
         .curve
         .points()
@@ -284,9 +300,9 @@ fn fit_as_json(runs: usize, fit: &Fit, plan: &Plan) -> Json {
         "runs": runs,
         "curve": curve,
         "backlash_um": fit.backlash.map(|it| it.0),
-        "rms_um": fit.left.0.0,
-        "largest_um": fit.left.1.0,
-        "slope_um_per_m": fit.slope,
+        "rms_um": fit.residual.0.0,
+        "largest_um": fit.residual.1.0,
+        "slope_um_per_m": fit.slope_um_per_m,
         "interval_mm": plan.interval.0,
         "before_um": plan.before.0,
         "after_um": plan.after.0,

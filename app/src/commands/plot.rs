@@ -39,10 +39,16 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
     let rates = RapidRates::of(&setup.memory);
     let mut drawing = Drawing::new(title(&args.file), args.picture.look());
     let mut machining = match args.part.wanted() || args.solid || args.picture.needs_part() {
-        true => Some(job::choose(&args.part, Some(main), &setup)?.machining()),
+        true => {
+            let chosen = job::choose(&args.part, Some(main), &setup)?;
+            if let Some(said) = chosen.set_work_zero(&mut setup) {
+                complain!("gsk980td: {}", report::said(&said, language));
+            }
+            Some(chosen.machining())
+        }
         false => None,
     };
-    let mut watch = output::watch(&setup.memory.programs, args.look.patience.begin(), true);
+    let mut watch = output::watch(&setup.memory.programs, args.look.limits.begin(), true);
     let preview = preview_while(
         &setup,
         &setup.memory.programs,
@@ -92,6 +98,6 @@ pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandEr
     Ok(match preview.end {
         _ if collided => COLLISION,
         End::Alarm | End::Limit => ALARM,
-        End::M30 | End::M99 | End::Text => FINE,
+        End::M30 | End::M02 | End::M99 | End::Text => FINE,
     })
 }

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use gsk_core::model::ModelId;
 use gsk_messages::{Language, Message, say};
 use gsk_project::{
-    Difference, Section, Set, State, Value, details, diff, export, label, refused, sentence, unit,
-    whole_disk,
+    DataSet, ProjectDifference, ProjectSection, ProjectState, ProjectValue, describe_difference,
+    describe_text_changes, diff, export, find_whole_disk, label, refusal_message, unit,
 };
 use gsk_runner::report::said;
 use serde_json::{Value as Json, json};
@@ -37,7 +37,7 @@ fn say(message: &Message, language: Option<Language>) {
 fn new(args: &ProjectNewArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let machine = args.machine.as_ref();
     let setup = project::delivered(args.model.unwrap_or_default(), machine);
-    let state = State::of(&setup).with_texts(machine_of(machine)?);
+    let state = ProjectState::from_setup(&setup).with_texts(machine_of(machine)?);
     if project::is_project(&args.folder) {
         return Err(ProjectError::Other(args.folder.clone()).into());
     }
@@ -49,7 +49,7 @@ fn new(args: &ProjectNewArgs, language: Option<Language>) -> Result<u8, CommandE
 
 fn machine_of(
     path: Option<&PathBuf>,
-) -> Result<Option<(gsk_project::Key, std::sync::Arc<str>)>, CommandError> {
+) -> Result<Option<(gsk_project::ProjectKey, std::sync::Arc<str>)>, CommandError> {
     Ok(path.map(|path| project::machine_text(path)).transpose()?)
 }
 
@@ -92,7 +92,7 @@ fn write_control(args: &ProjectExportArgs, language: Option<Language>) -> Result
     })
 }
 
-fn wanted(differences: Vec<Difference>, only: &[Section]) -> Vec<Difference> {
+fn wanted(differences: Vec<ProjectDifference>, only: &[ProjectSection]) -> Vec<ProjectDifference> {
     let mut wanted = differences;
     wanted.retain(|it| only.is_empty() || only.contains(&it.section()));
     wanted
@@ -111,7 +111,7 @@ fn take_over(args: &ProjectImportArgs, language: Option<Language>) -> Result<u8,
         },
         dry_run: args.dry_run,
     };
-    let wanted = |it: &Difference| only.is_empty() || only.contains(&it.section());
+    let wanted = |it: &ProjectDifference| only.is_empty() || only.contains(&it.section());
     let taken = project::take_over(&taking, &wanted)?;
     for complaint in &taken.complaints {
         complain!("gsk980td: {}", said(complaint, language));
@@ -137,7 +137,10 @@ fn take_over(args: &ProjectImportArgs, language: Option<Language>) -> Result<u8,
 pub(super) fn tell_denied(taken: &Taken, language: Option<Language>) {
     for it in &taken.denied {
         let name = label(it.key, &taken.old, language.unwrap_or(Language::En));
-        let said = said(&say::subject_reason(name, refused(it.refusal)), language);
+        let said = said(
+            &say::subject_reason(name, refusal_message(it.refusal)),
+            language,
+        );
         complain!("gsk980td: {said}");
     }
     let count = said(&say::project_not_applied(taken.denied.len()), language);
@@ -149,7 +152,7 @@ fn side(
     path: &Path,
     model: Option<ModelId>,
     language: Option<Language>,
-) -> Result<State, CommandError> {
+) -> Result<ProjectState, CommandError> {
     if project::is_project(path) {
         return Ok(project::read(path)?.0);
     }
@@ -184,25 +187,29 @@ fn compare(args: &ProjectDiffArgs, language: Option<Language>) -> Result<u8, Com
 }
 
 /// The state in which a value is known by name: where it is, or was.
-fn known<'a>(difference: &Difference, old: &'a State, new: &'a State) -> &'a State {
+fn known<'a>(
+    difference: &ProjectDifference,
+    old: &'a ProjectState,
+    new: &'a ProjectState,
+) -> &'a ProjectState {
     if difference.new.is_some() { new } else { old }
 }
 
 /// Prints differences, a line each; a disk that comes or goes as a whole is one line.
 pub(super) fn list(
-    differences: &[Difference],
-    old: &State,
-    new: &State,
+    differences: &[ProjectDifference],
+    old: &ProjectState,
+    new: &ProjectState,
     language: Option<Language>,
 ) {
     let spoken = language.unwrap_or(Language::En);
     let mut out = String::new();
-    let mut whole: Vec<Set> = Vec::new();
+    let mut whole: Vec<DataSet> = Vec::new();
     for difference in differences {
-        if let Some(set) = whole_disk(difference) {
+        if let Some(set) = find_whole_disk(difference) {
             if !whole.contains(&set) {
                 whole.push(set);
-                let name = set.disk().unwrap_or_default();
+                let name = set.disk_name().unwrap_or_default();
                 let text = match difference.old {
                     None => say::project_disk_added(name),
                     Some(_) => say::project_disk_removed(name),
@@ -211,17 +218,17 @@ pub(super) fn list(
             }
             continue;
         }
-        let text = sentence(difference, old, new, spoken);
+        let text = describe_difference(difference, old, new, spoken);
         out.push_str(&format!("{text}\n"));
     }
     // A program may have anything in its lines.
     output::print(&output::shown(&out));
 }
 
-fn as_json(difference: &Difference, old: &State, new: &State) -> Json {
+fn as_json(difference: &ProjectDifference, old: &ProjectState, new: &ProjectState) -> Json {
     let state = known(difference, old, new);
     let key = difference.key;
-    let details = details(difference);
+    let details = describe_text_changes(difference);
     let [en, zh] = [Language::En, Language::Zh].map(|language| {
         details
             .iter()
@@ -242,12 +249,12 @@ fn as_json(difference: &Difference, old: &State, new: &State) -> Json {
     })
 }
 
-fn value_of(value: &Value) -> Json {
+fn value_of(value: &ProjectValue) -> Json {
     match value {
-        Value::Whole(value) => json!(value),
-        Value::Real(value) if value.is_finite() => json!(value),
-        Value::Switch(on) => json!(on),
-        Value::Text(text) => json!(&**text),
+        ProjectValue::Whole(value) => json!(value),
+        ProjectValue::Real(value) if value.is_finite() => json!(value),
+        ProjectValue::Switch(on) => json!(on),
+        ProjectValue::Text(text) => json!(&**text),
         other => json!(other.to_string()),
     }
 }

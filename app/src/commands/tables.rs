@@ -345,7 +345,9 @@ fn acts_in(written: &str) -> Option<Message> {
         "free" => say::table_acts_free(),
         "ladder" => say::table_acts_ladder(),
         "ladder; kept for the edge, without function on this lathe" => say::table_acts_edge(),
-        "ladder; the control has no M01 and M02 (alarm 019)" => say::table_acts_no_option_stop(),
+        "control ladder; where the ladder names it (.MCODE), else alarm 019" => {
+            say::table_acts_no_option_stop()
+        }
         "none: this lathe has no Y axis" => say::table_acts_no_y(),
         "none: this lathe has two axes" => say::table_acts_two_axes(),
         written => {

@@ -17,6 +17,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use gsk_core::plc::{CompileErrors, Ladder};
+use gsk_core::units::{NonFinite, find_non_finite};
 use gsk_messages::{Message, say};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -31,6 +32,8 @@ use crate::saying;
 const PROGRAMS: &str = "programs";
 const LOCK: &str = "lock";
 const LADDER: &str = "ladder.il";
+/// The macro variables. Earlier versions took NaN into them from project folders.
+const VARIABLES: &str = "variables";
 /// What holds passwords is its owner's alone.
 const PRIVATE: [&str; 1] = ["authority.ron"];
 /// The largest file that is read but for programs, bytes.
@@ -90,7 +93,7 @@ impl DataError {
 pub enum Loaded<T> {
     /// A value.
     Value(T),
-    /// A value from the copy of a damaged or missing file.
+    /// A value from the copy of a damaged or missing file, or without what cannot be used.
     Recovered(T, Complaint),
     /// There is no such file yet.
     Missing,
@@ -184,13 +187,33 @@ impl DataDir {
         &self.path
     }
 
-    /// Reads `NAME.ron`.
+    /// Reads `NAME.ron`. Every number in it is finite; of the macro variables one that is
+    /// not is left out.
     pub fn load<T: DeserializeOwned>(&self, name: &str) -> Loaded<T> {
-        self.read(&file_name(name), LARGEST_BYTES, |bytes| {
+        let file = file_name(name);
+        let mut left_out = None;
+        let loaded = self.read(&file, LARGEST_BYTES, |bytes| {
             let text = String::from_utf8(bytes).map_err(say::as_written)?;
+            left_out = find_non_finite(&text);
+            if let Some(found) = &left_out
+                && name != VARIABLES
+            {
+                return Err(say::in_line(
+                    found.line,
+                    say::number_not_finite(&found.token),
+                ));
+            }
             ron::from_str(&text)
                 .map_err(|error| say::in_line(error.span.start.line, say::as_written(error.code)))
-        })
+        });
+        match (loaded, left_out) {
+            (Loaded::Value(value), Some(NonFinite { line, token })) => {
+                let path = self.path.join(&file);
+                let said = say::data_dir_variable_emptied(path.display(), line, token);
+                Loaded::Recovered(value, Complaint::new(&path, said))
+            }
+            (loaded, _) => loaded,
+        }
     }
 
     /// Writes `NAME.ron`.

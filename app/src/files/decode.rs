@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use encoding_rs::{CoderResult, DecoderResult, GB18030};
+use encoding_rs::{CoderResult, DecoderResult, EncoderResult, GB18030, WINDOWS_1252};
 use gsk_messages::{Message, say};
 
 /// How the text of a file is written down.
@@ -20,6 +20,8 @@ pub enum Encoding {
     Utf16Big,
     /// GB18030 (GBK, GB2312).
     Gb18030,
+    /// Windows-1252 (Latin-1).
+    Windows1252,
 }
 
 impl fmt::Display for Encoding {
@@ -28,6 +30,7 @@ impl fmt::Display for Encoding {
             Self::Utf8 | Self::Utf8Marked => "UTF-8",
             Self::Utf16Little | Self::Utf16Big => "UTF-16",
             Self::Gb18030 => "GB18030",
+            Self::Windows1252 => "Windows-1252",
         })
     }
 }
@@ -86,8 +89,10 @@ impl DecodeError {
 }
 
 /// Decodes the bytes of a program file: a byte order mark decides, else valid
-/// UTF-8, else GB18030.
-pub fn decode(bytes: Vec<u8>) -> Result<Decoded, DecodeError> {
+/// UTF-8, else what the bytes beyond ASCII look like, GB18030 or Windows-1252. The leader
+/// and the trailer of a tape (NUL) and the reader controls DC1 to DC4 are left out.
+pub fn decode(mut bytes: Vec<u8>) -> Result<Decoded, DecodeError> {
+    leave_out_leaders(&mut bytes);
     if bytes.starts_with(&[0xEF, 0xBB, 0xBF]) {
         let text = String::from_utf8(bytes[3..].to_vec())
             .map_err(|error| bad_utf8(error.as_bytes(), error.utf8_error().valid_up_to()))?;
@@ -101,8 +106,47 @@ pub fn decode(bytes: Vec<u8>) -> Result<Decoded, DecodeError> {
     }
     match String::from_utf8(bytes) {
         Ok(text) => plain(text, Encoding::Utf8),
+        Err(error) if is_western(error.as_bytes()) => windows_1252(error.as_bytes()),
         Err(error) => gb18030(error.as_bytes()),
     }
+}
+
+/// Leaves out the NULs before a text and after its last line: the leader and the trailer of
+/// a tape. Within a text they are the mark of a binary file.
+fn leave_out_leaders(bytes: &mut Vec<u8>) {
+    if matches!(bytes[..], [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..]) {
+        return;
+    }
+    let text = |byte: &u8| *byte != 0;
+    let last = bytes.iter().rposition(text);
+    if let Some(last) = last
+        && matches!(bytes.get(last), Some(b'\n' | b'\r' | b'%' | b';'))
+    {
+        bytes.truncate(last + 1);
+    }
+    let begin = bytes.iter().position(text).unwrap_or(0);
+    bytes.drain(..begin);
+}
+
+/// Whether bytes beyond ASCII are rather Windows-1252: they stand alone between ASCII, while
+/// the Chinese characters of a shop floor (GB2312) are pairs of such bytes.
+fn is_western(bytes: &[u8]) -> bool {
+    /// Lead bytes of the common characters of GB2312.
+    const COMMON: core::ops::RangeInclusive<u8> = 0xB0..=0xD7;
+    /// Bytes that Windows-1252 leaves undefined.
+    const UNDEFINED: [u8; 5] = [0x81, 0x8D, 0x8F, 0x90, 0x9D];
+    let (mut alone, mut pairs) = (0_usize, 0_usize);
+    for run in bytes.split(u8::is_ascii).filter(|run| !run.is_empty()) {
+        alone += run.len() % 2;
+        let common = |pair: &&[u8]| COMMON.contains(&pair[0]) && pair[1] >= 0xA1;
+        pairs += run.chunks_exact(2).filter(common).count();
+    }
+    alone > pairs && !bytes.iter().any(|byte| UNDEFINED.contains(byte))
+}
+
+fn windows_1252(bytes: &[u8]) -> Result<Decoded, DecodeError> {
+    let (text, _) = WINDOWS_1252.decode_without_bom_handling(bytes);
+    plain(text.into_owned(), Encoding::Windows1252)
 }
 
 /// The bytes of a text in an encoding; characters that GB18030 cannot write do
@@ -114,6 +158,18 @@ pub fn encode(text: &str, encoding: Encoding) -> Vec<u8> {
         Encoding::Utf16Little => with_mark(text, u16::to_le_bytes),
         Encoding::Utf16Big => with_mark(text, u16::to_be_bytes),
         Encoding::Gb18030 => gb18030_bytes(text),
+        Encoding::Windows1252 => windows_1252_bytes(text),
+    }
+}
+
+/// In UTF-8 where a character was added that Windows-1252 does not have.
+fn windows_1252_bytes(text: &str) -> Vec<u8> {
+    let mut encoder = WINDOWS_1252.new_encoder();
+    let mut out = Vec::with_capacity(text.len() + 16);
+    let (result, _) = encoder.encode_from_utf8_to_vec_without_replacement(text, &mut out, true);
+    match result {
+        EncoderResult::InputEmpty => out,
+        EncoderResult::OutputFull | EncoderResult::Unmappable(_) => text.as_bytes().to_vec(),
     }
 }
 
@@ -269,6 +325,7 @@ fn plain(mut text: String, encoding: Encoding) -> Result<Decoded, DecodeError> {
     if let Some(end) = text.find('\u{1A}') {
         text.truncate(end);
     }
+    text.retain(|letter| !matches!(letter, '\u{11}'..='\u{14}'));
     Ok(Decoded { text, encoding })
 }
 
@@ -386,6 +443,43 @@ mod tests {
     fn the_end_mark_of_dos_ends_the_text() {
         assert_eq!(text_of(b"G00 X1\r\n\x1a\x1a").text, "G00 X1\r\n");
         assert_eq!(text_of(b"").text, "");
+    }
+
+    #[test]
+    fn western_comments_are_windows_1252() {
+        for text in [
+            "O0147 (BUCHSE)\nT0101 (WKZ \u{D8}20)\n",
+            "(f\u{FC}r Ma\u{DF} \u{B1}0.1, 45\u{B0})\nG00 X1\n",
+            "(Gr\u{F6}\u{DF}e f\u{FC}r pi\u{E8}ce)\n",
+            "(\u{20AC} \u{D8})\n",
+        ] {
+            let bytes = encode(text, Encoding::Windows1252);
+            let decoded = text_of(&bytes);
+            assert_eq!(
+                (decoded.text.as_str(), decoded.encoding),
+                (text, Encoding::Windows1252)
+            );
+        }
+        // Chinese stays Chinese, also beside letters and alone.
+        for text in ["(车)\n", "(M8螺纹 粗车)\n", "T0101(外圆刀)\n(镗)\n"] {
+            let bytes = encode(text, Encoding::Gb18030);
+            assert_eq!(text_of(&bytes).encoding, Encoding::Gb18030, "{text}");
+        }
+        let chinese = encode("(\u{D8}车)", Encoding::Windows1252);
+        assert_eq!(chinese, "(\u{D8}车)".as_bytes(), "nothing is lost");
+    }
+
+    #[test]
+    fn leaders_and_reader_controls_are_no_text() {
+        assert_eq!(
+            text_of(b"\0\0\0%\nO0001\nM30\n%\n\0\0").text,
+            "%\nO0001\nM30\n%\n"
+        );
+        assert_eq!(text_of(b"\x11%\nG00\x13 X1\n\x14").text, "%\nG00 X1\n");
+        assert_eq!(
+            text_of(b"\0\0\xEF\xBB\xBFG00\n").encoding,
+            Encoding::Utf8Marked
+        );
     }
 
     #[test]

@@ -1,13 +1,19 @@
-//! Finding the subprograms of a program in the folder it lies in.
+//! Finding the subprograms of a program in the folder it lies in: one rule for all models
+//! and all that load programs.
 //!
-//! `M98 P…`, `G65 P…` and `G66 P…` are looked for in the text, and the codes that call by themselves when
-//! 006.5 is set: `M61` O9061, `S21` O9121, `T15` O9215. A number that no loaded
-//! program has is searched beside the file, by name first (`O1002.CNC`, `1002.nc`),
-//! then by the O word that a small file starts with. What stays missing is reported by
-//! the control itself when the call is reached (alarm 078).
+//! Looked for in the text are `M98 P…`, `G65 P…` and `G66 P…`; `G20 N…` where that is a
+//! call (Huaxing); G, M and T codes that call by the parameters or the numbers of the model
+//! (macro B, 6044 to 6046 and M9000 to M9999 of the mill); and on lathes the codes that call
+//! when 006.5 is set: `M61` O9061, `S21` O9121, `T15` O9215. A call whose number is a
+//! variable may mean each program of the folder. A number that no loaded
+//! program has is searched beside the file, by name first (`O1002.CNC`, `1002.nc`,
+//! `P33.nc`), then by the O word or the `%P33` that a small file starts with. What stays
+//! missing is reported by the control itself when the call is reached (alarm 078).
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+
+use gsk_core::model::{ControlModel, GCode};
 
 use super::program_file;
 use crate::platform;
@@ -28,29 +34,57 @@ pub struct Found {
     pub path: PathBuf,
     /// Its text.
     pub text: String,
+    /// A call names it by its number; else a variable may.
+    pub named: bool,
+}
+
+/// What a text calls.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Calls {
+    /// Program numbers that stand in the text or follow from a code.
+    pub numbers: BTreeSet<u16>,
+    /// A variable names a program: it may be any.
+    pub by_variable: bool,
+}
+
+impl Calls {
+    /// Adds what another text calls.
+    pub fn extend(&mut self, other: Self) {
+        self.numbers.extend(other.numbers);
+        self.by_variable |= other.by_variable;
+    }
 }
 
 /// Searches the folder of `main` for the programs that it `calls` and that are not in
 /// `loaded`, and for those that they call.
-pub fn find(main: &Path, calls: BTreeSet<u16>, loaded: &BTreeSet<u16>) -> Vec<Found> {
-    if calls.is_subset(loaded) {
+pub fn find(main: &Path, calls: Calls, loaded: &BTreeSet<u16>, model: &ControlModel) -> Vec<Found> {
+    if !calls.by_variable && calls.numbers.is_subset(loaded) {
         return Vec::new();
     }
     let read = |path: &Path| program_file::read(path).ok().map(|file| file.text);
-    find_among(&beside(main), calls, loaded, &read)
+    find_among(&beside(main), calls, loaded, model, &read)
 }
 
 /// As [`find`], among programs that are known by number; `read` gives their texts.
 pub fn find_among(
     index: &BTreeMap<u16, PathBuf>,
-    calls: BTreeSet<u16>,
+    calls: Calls,
     loaded: &BTreeSet<u16>,
+    model: &ControlModel,
     read: &dyn Fn(&Path) -> Option<String>,
 ) -> Vec<Found> {
-    let mut wanted: Vec<u16> = calls.into_iter().collect();
+    let mut wanted: Vec<(u16, bool)> = Vec::new();
+    let want = |wanted: &mut Vec<(u16, bool)>, calls: Calls| {
+        // Those that are surely called come off the list first.
+        if calls.by_variable {
+            wanted.extend(index.keys().map(|number| (*number, false)));
+        }
+        wanted.extend(calls.numbers.into_iter().map(|number| (number, true)));
+    };
+    want(&mut wanted, calls);
     let mut known = loaded.clone();
     let mut found = Vec::new();
-    while let Some(number) = wanted.pop() {
+    while let Some((number, named)) = wanted.pop() {
         if !known.insert(number) {
             continue;
         }
@@ -60,37 +94,90 @@ pub fn find_among(
         let Some(text) = read(path) else {
             continue;
         };
-        wanted.extend(self::calls(&text));
+        want(&mut wanted, self::calls(&text, model));
         found.push(Found {
             number,
             path: path.clone(),
             text,
+            named,
         });
     }
     found.sort_by_key(|found| found.number);
     found
 }
 
-/// The M codes of every machine: they call nothing.
-const MACHINE_CODES: [u16; 20] = [
-    0, 2, 3, 4, 5, 8, 9, 10, 11, 12, 13, 30, 32, 33, 41, 42, 43, 44, 98, 99,
-];
-
-/// The program numbers that a text calls outside comments: by `M98 P…`, `G65 P…` and
-/// `G66 P…` the last four digits of P, by an M, S or T code its own.
-pub fn calls(text: &str) -> BTreeSet<u16> {
-    let mut numbers = BTreeSet::new();
-    for line in lines_that_may_call(text) {
+/// What a text calls outside comments: by P of M98, G65 and G66 the number of its last four
+/// digits, by N of the call of the Huaxing lathes its own, by a code what the model gives.
+pub fn calls(text: &str, model: &ControlModel) -> Calls {
+    let record = model.record();
+    let call_by_n = record.g_number(GCode::SubprogramCall);
+    let with_g = call_by_n.is_some() || model.calls_by_g();
+    let mut calls = Calls::default();
+    for line in lines_that_may_call(text, with_g) {
         let upper = code_of(line);
-        if (upper.contains("M98") || calls_macro(&upper))
-            && let Some(at) = upper.find('P')
-            && let Some(number) = last_four(leading_digits(&upper[at + 1..]))
-        {
-            numbers.insert(number);
-        }
-        numbers.extend(special_calls(&upper));
+        let called = Called {
+            model,
+            call_by_n,
+            special: !model.id().is_mill(),
+        };
+        called.in_block(&upper, &mut calls);
     }
-    numbers
+    calls
+}
+
+/// How a block of a model calls.
+struct Called<'a> {
+    model: &'a ControlModel,
+    /// The G code that calls by N.
+    call_by_n: Option<u8>,
+    /// M, S and T without a function call (006.5).
+    special: bool,
+}
+
+impl Called<'_> {
+    fn in_block(&self, block: &str, calls: &mut Calls) {
+        if (block.contains("M98") || calls_macro(block))
+            && let Some(at) = block.find('P')
+        {
+            let after = &block[at + 1..];
+            calls.numbers.extend(last_four(leading_digits(after)));
+            calls.by_variable |= after.starts_with(['#', '[']);
+        }
+        let mut by_n = false;
+        let letters = block.match_indices(|letter: char| letter.is_ascii_uppercase());
+        for (at, letter) in letters {
+            let digits = leading_digits(&block[at + 1..]);
+            let Ok(code) = digits.parse::<i64>() else {
+                continue;
+            };
+            let letter = letter.as_bytes()[0];
+            if letter == b'N' && by_n {
+                calls.numbers.extend(u16::try_from(code).ok());
+            }
+            by_n |= letter == b'G' && Some(code) == self.call_by_n.map(i64::from);
+            let by_model = self.model.program_of_code(letter, code);
+            calls.numbers.extend(by_model);
+            if self.special && by_model.is_none() {
+                calls.numbers.extend(self.special_call(letter, digits));
+            }
+        }
+    }
+
+    /// The program of a code that may call one (006.5): an M that is no machine function,
+    /// S and T of two digits.
+    fn special_call(&self, letter: u8, digits: &str) -> Option<u16> {
+        let code = last_four(digits)?;
+        let two = digits.len() == 2 && code >= 10;
+        match letter {
+            b'M' if digits.len() <= 2 => {
+                let function = self.model.record().m_function(code as u8);
+                function.is_none().then_some(9000 + code)
+            }
+            b'S' if two => Some(9100 + code),
+            b'T' if two => Some(9200 + code),
+            _ => None,
+        }
+    }
 }
 
 /// Whether a block calls a macro: G66, or G65 that is no operation of macro A.
@@ -100,10 +187,10 @@ fn calls_macro(block: &str) -> bool {
 
 /// The lines that have a letter of a call. Most lines of a long program have none: no
 /// more is done with them than to look at their bytes.
-fn lines_that_may_call(text: &str) -> impl Iterator<Item = &str> {
+fn lines_that_may_call(text: &str, with_g: bool) -> impl Iterator<Item = &str> {
     let mut rest = text;
     core::iter::from_fn(move || {
-        let letter = first_that_may_call(rest.as_bytes())?;
+        let letter = first_that_may_call(rest.as_bytes(), with_g)?;
         let start = rest[..letter].rfind('\n').map_or(0, |end| end + 1);
         let line = &rest[start..];
         let (line, behind) = line.split_once('\n').unwrap_or((line, ""));
@@ -112,11 +199,14 @@ fn lines_that_may_call(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// The first byte that may be one of M, P, S and T, or of their full-width forms.
-fn first_that_may_call(bytes: &[u8]) -> Option<usize> {
+/// The first byte that may be one of M, P, S and T, or of their full-width forms; or a G,
+/// where a G code may call.
+fn first_that_may_call(bytes: &[u8], with_g: bool) -> Option<usize> {
+    let g = if with_g { b'g' } else { b'm' };
     let may_call = |byte: &u8| {
         let small = byte | 0x20;
-        small == b'm' || small == b'p' || small == b's' || small == b't' || *byte >= 0x80
+        let letter = small == b'm' || small == b'p' || small == b's' || small == b't';
+        letter || small == g || *byte >= 0x80
     };
     // Many at once first: this is what the processor does best.
     let mut from = 0;
@@ -132,24 +222,6 @@ fn first_that_may_call(bytes: &[u8]) -> Option<usize> {
 
 /// Bytes that are looked at together.
 const MANY: usize = 64;
-
-/// The programs of the codes in a block that may call one (006.5): an M that is no
-/// machine function, S and T of two digits.
-fn special_calls(block: &str) -> impl Iterator<Item = u16> {
-    block
-        .match_indices(['M', 'S', 'T'])
-        .filter_map(|(at, word)| {
-            let digits = leading_digits(&block[at + 1..]);
-            let code = last_four(digits)?;
-            let two = digits.len() == 2 && code >= 10;
-            match word {
-                "M" if digits.len() <= 2 && !MACHINE_CODES.contains(&code) => Some(9000 + code),
-                "S" if two => Some(9100 + code),
-                "T" if two => Some(9200 + code),
-                _ => None,
-            }
-        })
-}
 
 fn leading_digits(text: &str) -> &str {
     let end = text.bytes().take_while(u8::is_ascii_digit).count();
@@ -209,12 +281,13 @@ pub fn number_in_name(path: &Path) -> Option<u16> {
         return None;
     }
     let stem = path.file_stem()?.to_str()?;
-    let digits = stem.strip_prefix(['O', 'o']).unwrap_or(stem);
+    let stem = stem.strip_prefix('%').unwrap_or(stem);
+    let digits = stem.strip_prefix(['O', 'o', 'P', 'p']).unwrap_or(stem);
     let plain = (1..=4).contains(&digits.len()) && digits.bytes().all(|byte| byte.is_ascii_digit());
     plain.then(|| digits.parse().ok())?
 }
 
-/// The number of the O word that a file begins with.
+/// The number of the O word, or of the `%P01`, that a file begins with.
 pub fn number_in_head(path: &Path) -> Option<u16> {
     if !is_file(path) {
         return None;
@@ -225,11 +298,8 @@ pub fn number_in_head(path: &Path) -> Option<u16> {
         .lines()
         .map(code_of)
         .find(|line| !line.is_empty() && line != "%")?;
-    let digits: String = line
-        .strip_prefix('O')?
-        .chars()
-        .take_while(char::is_ascii_digit)
-        .collect();
+    let name = line.strip_prefix('O').or_else(|| line.strip_prefix("%P"));
+    let digits: String = name?.chars().take_while(char::is_ascii_digit).collect();
     digits.parse().ok().filter(|number| *number <= 9999)
 }
 
@@ -254,34 +324,58 @@ pub fn program_ending(path: &Path) -> Option<&'static str> {
 mod tests {
     use std::fs;
 
+    use gsk_core::model::ModelId;
+
     use super::*;
 
     #[test]
     fn calls_are_found_through_comments_blanks_and_counts() {
         let text =
             "N10 M98 P51002;\nm 98 p 7 (M98 P9)\n(M98 P8)\nM98 P12345678\nＭ９８ Ｐ３\nM99 P20\n";
-        assert_eq!(
-            calls(text).into_iter().collect::<Vec<_>>(),
-            [3, 7, 1002, 5678]
-        );
+        assert_eq!(numbers(text), [3, 7, 1002, 5678]);
     }
 
     #[test]
     fn macros_are_called_by_g65_and_g66() {
         let text = "N10 G65 P9010 A1.0\nG65 A1 P9011\nG66 P9012 Z1\nG65 H80 P10\nG04 P500\n";
-        assert_eq!(
-            calls(text).into_iter().collect::<Vec<_>>(),
-            [9010, 9011, 9012]
-        );
+        assert_eq!(numbers(text), [9010, 9011, 9012]);
+        let by_variable = |text| calls(text, &ControlModel::default()).by_variable;
+        assert!(by_variable("M98 P#200\n") && by_variable("G65 P[#1+1] A1\n"));
+        assert!(!by_variable("M98 P20\nG65 H01 P#200 Q1\nX#1\n"));
     }
 
     #[test]
     fn codes_without_a_function_call_programs_of_their_own() {
         let text = "M61\nN10 G01 X1 M03 S500 T0101\nm 62 (M63)\nS21 M8\nT15\nS9 T5 M100 M30\n";
-        assert_eq!(
-            calls(text).into_iter().collect::<Vec<_>>(),
-            [9061, 9062, 9121, 9215]
-        );
+        assert_eq!(numbers(text), [9061, 9062, 9121, 9215]);
+    }
+
+    fn of_model(id: ModelId, parameters: &[(u16, i32)], text: &str) -> Vec<u16> {
+        let mut model = ControlModel::new(id);
+        for (number, value) in parameters {
+            assert_eq!(model.set_parameter(*number, *value), Ok(()));
+        }
+        calls(text, &model).numbers.into_iter().collect()
+    }
+
+    #[test]
+    fn codes_call_as_their_model_says() {
+        let macros = [(220, 81), (230, 60), (240, 61), (243, 1)];
+        let text = "G81 X1\nM60 A1\nM61\nT0101\nM8\n";
+        let td = ModelId::Gsk980td;
+        assert_eq!(of_model(td, &macros, text), [9000, 9001, 9010, 9020]);
+        let range = [(6044, 2000), (6045, 300), (6046, 100)];
+        let text = "M2000\nM9005 X1\nG01 X1 M2007\nM61 T15 S21\nM98 P7 L2\n";
+        let mdi = ModelId::Gsk980mdi;
+        assert_eq!(of_model(mdi, &range, text), [7, 300, 307, 9005]);
+        let text = "N10 G20 N33 L2\nG20 N5.3\nN20 G22 N7\nN99 M20 K1\nM71\n";
+        assert_eq!(of_model(ModelId::Hx31, &[], text), [5, 33]);
+        // G20 is a unit of the mill.
+        assert!(of_model(mdi, &[], "G20 N33\n").is_empty());
+    }
+
+    fn numbers(text: &str) -> Vec<u16> {
+        of_model(ModelId::Gsk980td, &[], text)
     }
 
     #[test]
@@ -295,9 +389,15 @@ mod tests {
         put("groove.txt", "%\nO0003 (groove)\nM98 P1\nM98 P2\nM99\n");
         put("zz.txt", "O0003\nM99\n");
         put("picture.png", "O0005\n");
+        put("O0033.CNC", "%P33\nM99\n");
+        put("turned.nc", "%P34\nM99\n");
         let main = folder.join("main.CNC");
         let text = fs::read_to_string(&main).expect("read");
-        let found = find(&main, calls(&text), &BTreeSet::from([1]));
+        let td = ControlModel::default();
+        let find = |text: &str, model: &ControlModel| {
+            find(&main, calls(text, model), &BTreeSet::from([1]), model)
+        };
+        let found = find(&text, &td);
         let names: Vec<_> = found
             .iter()
             .map(|found| (found.number, found.path.file_name()))
@@ -309,5 +409,14 @@ mod tests {
                 (3, Some("groove.txt".as_ref()))
             ]
         );
+        let numbers = |found: Vec<Found>| found.iter().map(|it| it.number).collect::<Vec<_>>();
+        let hx31 = ControlModel::new(ModelId::Hx31);
+        assert_eq!(numbers(find("G20 N33\nG20 N34\n", &hx31)), [33, 34]);
+        let all = find("M98 P#200\nM98 P2\n", &td);
+        assert!(
+            all.iter().all(|it| it.named == matches!(it.number, 2 | 3)),
+            "{all:?}"
+        );
+        assert_eq!(numbers(all), [2, 3, 33, 34]);
     }
 }

@@ -2,12 +2,14 @@
 //! program at the other end of the tie is gone.
 
 use std::io::{self, ErrorKind, Read, Write};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use gsk_messages::Message;
 use web_time::{Duration, Instant};
 
-use super::frame::{self, Kind, Reader};
+use super::frame::{self, Kind, Lease, Reader};
+use super::now_ms;
 use crate::platform::{self, ToProgram};
 use crate::ports::Port;
 
@@ -26,13 +28,21 @@ const STOPS: [u64; 5] = [0, 30, 100, 250, 600];
 /// would take it for an answer of his own.
 const ANSWERS: Duration = Duration::from_millis(200);
 
-/// How the program went.
+/// Between two looks whether the program still renews its lease.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Why nothing more is carried.
 enum Gone {
-    /// It said so.
+    /// The program has closed the port.
     Closed,
-    /// It did not: whatever the reason.
+    /// It is gone, whatever the reason.
     Lost,
+    /// It is there and has not renewed its lease, or what it said came too late.
+    Silent,
 }
+
+/// What the board answers while it is being stopped; None: it goes to the program.
+type Answers = Arc<Mutex<Option<Vec<u8>>>>;
 
 /// Standard input is no program that wants a port held.
 #[derive(Debug, thiserror::Error)]
@@ -69,9 +79,10 @@ pub fn hold(path: &str, baud: u32) -> Result<(), NoProgram> {
     // Before anything the board says; whoever does not hear it is gone already, and that
     // is noticed below.
     let _ = say(&mut partner, Kind::Open, &[]);
+    let answers = Answers::default();
     let reads = partner
         .try_clone()
-        .and_then(|partner| listen(inward, partner));
+        .and_then(|partner| listen(inward, partner, Arc::clone(&answers)));
     if let Err(error) = reads {
         tell_gone(&mut partner, &error);
         return Ok(());
@@ -81,6 +92,12 @@ pub fn hold(path: &str, baud: u32) -> Result<(), NoProgram> {
         // It has stopped the board by itself.
         Ok(Gone::Closed) => {}
         Ok(Gone::Lost) => stop_board(&mut port, &stop),
+        Ok(Gone::Silent) => {
+            *lock(&answers) = Some(Vec::new());
+            stop_board(&mut port, &stop);
+            let answered = lock(&answers).take().unwrap_or_default();
+            let _ = say(&mut partner, Kind::Stopped, &answered);
+        }
         Err(error) => tell_gone(&mut partner, &error),
     }
     Ok(())
@@ -97,11 +114,20 @@ fn tell_gone(partner: &mut ToProgram, error: &io::Error) {
     let _ = say(partner, Kind::Gone, &number.to_le_bytes());
 }
 
+fn lock(answers: &Answers) -> MutexGuard<'_, Option<Vec<u8>>> {
+    answers.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// What the board says goes to the program, in a thread of its own.
-fn listen(mut port: Port, mut partner: ToProgram) -> io::Result<()> {
+fn listen(mut port: Port, mut partner: ToProgram, answers: Answers) -> io::Result<()> {
     let listen = move || {
         loop {
-            match port.read() {
+            let read = port.read();
+            if let (Ok(bytes), Some(answered)) = (&read, &mut *lock(&answers)) {
+                answered.extend(bytes);
+                continue;
+            }
+            match read {
                 Ok(bytes) if bytes.is_empty() => {}
                 // A program that is gone hears nothing; the board goes on speaking.
                 Ok(bytes) => drop(say(&mut partner, Kind::Data, &bytes)),
@@ -123,7 +149,19 @@ fn listen(mut port: Port, mut partner: ToProgram) -> io::Result<()> {
 fn carry(partner: &mut ToProgram, port: &mut Port, stop: &mut Vec<u8>) -> io::Result<Gone> {
     let mut reader = Reader::default();
     let mut buffer = [0; frame::MOST];
+    let mut lease = Lease::default();
+    let mut silent = Duration::ZERO;
     loop {
+        // Its own absence is not counted: then the program may have been away, too.
+        if !partner.has_said_within(LOOK)? {
+            silent += LOOK;
+            let longest = Duration::from_millis(lease.silent_ms.into());
+            if !longest.is_zero() && silent >= longest {
+                return Ok(Gone::Silent);
+            }
+            continue;
+        }
+        silent = Duration::ZERO;
         match partner.read(&mut buffer) {
             Ok(0) => return Ok(Gone::Lost),
             Ok(count) => reader.give(&buffer[..count]),
@@ -133,9 +171,22 @@ fn carry(partner: &mut ToProgram, port: &mut Port, stop: &mut Vec<u8>) -> io::Re
         loop {
             match reader.take() {
                 // What a program that is gone has left says nothing any more.
-                Ok(Some((Kind::Data, _))) if partner.is_gone() => {}
-                Ok(Some((Kind::Data, bytes))) => {
-                    write(port, &bytes, |_| partner.is_gone())?;
+                Ok(Some((Kind::Dated, _))) if partner.is_gone() => {}
+                Ok(Some((Kind::Dated, content))) => {
+                    let Some((at, bytes)) = frame::dated(&content) else {
+                        return Ok(Gone::Lost);
+                    };
+                    let age = now_ms().saturating_sub(at);
+                    if lease.stale_ms > 0 && age > lease.stale_ms.into() {
+                        return Ok(Gone::Silent);
+                    }
+                    write(port, bytes, |_| partner.is_gone())?;
+                }
+                Ok(Some((Kind::Lease, content))) => {
+                    let Some(renewed) = Lease::from_bytes(&content) else {
+                        return Ok(Gone::Lost);
+                    };
+                    lease = renewed;
                 }
                 Ok(Some((Kind::Stop, bytes))) => *stop = bytes,
                 Ok(Some((Kind::End, _))) => return Ok(Gone::Closed),

@@ -25,7 +25,7 @@ use gsk_panel::occurrences::Occurrence;
 use gsk_panel::pages::PageId;
 use gsk_panel::panel::SerialFile;
 use gsk_panel::screen::Screen;
-use gsk_project::State;
+use gsk_project::ProjectState;
 use gsk_runner::first_look::FirstLook;
 
 use super::lesson::{LessonOrder, LessonState};
@@ -34,6 +34,7 @@ use super::monitor::MachineView;
 use super::part::PartView;
 use super::probe::Probe;
 use super::waiting::Waits;
+use crate::input_watch::InputWatch;
 use crate::job::Chosen;
 use crate::pace::Speed;
 use crate::platform;
@@ -103,7 +104,7 @@ pub enum Command {
     /// Hand out once what a preview of the control as it stands starts from.
     HandOut(Sender<Box<Setup>>),
     /// Hand out once what the control holds, and the operation level in force.
-    HandOutState(Sender<Box<(State, Level)>>),
+    HandOutState(Sender<Box<(ProjectState, Level)>>),
     /// The job of the part in the simulated lathe, on fresh stock; none: there is none.
     Job(Option<Box<Chosen>>),
     /// New stock is clamped.
@@ -313,6 +314,8 @@ pub struct Console {
     pub notices: Receiver<Notice>,
     /// For helpers that read files: their messages come out of `notices`.
     pub say: Sender<Notice>,
+    /// What proves that held keys are still held.
+    pub watch: InputWatch,
 }
 
 impl Console {
@@ -334,7 +337,7 @@ impl Console {
 
     /// What the control holds, and the operation level in force; `None` where the kernel
     /// gives no answer. It waits, as [`Self::setup`] does.
-    pub fn state(&self) -> Option<(State, Level)> {
+    pub fn state(&self) -> Option<(ProjectState, Level)> {
         const LONGEST: Duration = Duration::from_secs(5);
         let (to, answer) = bounded(1);
         self.commands.send(Command::HandOutState(to)).ok()?;

@@ -7,17 +7,20 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use crossbeam::channel::Receiver;
 use gsk_core::command::ProgramId;
 use gsk_core::linked::{Linked, Note, Stamp};
 use gsk_core::simulation::Simulation;
 use gsk_link::{Difference, LinkConfig, LinkState};
 use gsk_messages::{Message, say};
-use web_time::{Duration, Instant};
+use web_time::Duration;
 
 use super::Snapshot;
 use super::link_view::{LinkView, PositionCheck};
 use crate::carrier::{Carrier, Line};
 use crate::files::{atomic, time::utc};
+use crate::guard::Orphan;
+use crate::host_clock::HostClock;
 use crate::ports;
 
 /// Lines of the traffic that are kept for the link page.
@@ -88,7 +91,9 @@ pub(super) struct Drive {
     linked: Linked,
     /// None when the port could not be opened, or has failed.
     carrier: Option<Carrier>,
-    opened: Instant,
+    clock: HostClock,
+    /// What the board answers to the holder that stops it in place of the one that is gone.
+    being_stopped: Option<Receiver<Vec<u8>>>,
     watched: bool,
     /// When the link page looks again.
     next_view: Duration,
@@ -116,7 +121,6 @@ impl Drive {
     /// Opens the port; a port that cannot be opened is an alarm of the control.
     pub fn open(connection: Connection, simulation: &mut Simulation) -> Self {
         tracing::info!(port = connection.config.port, "port of the board");
-        let opened = Instant::now();
         let mut linked = Linked::open(connection.config.clone(), simulation, Duration::ZERO);
         linked.know(
             connection
@@ -140,7 +144,8 @@ impl Drive {
             connection,
             linked,
             carrier,
-            opened,
+            clock: HostClock::start(),
+            being_stopped: None,
             watched: false,
             next_view: Duration::ZERO,
             pictures: VecDeque::new(),
@@ -178,15 +183,21 @@ impl Drive {
         let bytes = match self.carrier.as_mut().map(Carrier::read) {
             Some(Ok(bytes)) => bytes,
             Some(Err(error)) => {
-                self.carrier = None;
-                let cause = ports::gone(&error);
-                tracing::error!("{cause}");
-                self.linked.lost(cause);
+                self.lose(&error);
                 Vec::new()
             }
             None => Vec::new(),
         };
-        let now = self.opened.elapsed();
+        let answered = self.being_stopped.as_ref().map(Receiver::try_recv);
+        if let Some(Ok(answered)) = answered {
+            self.being_stopped = None;
+            self.linked.stopped_by_holder(&answered);
+        }
+        let now = self.clock.now();
+        let jump = self.clock.take_jump();
+        if !jump.is_zero() {
+            self.linked.judge_absence(jump);
+        }
         if self.linked.is_opening() {
             // What a board says of itself for the first time is put on the disk.
             self.away = Away {
@@ -204,6 +215,19 @@ impl Drive {
         if traffic.reports != self.reports {
             self.reports = traffic.reports;
             keep(&mut self.trips, traffic.round_trip, TRIPS);
+        }
+    }
+
+    /// The port is gone, or its holder is.
+    fn lose(&mut self, error: &std::io::Error) {
+        let orphan = self.carrier.take().and_then(|mut it| it.take_orphan());
+        let cause = ports::gone(error);
+        tracing::error!("{cause}");
+        self.linked.lost(cause);
+        match orphan {
+            Some(Orphan::Stopped(answered)) => self.linked.stopped_by_holder(&answered),
+            Some(Orphan::BeingStopped(answered)) => self.being_stopped = Some(answered),
+            None => {}
         }
     }
 
@@ -241,6 +265,7 @@ impl Drive {
     pub fn speak(&mut self, program: Option<&str>) {
         let written = match &mut self.carrier {
             Some(carrier) => {
+                carrier.renew(self.linked.needs_guard());
                 carrier.stop_with(&self.linked.stop_bytes());
                 carrier.write(self.linked.tx())
             }
@@ -375,7 +400,7 @@ impl Drive {
 
     /// The link page's view, when it is watched and due.
     pub fn due_view(&mut self) -> Option<LinkView> {
-        let now = self.opened.elapsed();
+        let now = self.clock.now();
         if !self.watched || now < self.next_view {
             return None;
         }

@@ -70,6 +70,24 @@ const fn stops(key: Key) -> bool {
     matches!(key, Key::Reset | Key::FeedHold | Key::SpindleStop)
 }
 
+/// Keys that move or start something by themselves.
+pub(super) const fn moves(key: Key) -> bool {
+    matches!(
+        key,
+        Key::XUp
+            | Key::XDown
+            | Key::ZLeft
+            | Key::ZRight
+            | Key::YMinus
+            | Key::YPlus
+            | Key::CycleStart
+            | Key::SpindleForward
+            | Key::SpindleReverse
+            | Key::ToolChange
+            | Key::Output
+    )
+}
+
 /// The edges that wait, and the keys that are down.
 #[derive(Debug, Default)]
 pub(super) struct Edges {

@@ -23,10 +23,12 @@ impl Kernel {
         let mut drive = Drive::open(connection, &mut self.emulator.simulation);
         drive.watch(self.link_watched);
         self.drive = Some(drive);
+        self.watch.set_linked(true);
     }
 
     pub(super) fn disconnect(&mut self) -> Option<Connection> {
         let drive = self.drive.take()?;
+        self.watch.set_linked(false);
         Some(drive.close(&mut self.emulator.simulation))
     }
 

@@ -155,6 +155,7 @@ impl PulseBoard for Live {
                 drive.before(simulation);
                 return true;
             }
+            // What was made of it before is written only if the port was looked at of late.
             drive.speak(None);
             drive.hear();
             for said in drive.said() {

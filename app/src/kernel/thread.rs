@@ -15,9 +15,6 @@ use crate::platform::{self, Turning};
 use crate::retained::Keeper;
 use crate::{log, output, transfer};
 
-/// Held keys are let go when the window has said nothing for so long: no motion
-/// depends on a release that may never come.
-const LEASE: Duration = Duration::from_millis(600);
 /// How often the memory is looked at for something to be saved.
 const KEEP: Duration = Duration::from_millis(100);
 /// So long the window may take to close when the program is to end.
@@ -104,7 +101,9 @@ struct Running {
     picture_at: Instant,
     /// When the window was heard last, or a moment before, and how many commands that
     /// were by then.
-    heard: (Instant, u64),
+    heard: (Duration, u64),
+    /// Since when keys are held.
+    held: Option<Duration>,
     /// When the clock was looked at last.
     looked: Instant,
     /// When the memory was looked at.
@@ -123,7 +122,8 @@ impl Running {
             pace: Pace::new(now),
             journal: Journal::default(),
             picture_at: now,
-            heard: (now, 0),
+            heard: (platform::time_with_sleep(), 0),
+            held: None,
             looked: now,
             kept: now,
         }
@@ -136,7 +136,9 @@ impl Running {
             return false;
         }
         let now = Instant::now();
-        self.let_go(now);
+        // The computer may sleep at any moment.
+        let awake = platform::time_with_sleep();
+        self.let_go(awake);
         self.say_after_sleep(now);
         self.tick(now);
         self.show(now);
@@ -146,15 +148,29 @@ impl Running {
         // The computer may have slept since: what was heard counts from the moment
         // before it.
         if self.kernel.heard > self.heard.1 {
-            self.heard = (now, self.kernel.heard);
+            self.heard = (awake, self.kernel.heard);
         }
         goes_on
     }
 
-    /// Lets held keys go when the window has said nothing for too long.
-    fn let_go(&mut self, now: Instant) {
-        if self.kernel.keys.any_down() && now.duration_since(self.heard.0) > LEASE {
-            self.kernel.release_all();
+    /// Lets held keys go when the window has said nothing for too long, or when nothing
+    /// proves that they are still held: no motion depends on a release that may never come.
+    fn let_go(&mut self, now: Duration) {
+        let kernel = &mut self.kernel;
+        if !kernel.keys.any_down() {
+            self.held = None;
+            if kernel.is_linked() && kernel.watch.is_silent(now) {
+                kernel.drop_wheel();
+            }
+            return;
+        }
+        let pressed = *self.held.get_or_insert(now);
+        let silent = kernel.watch.has_window_lapsed(self.heard.0, now);
+        if silent || kernel.watch.has_lapsed(pressed, now) {
+            self.held = None;
+            kernel.let_go();
+            kernel.say(Notice::Said(say::keys_let_go()));
+            (self.outside.wake)();
         }
     }
 
@@ -271,6 +287,7 @@ impl Running {
             mut journal,
             ..
         } = self;
+        kernel.watch.end();
         kernel.release_all();
         kernel.leave_lesson();
         kernel.disconnect();
@@ -381,7 +398,7 @@ mod tests {
             assert!(running.turn());
             assert!(running.kernel.keys.any_down());
             // The computer slept: what the window said before it is no sign of life.
-            running.heard.0 = Instant::now() - 2 * LEASE;
+            running.heard.0 = platform::time_with_sleep().saturating_sub(Duration::from_secs(2));
             console.send(Command::Alive);
             assert!(running.turn());
             assert!(!running.kernel.keys.any_down());

@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use gsk_messages::{Message, say};
-use gsk_transfer::{Fault, FileName, Loss, NameError, NotText};
+use gsk_transfer::{ConnectionLoss, FileName, FileNameError, InvalidCharacter, TransferFault};
 
 use crate::files::program_file::FileError;
 use crate::output::WriteError;
@@ -49,7 +49,7 @@ impl PcError {
 #[error("{}", self.message())]
 pub enum FilesError {
     /// There is no connection with the control, or none any more.
-    Lost(#[from] Loss),
+    Lost(#[from] ConnectionLoss),
     /// The open port has gone.
     Gone(io::Error),
     /// The user has broken it off.
@@ -59,7 +59,7 @@ pub enum FilesError {
         /// The file there.
         name: FileName,
         /// Why.
-        fault: Fault,
+        fault: TransferFault,
     },
     /// What came is no text.
     Noise,
@@ -74,7 +74,7 @@ pub enum FilesError {
     /// A file that has no name at the control.
     NoName(PathBuf),
     /// A name that the control cannot have.
-    Name(#[from] NameError),
+    Name(#[from] FileNameError),
     /// A name twice.
     Twice {
         /// The name at the control.
@@ -97,7 +97,7 @@ pub enum FilesError {
         /// The file.
         file: PathBuf,
         /// Where.
-        error: NotText,
+        error: InvalidCharacter,
     },
 }
 

@@ -49,7 +49,7 @@ pub fn named(path: &Path) -> Option<FileName> {
     let number = || {
         let number =
             subprograms::number_in_name(path).or_else(|| subprograms::number_in_head(path));
-        number.map(FileName::of_program)
+        number.map(FileName::from_program)
     };
     own.and_then(|name| FileName::new(name).ok())
         .or_else(number)

@@ -1,21 +1,21 @@
 //! Names at the control that are not taken.
 
-use gsk_transfer::{Entry, FileName};
+use gsk_transfer::{DirectoryEntry, FileName};
 
 /// Numbers from here on need another level.
 const PROTECTED_FROM: u16 = 9000;
 
 /// The next program number that is free, for a program whose name is taken; none for data,
 /// which have one name only.
-pub fn free_name(name: &FileName, entries: &[Entry]) -> Option<FileName> {
-    let number = name.program()?;
+pub fn free_name(name: &FileName, entries: &[DirectoryEntry]) -> Option<FileName> {
+    let number = name.program_number()?;
     let taken: Vec<u16> = entries
         .iter()
-        .filter_map(|entry| entry.name.program())
+        .filter_map(|entry| entry.name.program_number())
         .collect();
     let mut numbers = (number..PROTECTED_FROM).chain(1..number);
     let free = numbers.find(|number| !taken.contains(number))?;
-    Some(FileName::of_program(free))
+    Some(FileName::from_program(free))
 }
 
 #[cfg(test)]
@@ -25,7 +25,7 @@ mod tests {
     #[test]
     fn the_next_number_is_free_and_data_have_none() {
         let name = |name: &str| FileName::new(name).expect("a name");
-        let entries = ["O0007.CNC", "O0008.CNC", "ParaW.par"].map(|it| Entry {
+        let entries = ["O0007.CNC", "O0008.CNC", "ParaW.par"].map(|it| DirectoryEntry {
             name: name(it),
             size: 1,
         });

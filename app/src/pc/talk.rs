@@ -2,7 +2,8 @@
 
 use gsk_messages::{Message, say};
 use gsk_transfer::{
-    Entry, FileName, Loss, NewFile, Order, Outcome, Partition, PcSide, Place, Progress,
+    ConnectionLoss, DirectoryEntry, FileName, Partition, PcCommand, PcSide, RemotePath,
+    TransferFile, TransferOutcome, TransferProgress,
 };
 use web_time::{Duration, Instant};
 
@@ -22,7 +23,7 @@ pub trait Watch: Send {
     fn begins(&mut self, _name: &FileName, _size: usize) {}
 
     /// How far it has come, and how many frames went out again so far (重试次数).
-    fn moves(&mut self, _progress: Progress, _retries: u64) {}
+    fn moves(&mut self, _progress: TransferProgress, _retries: u64) {}
 
     /// It has ended, well or not.
     fn ends(&mut self) {}
@@ -105,50 +106,50 @@ impl Talk {
     /// # Errors
     /// It does not, or the port has gone.
     pub fn connect(&mut self) -> Result<(), PcError> {
-        self.order(Order::Connect).map(drop)
+        self.order(PcCommand::Connect).map(drop)
     }
 
     /// Carries bytes; what has come of it, if anything.
-    fn pump(&mut self) -> Result<Option<Outcome>, PcError> {
+    fn pump(&mut self) -> Result<Option<TransferOutcome>, PcError> {
         let heard = self.port.read().map_err(FilesError::Gone)?;
         let now = self.begun.elapsed();
-        self.side.hear(&heard, now);
+        self.side.receive(&heard, now);
         let outcome = self.side.advance(now);
         let taken = self
             .port
-            .write(self.side.due(now))
+            .write(self.side.pending_bytes(now))
             .map_err(FilesError::Gone)?;
-        self.side.sent(taken);
+        self.side.mark_sent(taken);
         if let Some(progress) = self.side.progress() {
-            self.watch.moves(progress, self.side.retries());
+            self.watch.moves(progress, self.side.retransmissions());
         }
         Ok(outcome)
     }
 
     /// Gives an order and waits for what comes of it.
-    fn order(&mut self, order: Order) -> Result<Outcome, PcError> {
-        self.side.order(order);
+    fn order(&mut self, order: PcCommand) -> Result<TransferOutcome, PcError> {
+        self.side.start(order);
         let mut cancelled = false;
         loop {
             match self.pump()? {
                 // What the control sends by itself meanwhile it sends to nobody.
-                None | Some(Outcome::Pushed(_)) => {}
-                Some(Outcome::Lost(loss)) => return Err(FilesError::Lost(loss).into()),
+                None | Some(TransferOutcome::Pushed(_)) => {}
+                Some(TransferOutcome::Lost(loss)) => return Err(FilesError::Lost(loss).into()),
                 Some(_) if cancelled => return Err(FilesError::Cancelled.into()),
                 Some(outcome) => return Ok(outcome),
             }
             if !cancelled && self.watch.is_cancelled() {
                 // Connected anew, the control forgets the half of a file that it has.
                 cancelled = true;
-                self.side.order(Order::Connect);
+                self.side.start(PcCommand::Connect);
             }
         }
     }
 
     /// An order about a file; a refusal is an error.
-    fn order_for(&mut self, name: &FileName, order: Order) -> Result<Outcome, PcError> {
+    fn order_for(&mut self, name: &FileName, order: PcCommand) -> Result<TransferOutcome, PcError> {
         match self.order(order)? {
-            Outcome::Refused(fault) => Err(FilesError::Refused {
+            TransferOutcome::Refused(fault) => Err(FilesError::Refused {
                 name: name.clone(),
                 fault,
             }
@@ -161,15 +162,15 @@ impl Talk {
     ///
     /// # Errors
     /// The control refuses it, or does not answer, or the port has gone.
-    pub fn list(&mut self, partition: Partition) -> Result<Vec<Entry>, PcError> {
-        match self.order(Order::Directory(partition))? {
-            Outcome::Listed(entries) => Ok(entries),
-            Outcome::Refused(fault) => Err(FilesError::Refused {
-                name: FileName::of_program(0),
+    pub fn list(&mut self, partition: Partition) -> Result<Vec<DirectoryEntry>, PcError> {
+        match self.order(PcCommand::Directory(partition))? {
+            TransferOutcome::Listed(entries) => Ok(entries),
+            TransferOutcome::Refused(fault) => Err(FilesError::Refused {
+                name: FileName::from_program(0),
                 fault,
             }
             .into()),
-            _ => Err(FilesError::Lost(Loss::Broken).into()),
+            _ => Err(FilesError::Lost(ConnectionLoss::Interrupted).into()),
         }
     }
 
@@ -177,10 +178,10 @@ impl Talk {
     ///
     /// # Errors
     /// The control refuses it, or does not answer, or the port has gone.
-    pub fn send(&mut self, file: NewFile) -> Result<(), PcError> {
-        let (name, size) = (file.place.name.clone(), file.bytes.len());
+    pub fn send(&mut self, file: TransferFile) -> Result<(), PcError> {
+        let (name, size) = (file.remote_path.name.clone(), file.bytes.len());
         self.watched(&name, size, |talk| {
-            talk.order_for(&name, Order::Put(file))?;
+            talk.order_for(&name, PcCommand::Put(file))?;
             talk.traffic.bytes += size;
             Ok(())
         })
@@ -190,15 +191,15 @@ impl Talk {
     ///
     /// # Errors
     /// The control refuses it, or does not answer, or the port has gone.
-    pub fn receive(&mut self, place: Place) -> Result<Vec<u8>, PcError> {
+    pub fn receive(&mut self, place: RemotePath) -> Result<Vec<u8>, PcError> {
         let name = place.name.clone();
         self.watched(&name, 0, |talk| {
-            match talk.order_for(&name, Order::Get(place))? {
-                Outcome::Got(file) => {
+            match talk.order_for(&name, PcCommand::Get(place))? {
+                TransferOutcome::Got(file) => {
                     talk.traffic.bytes += file.bytes.len();
                     Ok(file.bytes)
                 }
-                _ => Err(FilesError::Lost(Loss::Broken).into()),
+                _ => Err(FilesError::Lost(ConnectionLoss::Interrupted).into()),
             }
         })
     }
@@ -207,7 +208,7 @@ impl Talk {
     ///
     /// # Errors
     /// The control refuses it, or does not answer, or the port has gone.
-    pub fn change(&mut self, name: &FileName, order: Order) -> Result<(), PcError> {
+    pub fn change(&mut self, name: &FileName, order: PcCommand) -> Result<(), PcError> {
         self.order_for(name, order).map(drop)
     }
 
@@ -215,8 +216,8 @@ impl Talk {
     ///
     /// # Errors
     /// The port has gone.
-    pub fn idle(&mut self) -> Result<Option<NewFile>, PcError> {
-        let Some(Outcome::Pushed(file)) = self.pump()? else {
+    pub fn idle(&mut self) -> Result<Option<TransferFile>, PcError> {
+        let Some(TransferOutcome::Pushed(file)) = self.pump()? else {
             return Ok(None);
         };
         self.rest()?;
@@ -243,7 +244,7 @@ impl Talk {
     /// What has gone and how fast (传输速率, 重试次数).
     pub fn traffic(&self) -> Traffic {
         Traffic {
-            retries: self.side.retries(),
+            retries: self.side.retransmissions(),
             ..self.traffic
         }
     }
@@ -251,7 +252,7 @@ impl Talk {
     /// Lets the last answers leave.
     fn rest(&mut self) -> Result<(), PcError> {
         let begun = Instant::now();
-        while !self.side.is_quiet() && begun.elapsed() < LAST_WORDS {
+        while !self.side.is_drained() && begun.elapsed() < LAST_WORDS {
             self.pump()?;
         }
         Ok(())
@@ -263,10 +264,10 @@ impl Talk {
     /// # Errors
     /// The port has gone.
     pub fn take_leave(&mut self) -> Result<(), PcError> {
-        self.side.order(Order::Bye);
+        self.side.start(PcCommand::Bye);
         let begun = Instant::now();
         while begun.elapsed() < FAREWELL {
-            if !matches!(self.pump()?, None | Some(Outcome::Pushed(_))) {
+            if !matches!(self.pump()?, None | Some(TransferOutcome::Pushed(_))) {
                 break;
             }
         }

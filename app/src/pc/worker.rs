@@ -10,7 +10,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, TryRecvError, unbounded};
 use gsk_messages::{Message, say};
-use gsk_transfer::{Entry, FileName, NewFile, Order as LineOrder, Partition, Place, Progress};
+use gsk_transfer::{
+    DirectoryEntry, FileName, Partition, PcCommand, RemotePath, TransferFile, TransferProgress,
+};
 use web_time::Duration;
 
 use super::{FilesError, PcError, Talk, Traffic, Watch, folder};
@@ -22,7 +24,7 @@ pub struct ToSend {
     /// Where it stands on the PC.
     pub path: PathBuf,
     /// Where it goes at the control.
-    pub place: Place,
+    pub place: RemotePath,
     /// It takes the place of one of its name unasked.
     pub overwrite: bool,
 }
@@ -56,18 +58,18 @@ pub enum Order {
     /// Receive files into a folder.
     Receive {
         /// The files.
-        places: Vec<Place>,
+        places: Vec<RemotePath>,
         /// The folder.
         into: PathBuf,
     },
     /// Receive all files into a folder.
     BackUp(PathBuf),
     /// Delete files (删除文件).
-    Delete(Vec<Place>),
+    Delete(Vec<RemotePath>),
     /// Rename one (文件重命名).
     Rename {
         /// The file.
-        from: Place,
+        from: RemotePath,
         /// Its new name.
         to: FileName,
     },
@@ -76,7 +78,7 @@ pub enum Order {
         /// Where to.
         path: PathBuf,
         /// The file.
-        file: NewFile,
+        file: TransferFile,
     },
     /// What was asked is answered.
     Answer(Answer),
@@ -100,11 +102,11 @@ pub enum Question {
     /// At the control (manual V-3.3).
     AtControl {
         /// The file.
-        place: Place,
+        place: RemotePath,
         /// A name that the one there could be given; none for data.
         free: Option<FileName>,
         /// What the partition holds.
-        entries: Vec<Entry>,
+        entries: Vec<DirectoryEntry>,
     },
     /// On the PC.
     OnDisk(PathBuf),
@@ -167,13 +169,13 @@ pub enum News {
     /// Something is done.
     Said(Message),
     /// What the partitions of the control hold.
-    Listed(Vec<(Partition, Vec<Entry>)>),
+    Listed(Vec<(Partition, Vec<DirectoryEntry>)>),
     /// A job begins, with these files.
     Begun(Kind, Vec<String>),
     /// A file of the job begins.
     At(usize),
     /// How far it has come, and frames that went out again.
-    Moves(Progress, u64),
+    Moves(TransferProgress, u64),
     /// It has ended.
     Ended(usize, Fate),
     /// What has gone so far.
@@ -183,7 +185,7 @@ pub enum News {
     /// The job is over; why, if it did not come to its end.
     Over(Option<Message>),
     /// The control has sent a file by itself (manual V-3.4).
-    Pushed(NewFile),
+    Pushed(TransferFile),
 }
 
 /// The thread, from outside. It ends with this.
@@ -258,11 +260,11 @@ impl Tell {
 struct Onlooker {
     tell: Tell,
     cancel: Arc<AtomicBool>,
-    last: Option<(Progress, u64)>,
+    last: Option<(TransferProgress, u64)>,
 }
 
 impl Watch for Onlooker {
-    fn moves(&mut self, progress: Progress, retries: u64) {
+    fn moves(&mut self, progress: TransferProgress, retries: u64) {
         if self.last != Some((progress, retries)) {
             self.last = Some((progress, retries));
             self.tell.tell(News::Moves(progress, retries));
@@ -425,9 +427,9 @@ impl Desk {
         }
     }
 
-    fn rename(&mut self, from: Place, to: FileName) {
+    fn rename(&mut self, from: RemotePath, to: FileName) {
         let (name, new) = (from.name.clone(), to.clone());
-        let renamed = self.at_port(|talk| talk.change(&name, LineOrder::Rename { from, to }));
+        let renamed = self.at_port(|talk| talk.change(&name, PcCommand::Rename { from, to }));
         if renamed.is_some() {
             self.tell.tell(News::Said(say::transfer_renamed(name, new)));
             self.list();
@@ -454,10 +456,10 @@ fn measured(paths: Vec<PathBuf>) -> Vec<(PathBuf, Option<u64>)> {
     paths.into_iter().map(measured).collect()
 }
 
-fn kept(path: &Path, file: &NewFile) -> News {
+fn kept(path: &Path, file: &TransferFile) -> News {
     match folder::write(path, &file.bytes) {
         Ok(()) => {
-            let (name, size) = (&file.place.name, file.bytes.len());
+            let (name, size) = (&file.remote_path.name, file.bytes.len());
             News::Said(say::transfer_got(name, path.display(), size))
         }
         Err(error) => News::Failed(error.message()),

@@ -5,6 +5,8 @@
 //! |---|---|
 //! | `files` | one file under two names, files for their owner alone, names of ports |
 //! | `process` | this program's own file and name, how its end is asked for |
+//! | `clock` | a clock that counts the sleep of the computer |
+//! | `display` | the display server: whether it answers, and what it shows held |
 //! | `tie` | what ties the program to the process that holds its port |
 //! | `serial` | serial ports, pseudo terminals |
 //! | `sound` | what plays samples |
@@ -18,8 +20,14 @@
 //! | `turns` | what goes on beside the window: threads, or turns between two frames |
 //! | `view` | the window itself, dialogs for files, files dropped on it |
 //! | `log_file` | the file of the log |
+//! | `panic` | what is done before a panic of the window |
 //!
 //! `day_time` is the clock on the wall, which a library knows on all of them.
+
+use std::io;
+use std::path::Path;
+
+use gsk_messages::say;
 
 #[cfg(any(unix, windows))]
 mod computer;
@@ -40,6 +48,23 @@ pub use unix::*;
 pub use web::*;
 #[cfg(windows)]
 pub use windows::*;
+
+/// A file name that the system takes for a device.
+#[derive(Debug, thiserror::Error)]
+#[error("{}", say::file_name_device(.0))]
+pub struct DeviceName(pub String);
+
+/// Refuses a path whose last name is that of a device: reading `CON` waits for the keyboard.
+///
+/// # Errors
+/// [`DeviceName`].
+pub fn refuse_device(path: &Path) -> io::Result<()> {
+    if !is_device(path) {
+        return Ok(());
+    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    Err(io::Error::other(DeviceName(name.into_owned())))
+}
 
 /// What stands at a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -345,6 +345,9 @@ pub fn gone(error: &io::Error) -> Message {
     if error.kind() == io::ErrorKind::ConnectionAborted {
         return say::port_holder_gone();
     }
+    if error.kind() == io::ErrorKind::TimedOut && error.raw_os_error().is_none() {
+        return say::port_holder_stopped();
+    }
     let pulled = error.kind() == io::ErrorKind::BrokenPipe
         || error
             .raw_os_error()

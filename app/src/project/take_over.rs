@@ -6,7 +6,9 @@ use gsk_core::battery::Memory;
 use gsk_core::memory::{Authority, Level};
 use gsk_core::model::ModelId;
 use gsk_messages::{Message, say};
-use gsk_project::{Denied, Difference, State, apply, denied, diff};
+use gsk_project::{
+    DeniedChange, ProjectDifference, ProjectState, apply, diff, find_denied_changes,
+};
 
 use super::{Encodings, ProjectError, back_up, delivered, read};
 use crate::files::data_dir::DataDir;
@@ -59,13 +61,13 @@ pub struct Taking<'a> {
 #[derive(Clone, Debug)]
 pub struct Taken {
     /// What differs.
-    pub differences: Vec<Difference>,
+    pub differences: Vec<ProjectDifference>,
     /// What the rights of the control refuse: then nothing was written.
-    pub denied: Vec<Denied>,
+    pub denied: Vec<DeniedChange>,
     /// What the control held.
-    pub old: State,
+    pub old: ProjectState,
     /// What it holds with all of the differences.
-    pub new: State,
+    pub new: ProjectState,
     /// Where it keeps that.
     pub folder: PathBuf,
     /// Where what was there before stands; none where nothing was written.
@@ -95,7 +97,7 @@ impl Taken {
 /// The project or the data directory cannot be used, what could not be written.
 pub fn take_over(
     taking: &Taking<'_>,
-    wanted: &dyn Fn(&Difference) -> bool,
+    wanted: &dyn Fn(&ProjectDifference) -> bool,
 ) -> Result<Taken, ProjectError> {
     let (state, encodings) = read(taking.project)?;
     let model = state.memory().model.id();
@@ -168,7 +170,7 @@ impl OpenedMemory {
     }
 
     /// The same as a project has it.
-    pub const fn state(&self) -> &State {
+    pub const fn state(&self) -> &ProjectState {
         &self.held.state
     }
 
@@ -178,12 +180,12 @@ impl OpenedMemory {
     /// What the whole would break, what could not be written.
     pub fn take_over(
         self,
-        differences: Vec<Difference>,
+        differences: Vec<ProjectDifference>,
         dry_run: bool,
     ) -> Result<Taken, ProjectError> {
         let held = self.held;
         let mut taken = Taken {
-            denied: denied(&differences, &held.memory.parameters, self.level),
+            denied: find_denied_changes(&differences, &held.memory.parameters, self.level),
             old: held.state.clone(),
             new: held.state.clone(),
             folder: self.folder,

@@ -7,7 +7,7 @@ use gsk_core::battery::Memory;
 use gsk_core::setup::Setup;
 use gsk_messages::Message;
 use gsk_panel::emulator::Emulator;
-use gsk_project::State;
+use gsk_project::ProjectState;
 
 use super::snapshot::Snapshot;
 use super::writer::Writer;
@@ -19,7 +19,7 @@ use crate::files::decode::Encoding;
 #[derive(Debug)]
 pub struct Held {
     /// The same as a project has it.
-    pub state: State,
+    pub state: ProjectState,
     /// All that the battery keeps, with operation level and passwords.
     pub memory: Memory,
     restored: Restored,
@@ -29,16 +29,16 @@ pub struct Held {
 pub fn held(data: &DataDir, mut setup: Setup) -> Held {
     let restored = load(data, &mut setup);
     Held {
-        state: State::of(&setup).with_panel(restored.panel),
+        state: ProjectState::from_setup(&setup).with_panel(restored.panel),
         memory: setup.memory,
         restored,
     }
 }
 
 /// What a control that is on holds, with a text that is being typed.
-pub fn of_emulator(emulator: &Emulator) -> State {
+pub fn of_emulator(emulator: &Emulator) -> ProjectState {
     let now = Snapshot::of_emulator(emulator);
-    State::new(&now.memory, Some(&now.plc), now.ladder, now.panel)
+    ProjectState::new(&now.memory, Some(&now.plc), now.ladder, now.panel)
 }
 
 impl Held {
@@ -60,7 +60,7 @@ impl Held {
     pub fn replace(
         mut self,
         data: DataDir,
-        now: &State,
+        now: &ProjectState,
         encodings: &BTreeMap<u16, Encoding>,
     ) -> Result<(), NotSaved> {
         let mut memory = now.memory().clone();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use gsk_core::battery::Memory;
 use gsk_core::cnc::Cnc;
 use gsk_core::command::ProgramId;
-use gsk_core::plc::{Ladder, Retained as PlcRetained};
+use gsk_core::plc::{Ladder, RetainedMemory as PlcRetained};
 use gsk_messages::Message;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::PanelRetained;

@@ -49,6 +49,41 @@ fn without_another_ladder_none_is_written() {
 }
 
 #[test]
+fn a_variable_that_is_not_finite_is_emptied_and_reported() {
+    let folder = crate::files::test_folder("not-finite");
+    let data = DataDir::open(&folder).expect("open");
+    // As earlier versions wrote it after a project with `nan`.
+    std::fs::write(
+        folder.join("variables.ron"),
+        "{\n500: NaN,\n501: 7,\n600: 2.5,\n}",
+    )
+    .expect("write");
+    let mut setup = Setup::default();
+    let restored = load(&data, &mut setup);
+    let values = [500, 501, 600].map(|number| setup.memory.variables.real(number));
+    assert_eq!(values, [Some(0.0), Some(7.0), Some(2.5)]);
+    let said = restored.complaints[0].to_string();
+    assert!(
+        said.contains("line 2: NaN is not a finite number"),
+        "{said}"
+    );
+    assert_eq!(setup.alarms[0].number, number::MEMORY_DAMAGED);
+    // What is written next has no such number.
+    save(data, &restored, &Emulator::new(setup).simulation.cnc).expect("saved");
+    let data = DataDir::open(&folder).expect("open");
+    assert!(load(&data, &mut Setup::default()).complaints.is_empty());
+    // Where the slides stand cannot be guessed: the whole file is refused.
+    drop(data);
+    std::fs::write(
+        folder.join("standing.ron"),
+        "(machine:(x:inf,z:0.0),absolute:(x:0.0,z:0.0))",
+    )
+    .expect("write");
+    let data = DataDir::open(&folder).expect("open");
+    assert_eq!(load(&data, &mut Setup::default()).standing, None);
+}
+
+#[test]
 fn what_is_set_back_or_deleted_is_so_on_the_disk_too() {
     let folder = crate::files::test_folder("set-back");
     let keep = |change: fn(&mut Setup)| {

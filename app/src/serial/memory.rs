@@ -4,7 +4,10 @@ use gsk_core::memory::Refusal;
 use gsk_messages::Message;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::{FileId, FileRefusal, SerialFile};
-use gsk_transfer::{Entry, Fault, FileName, NewFile, Partition, Place, Put, Store};
+use gsk_transfer::{
+    DirectoryEntry, FileName, FileStore, Partition, PutRequest, RemotePath, TransferFault,
+    TransferFile,
+};
 
 use crate::files::decode;
 
@@ -27,51 +30,51 @@ impl<'a> Memory<'a> {
         self.why
     }
 
-    fn refused(&mut self, refusal: &FileRefusal) -> Fault {
+    fn refused(&mut self, refusal: &FileRefusal) -> TransferFault {
         self.why = Some(refusal.message());
         fault(refusal)
     }
 }
 
 /// As it goes over the wire.
-fn fault(refusal: &FileRefusal) -> Fault {
+fn fault(refusal: &FileRefusal) -> TransferFault {
     match refusal {
         FileRefusal::Refused(refusal) => match refusal {
-            Refusal::Mode | Refusal::Running | Refusal::Alarm => Fault::Busy,
-            Refusal::ParameterSwitch | Refusal::ProgramSwitch => Fault::SwitchOff,
-            Refusal::Level | Refusal::Locked => Fault::NoRight,
+            Refusal::Mode | Refusal::Running | Refusal::Alarm => TransferFault::Busy,
+            Refusal::ParameterSwitch | Refusal::ProgramSwitch => TransferFault::SwitchOff,
+            Refusal::Level | Refusal::Locked => TransferFault::NoRight,
         },
-        FileRefusal::Missing => Fault::NotFound,
-        FileRefusal::Exists => Fault::Exists,
-        FileRefusal::OnlyPrograms => Fault::NoRight,
-        FileRefusal::Alarm(_) if refusal.is_for_room() => Fault::Full,
-        FileRefusal::Unreadable(_) | FileRefusal::Alarm(_) => Fault::Content,
+        FileRefusal::Missing => TransferFault::NotFound,
+        FileRefusal::Exists => TransferFault::Exists,
+        FileRefusal::OnlyPrograms => TransferFault::NoRight,
+        FileRefusal::Alarm(_) if refusal.is_for_room() => TransferFault::Full,
+        FileRefusal::Unreadable(_) | FileRefusal::Alarm(_) => TransferFault::Content,
     }
 }
 
 /// Which file is meant; in the other partitions there is none.
-fn found(place: &Place) -> Result<FileId, Fault> {
+fn found(place: &RemotePath) -> Result<FileId, TransferFault> {
     match place.partition {
-        Partition::User => FileId::of(place.name.as_str()).ok_or(Fault::NotFound),
-        Partition::User1 | Partition::User2 => Err(Fault::NotFound),
+        Partition::User => FileId::of(place.name.as_str()).ok_or(TransferFault::NotFound),
+        Partition::User1 | Partition::User2 => Err(TransferFault::NotFound),
     }
 }
 
 /// Which file is to come.
-fn wanted(place: &Place) -> Result<FileId, Fault> {
+fn wanted(place: &RemotePath) -> Result<FileId, TransferFault> {
     match place.partition {
-        Partition::User => FileId::of(place.name.as_str()).ok_or(Fault::BadName),
-        Partition::User1 | Partition::User2 => Err(Fault::Full),
+        Partition::User => FileId::of(place.name.as_str()).ok_or(TransferFault::BadName),
+        Partition::User1 | Partition::User2 => Err(TransferFault::Full),
     }
 }
 
-impl Store for Memory<'_> {
-    fn directory(&mut self, partition: Partition) -> Result<Vec<Entry>, Fault> {
+impl FileStore for Memory<'_> {
+    fn directory(&mut self, partition: Partition) -> Result<Vec<DirectoryEntry>, TransferFault> {
         if partition != Partition::User {
             return Ok(Vec::new());
         }
         let entry = |file: SerialFile| {
-            Some(Entry {
+            Some(DirectoryEntry {
                 name: FileName::new(&file.name).ok()?,
                 size: u32::try_from(file.text.len()).ok()?,
             })
@@ -84,41 +87,41 @@ impl Store for Memory<'_> {
             .collect())
     }
 
-    fn may_put(&mut self, put: &Put) -> Result<(), Fault> {
-        let id = wanted(&put.place)?;
+    fn check_put(&mut self, put: &PutRequest) -> Result<(), TransferFault> {
+        let id = wanted(&put.remote_path)?;
         let may = self.emulator.may_take(id, put.overwrite);
         may.map_err(|refusal| self.refused(&refusal))
     }
 
-    fn put(&mut self, file: &NewFile) -> Result<(), Fault> {
-        let id = wanted(&file.place)?;
+    fn put(&mut self, file: &TransferFile) -> Result<(), TransferFault> {
+        let id = wanted(&file.remote_path)?;
         let text = match decode::decode(file.bytes.clone()) {
             Ok(decoded) => decoded.text,
             Err(error) => {
                 self.why = Some(error.message());
-                return Err(Fault::Content);
+                return Err(TransferFault::Content);
             }
         };
-        let name = file.place.name.as_str().to_owned();
+        let name = file.remote_path.name.as_str().to_owned();
         let overwrite = file.overwrite;
         let file = SerialFile { name, text };
         let taken = self.emulator.take_file(id, file, overwrite);
         taken.map_err(|refusal| self.refused(&refusal))
     }
 
-    fn get(&mut self, place: &Place) -> Result<Vec<u8>, Fault> {
+    fn get(&mut self, place: &RemotePath) -> Result<Vec<u8>, TransferFault> {
         let file = self.emulator.hand_out(found(place)?);
         let file = file.map_err(|refusal| fault(&refusal))?;
         Ok(file.text.into_bytes())
     }
 
-    fn delete(&mut self, place: &Place) -> Result<(), Fault> {
+    fn delete(&mut self, place: &RemotePath) -> Result<(), TransferFault> {
         let deleted = self.emulator.delete_file(found(place)?);
         deleted.map_err(|refusal| fault(&refusal))
     }
 
-    fn rename(&mut self, from: &Place, to: &FileName) -> Result<(), Fault> {
-        let to = FileId::of(to.as_str()).ok_or(Fault::BadName)?;
+    fn rename(&mut self, from: &RemotePath, to: &FileName) -> Result<(), TransferFault> {
+        let to = FileId::of(to.as_str()).ok_or(TransferFault::BadName)?;
         let renamed = self.emulator.rename_file(found(from)?, to);
         renamed.map_err(|refusal| fault(&refusal))
     }

@@ -9,8 +9,8 @@ use gsk_panel::emulator::Emulator;
 use gsk_panel::pages::Communication;
 use gsk_panel::panel::SerialFile;
 use gsk_transfer::{
-    ControlEvent, ControlPort, Fault, FileName, Framing, HostTime, LineEnd, NewFile, Partition,
-    Place, Status,
+    ControlEvent, ControlPort, FileName, Framing, HostTime, Partition, PortStatus, RemotePath,
+    TextLineEnd, TransferFault, TransferFile,
 };
 use web_time::{Duration, Instant};
 
@@ -53,7 +53,7 @@ pub struct SerialLine {
     port: Option<Open>,
     /// How it speaks.
     framing: Framing,
-    line_end: LineEnd,
+    line_end: TextLineEnd,
     /// The name of the port, when it is open.
     name: Option<String>,
     begun: Instant,
@@ -64,7 +64,7 @@ pub struct SerialLine {
 struct Open {
     side: ControlPort,
     baud: u32,
-    shown: Status,
+    shown: PortStatus,
     /// Since when 044 says another rate.
     outdated: Option<Instant>,
     /// When bytes went out last.
@@ -76,7 +76,7 @@ impl SerialLine {
     ///
     /// # Errors
     /// The system gives no thread.
-    pub fn open(end: End, text: Option<LineEnd>) -> std::io::Result<Self> {
+    pub fn open(end: End, text: Option<TextLineEnd>) -> std::io::Result<Self> {
         Ok(Self {
             wire: Wire::open(end)?,
             port: None,
@@ -106,7 +106,7 @@ impl SerialLine {
             return said;
         };
         if broken_off {
-            port.side.break_off();
+            port.side.abort();
         }
         if !to_send.is_empty() {
             match self.name {
@@ -127,9 +127,9 @@ impl SerialLine {
         if status != port.shown {
             port.shown = status;
             emulator.show_line(match status {
-                Status::Idle => Communication::Idle,
-                Status::Receiving => Communication::Receiving,
-                Status::Sending => Communication::Sending,
+                PortStatus::Idle => Communication::Idle,
+                PortStatus::Receiving => Communication::Receiving,
+                PortStatus::Sending => Communication::Sending,
             });
         }
         while let Some(event) = port.side.next_event() {
@@ -147,7 +147,7 @@ impl SerialLine {
         match (&mut self.port, rate) {
             (None, None) => {}
             (Some(port), None) => {
-                if port.shown != Status::Idle {
+                if port.shown != PortStatus::Idle {
                     emulator.show_line(Communication::Idle);
                 }
                 self.port = None;
@@ -155,7 +155,7 @@ impl SerialLine {
             (Some(port), Some(baud)) if port.baud == baud => port.outdated = None,
             (Some(port), Some(baud)) => {
                 let since = *port.outdated.get_or_insert_with(Instant::now);
-                let leaves = port.side.is_quiet() && now > port.spoken + LEAVES;
+                let leaves = port.side.is_drained() && now > port.spoken + LEAVES;
                 if leaves || since.elapsed() > LAST_WORDS {
                     self.begin(baud, said);
                 }
@@ -168,7 +168,7 @@ impl SerialLine {
         self.port = Some(Open {
             side: ControlPort::new(baud, self.framing, self.line_end),
             baud,
-            shown: Status::Idle,
+            shown: PortStatus::Idle,
             outdated: None,
             spoken: HostTime::ZERO,
         });
@@ -203,9 +203,9 @@ impl SerialLine {
             Heard::Gone(why) => {
                 self.name = None;
                 if let Some(port) = &mut self.port
-                    && port.shown != Status::Idle
+                    && port.shown != PortStatus::Idle
                 {
-                    port.shown = Status::Idle;
+                    port.shown = PortStatus::Idle;
                     port.side = ControlPort::new(port.baud, self.framing, self.line_end);
                     emulator.show_line(Communication::Failed);
                 }
@@ -213,7 +213,7 @@ impl SerialLine {
             }
             Heard::Bytes(bytes) => {
                 if let Some(port) = &mut self.port {
-                    port.side.hear(&bytes, now);
+                    port.side.receive(&bytes, now);
                 }
             }
         }
@@ -222,12 +222,12 @@ impl SerialLine {
 
 /// A file that the control sends by itself. Data take the place of data; a program never
 /// that of another one (alarm 073 at a control, a question at a PC).
-fn pushed(file: SerialFile) -> Option<NewFile> {
+fn pushed(file: SerialFile) -> Option<TransferFile> {
     // The control's own names are good ones.
     let name = FileName::new(&file.name).ok()?;
-    Some(NewFile {
-        overwrite: name.program().is_none(),
-        place: Place {
+    Some(TransferFile {
+        overwrite: name.program_number().is_none(),
+        remote_path: RemotePath {
             partition: Partition::User,
             name,
         },
@@ -241,13 +241,13 @@ const fn word(event: &ControlEvent) -> Option<Communication> {
         // Whoever asks whether a file is there has not begun; of a text 073 says it.
         ControlEvent::Received(_)
         | ControlEvent::Sent(_)
-        | ControlEvent::Refused(_, Fault::Exists) => None,
+        | ControlEvent::Refused(_, TransferFault::Exists) => None,
         ControlEvent::NotConnected => Some(Communication::NotConnected),
-        ControlEvent::NotTaken(..)
+        ControlEvent::RejectedByPeer(..)
         | ControlEvent::Refused(..)
-        | ControlEvent::NotText(..)
+        | ControlEvent::InvalidCharacter(..)
         | ControlEvent::OnlyPrograms(_)
-        | ControlEvent::Broken => Some(Communication::Failed),
+        | ControlEvent::Interrupted => Some(Communication::Failed),
     }
 }
 
@@ -256,14 +256,14 @@ fn sentence(event: ControlEvent, why: &mut Option<Message>) -> Option<Message> {
     Some(match event {
         ControlEvent::Received(name) => say::serial_received(name),
         ControlEvent::Sent(name) => say::serial_sent(name),
-        ControlEvent::NotTaken(name, fault) => say::serial_not_taken(name, fault.message()),
+        ControlEvent::RejectedByPeer(name, fault) => say::serial_not_taken(name, fault.message()),
         ControlEvent::Refused(name, fault) => {
             let why = why.take().unwrap_or_else(|| fault.message());
             say::serial_refused(name, why)
         }
-        ControlEvent::NotText(name, why) => say::subject_reason(name, why.message()),
+        ControlEvent::InvalidCharacter(name, why) => say::subject_reason(name, why.message()),
         ControlEvent::OnlyPrograms(name) => say::serial_only_programs(name),
-        ControlEvent::Broken => say::serial_broken(),
+        ControlEvent::Interrupted => say::serial_broken(),
         // 串口未连接 on the LCD says it, and comes as often as there is noise.
         ControlEvent::NotConnected => return None,
     })

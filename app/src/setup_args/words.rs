@@ -3,6 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gsk_core::memory::DayTime;
 use gsk_core::model::ModelId;
+use gsk_core::units::parse_finite;
 use gsk_messages::{Message, say};
 
 /// Why a word of the command line cannot be read.
@@ -136,12 +137,14 @@ pub struct InputBit {
     pub state: bool,
 }
 
+/// Reads a number of any size.
+pub fn finite(word: &str) -> Result<f64, WordError> {
+    parse_finite(word.trim()).ok_or_else(|| WordError::NoNumber(word.to_owned()))
+}
+
 fn number(word: &str) -> Result<f64, WordError> {
-    let value: f64 = word
-        .trim()
-        .parse()
-        .map_err(|_| WordError::NoNumber(word.to_owned()))?;
-    if !value.is_finite() || value.abs() > 9999.999 {
+    let value = finite(word)?;
+    if value.abs() > 9999.999 {
         return Err(WordError::Outside(word.to_owned()));
     }
     Ok(value)
@@ -311,10 +314,7 @@ pub fn duration_ms(word: &str) -> Result<u64, WordError> {
         "h" => 3_600_000.0,
         _ => return Err(WordError::NoUnit(unit.to_owned())),
     };
-    let value: f64 = digits
-        .trim()
-        .parse()
-        .map_err(|_| WordError::NoTime(word.to_owned()))?;
+    let value = parse_finite(digits.trim()).ok_or_else(|| WordError::NoTime(word.to_owned()))?;
     let ms = value * unit_ms;
     if !(1.0..=1e12).contains(&ms) {
         return Err(WordError::UselessTime(word.to_owned()));

@@ -17,6 +17,7 @@ use crate::files::data_dir::DataDir;
 use crate::files::lessons;
 use crate::files::models;
 use crate::kernel::{self, Console, Kernel, KernelThread, Outside};
+use crate::platform::DisplayServer;
 use crate::project::{self, Taking, Who};
 use crate::retained::{Keeper, Restored};
 use crate::{output, platform, transfer};
@@ -72,7 +73,11 @@ pub fn run(start: Start) -> Result<(), Message> {
         Box::new(move |creation| {
             fonts::set_up(&creation.egui_ctx);
             let ending = Ending::heard().map_err(std::io::Error::other)?;
-            Ok(Box::new(App::new(start, ending, &creation.egui_ctx)?))
+            let panics = ending.clone();
+            platform::before_panic(move || panics.ask());
+            let display = platform::display_server(creation);
+            let context = &creation.egui_ctx;
+            Ok(Box::new(App::new(start, ending, display, context)?))
         }),
     )
 }
@@ -81,6 +86,7 @@ struct App {
     window: Window,
     kernel: KernelThread,
     ending: Ending,
+    display: DisplayServer,
     /// None while the control is off.
     data: Option<Arc<DataDir>>,
     model: ModelId,
@@ -112,7 +118,12 @@ fn bell(context: egui::Context) -> std::io::Result<Box<dyn Fn() + Send>> {
 }
 
 impl App {
-    fn new(start: Start, ending: Ending, context: &egui::Context) -> std::io::Result<Self> {
+    fn new(
+        start: Start,
+        ending: Ending,
+        display: DisplayServer,
+        context: &egui::Context,
+    ) -> std::io::Result<Self> {
         let Start {
             kernel,
             console,
@@ -134,6 +145,9 @@ impl App {
             partner: Some(platform::sent_folder(data.path(), transfer::FOLDER)),
             ending: ending.clone(),
         };
+        // The board stops at once, whatever the library of the window does.
+        let gone = ending.clone();
+        platform::watch_display(display, console.watch.clone(), move || gone.ask())?;
         let thread = kernel::start(kernel, &console, outside)?;
         let mut window = Window::new(console, settings.clone());
         window.paint_panel();
@@ -157,6 +171,7 @@ impl App {
             window,
             kernel: thread,
             ending,
+            display,
             data: Some(data),
             model,
             saved: stored,
@@ -180,9 +195,9 @@ impl App {
         };
         let started = another(model, self.window.settings());
         self.another = Some(another);
-        let ending = self.ending.clone();
-        let app =
-            started.and_then(|start| App::new(start, ending, context).map_err(say::as_written));
+        let (ending, display) = (self.ending.clone(), self.display);
+        let app = started
+            .and_then(|start| App::new(start, ending, display, context).map_err(say::as_written));
         match app {
             Ok(app) => {
                 let mut before = core::mem::replace(self, app);
@@ -231,9 +246,9 @@ impl App {
         drop(data);
         let said = then(&directory);
         let started = another(self.model, self.window.settings());
-        let ending = self.ending.clone();
-        let app =
-            started.and_then(|start| App::new(start, ending, context).map_err(say::as_written));
+        let (ending, display) = (self.ending.clone(), self.display);
+        let app = started
+            .and_then(|start| App::new(start, ending, display, context).map_err(say::as_written));
         match app {
             Ok(app) => {
                 *self = app;

@@ -10,6 +10,8 @@ use std::collections::BTreeMap;
 
 use gsk_panel::keys::Key;
 
+use crate::input_watch::Holders;
+
 /// Something that holds a panel key down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Holder {
@@ -176,6 +178,16 @@ impl<K: Copy + PartialEq> Held<K> {
             .into_iter()
             .flat_map(|holder| self.set(holder, None))
             .collect()
+    }
+
+    /// What holds keys.
+    pub fn holders(&self) -> Holders {
+        let count = |is: fn(&Holder) -> bool| self.by_holder.keys().filter(|it| is(it)).count();
+        Holders {
+            keys: count(|it| matches!(it, Holder::Keyboard(_))),
+            pointer: count(|it| matches!(it, Holder::Pointer)) > 0,
+            fingers: count(|it| matches!(it, Holder::Finger(..))),
+        }
     }
 
     /// The keys that are down; one with several holders comes several times.

@@ -5,7 +5,8 @@ mod raised;
 mod shown;
 
 use egui::{Color32, Context, Frame, Key, Margin, RichText, ScrollArea, TextEdit, Ui};
-use gsk_help::{Subject, Topic, article, ask, topic};
+use gsk_core::model::ModelId;
+use gsk_help::{Subject, Topic, article, ask_of, topic, topic_of};
 use gsk_messages::{Language, say};
 use gsk_panel::occurrences::Occurrence;
 
@@ -37,7 +38,7 @@ pub struct Help {
     question: String,
     /// The question that was looked up last, and its topics: all texts are searched, too
     /// much for every picture.
-    found: (String, Vec<&'static Topic>),
+    found: ((ModelId, String), Vec<&'static Topic>),
     /// Topics that were read, the last one is shown.
     read: Vec<&'static Topic>,
     /// What is pressed on the panel is explained.
@@ -156,8 +157,10 @@ impl Help {
         picture: Option<&Snapshot>,
     ) -> Option<Asked> {
         if !self.question.trim().is_empty() {
-            if self.found.0 != self.question {
-                self.found = (self.question.clone(), ask(&self.question));
+            let model = picture.map(|picture| picture.model).unwrap_or_default();
+            let looked_up = (model, self.question.clone());
+            if self.found.0 != looked_up {
+                self.found = (looked_up, ask_of(model, &self.question));
             }
             match &self.found.1[..] {
                 [] => {
@@ -177,6 +180,9 @@ impl Help {
             ui.label(say::window_help_begin().text(language));
             return None;
         };
+        // Another model may have been turned on since: a code is explained as it acts there.
+        let model = picture.map(|picture| picture.model).unwrap_or_default();
+        let shown = topic_of(model, shown.subject).unwrap_or(shown);
         let asked = show_topic(ui, shown, language, picture);
         if let Some(chosen) = list(ui, &related(shown.subject), language) {
             self.turn_to(chosen);
@@ -225,7 +231,11 @@ fn show_topic(
     picture: Option<&Snapshot>,
 ) -> Option<Asked> {
     show_article(ui, topic, language);
-    let asked = shown::offered(ui, topic.subject, language);
+    // What is shown runs on a GSK980TD.
+    let asked = match topic.model {
+        None => shown::offered(ui, topic.subject, language),
+        Some(_) => None,
+    };
     let raised = match topic.subject {
         Subject::Alarm(number) => {
             picture.and_then(|picture| raised::of(ui, number, &picture.raised, language))

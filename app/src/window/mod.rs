@@ -52,6 +52,7 @@ use gsk_panel::keys::Key;
 use gsk_panel::occurrences::Occurrence;
 
 use crate::files::lessons::Lessons;
+use crate::input_watch::ASK_EVERY;
 use crate::kernel::{Command, Console, KeysReversed, Snapshot};
 use crate::platform;
 use crate::sound::Sounds;
@@ -265,6 +266,7 @@ impl Window {
         self.pointing.forget();
         self.long_press.forget();
         let changes = self.held.release_all();
+        self.console.watch.hold(self.held.holders());
         self.send(&changes);
     }
 
@@ -361,11 +363,12 @@ impl Window {
         if !focused {
             self.let_go();
         }
+        self.console.watch.hold(self.held.holders());
         if self.held.any() {
-            // The kernel lets go of keys when it hears nothing of the window.
+            // The kernel lets go of keys when it hears nothing of the window, or when the
+            // display does not show them held.
             self.console.send(Command::Alive);
-            ui.ctx()
-                .request_repaint_after(std::time::Duration::from_millis(100));
+            ui.ctx().request_repaint_after(ASK_EVERY);
         }
     }
 

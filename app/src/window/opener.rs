@@ -6,6 +6,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use gsk_core::command::ProgramId;
+use gsk_core::model::ControlModel;
+use gsk_core::preview::WorkBudget;
 use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::number_of_name;
@@ -17,7 +19,7 @@ use super::files::{self, Wanted};
 use super::samples::Sample;
 use crate::kernel::{Command, Console, Notice, Opened, Storing};
 use crate::loading::LoadError;
-use crate::patience::Patience;
+use crate::work_limit::WorkLimit;
 use crate::{loading, transfer};
 use gsk_messages::{Language, Message, say};
 
@@ -29,8 +31,8 @@ pub struct Opener {
     newest: Arc<AtomicU64>,
 }
 
-/// How long a program is looked through, and how many moves of it.
-const PATIENCE: (Duration, u64) = (Duration::from_secs(20), 100_000_000);
+/// Work of a look through a program.
+const BUDGET: WorkBudget = WorkBudget::interactive(50_000_000);
 
 /// Between two words about a look that takes long.
 const NEWS: Duration = Duration::from_secs(2);
@@ -91,7 +93,8 @@ impl Opener {
             }
             return;
         }
-        match read(path) {
+        let model = self.console.setup().unwrap_or_default().memory.model;
+        match read(path, &model) {
             Ok((opened, notices)) => {
                 self.hand_over(opened);
                 for notice in notices {
@@ -120,9 +123,9 @@ impl Opener {
         let called = opened.program.number().or(number_of_name(&opened.name));
         let called = called.map_or_else(|| name.to_string(), |number| format!("O{number:04}"));
         let setup = selected(self.console.setup().unwrap_or_default(), opened);
-        let patience = Patience::new(PATIENCE.0, PATIENCE.1);
+        let limit = WorkLimit::new(BUDGET);
         let mut news_at = Instant::now() + NEWS;
-        let mut impatient = false;
+        let mut given_up = false;
         let look = first_look::look(called, &setup, &mut |progress| {
             if Instant::now() >= news_at {
                 news_at += NEWS;
@@ -131,8 +134,8 @@ impl Opener {
                 let said = say::window_looks_through(&name, line, moves, time);
                 tell(Notice::Said(said));
             }
-            impatient = !patience.lasts(progress);
-            !impatient && is_newest()
+            given_up = !limit.allows(progress);
+            !given_up && is_newest()
         });
         if !is_newest() {
             return;
@@ -140,8 +143,8 @@ impl Opener {
         if let Some((least, greatest)) = look.extents() {
             self.console.send(Command::Fit { least, greatest });
         }
-        tell(match impatient {
-            true => Notice::Said(say::window_no_extents(&name, PATIENCE.0.as_secs())),
+        tell(match given_up {
+            true => Notice::Said(say::window_no_extents(&name)),
             false => Notice::Looked(name.into_owned(), Box::new(look)),
         });
     }
@@ -164,9 +167,9 @@ fn selected(mut setup: Setup, opened: &Opened) -> Setup {
 }
 
 /// Reads a program and its subprograms.
-pub fn read(path: &Path) -> Result<(Opened, Vec<Message>), LoadError> {
+pub fn read(path: &Path, model: &ControlModel) -> Result<(Opened, Vec<Message>), LoadError> {
     let mut programs = ProgramMemory::default();
-    let (program, notices) = loading::open_into(&mut programs, path, &[])?;
+    let (program, notices) = loading::open_into(&mut programs, model, path, &[])?;
     let subprograms = programs
         .iter()
         .map(|(_, program)| program.clone())

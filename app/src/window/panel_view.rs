@@ -225,7 +225,8 @@ impl Window {
     pub(super) fn pointed_at(&self, at: Pos2) -> Option<&'static Topic> {
         if let Some((row, column)) = self.cell(Some(at)) {
             let picture = self.picture.as_ref()?;
-            return on_screen(picture.page, &picture.screen, row, column);
+            let (model, page) = (picture.model, picture.page);
+            return on_screen(model, page, &picture.screen, row, column);
         }
         let (x, y) = placing::units(&self.placed, at)?;
         match faceplate::part_at(x, y)?.what {

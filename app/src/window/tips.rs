@@ -73,7 +73,8 @@ pub fn lcd(picture: &Snapshot, row: usize, column: usize, language: Language) ->
             lines.push(other);
         }
     }
-    if let Some(topic) = on_screen(picture.page, &picture.screen, row, column) {
+    let (model, page) = (picture.model, picture.page);
+    if let Some(topic) = on_screen(model, page, &picture.screen, row, column) {
         let heading = article(topic, language).heading;
         if lines.is_empty() || !lines.contains(&heading) {
             lines.push(heading);

@@ -103,6 +103,17 @@ fn a_mill_is_set_up_by_figures() {
     let (code, out, _) = said(&words);
     assert_eq!(code, 0);
     assert!(out.contains("-10006") && out.contains("10004"), "{out}");
+    let words = "mill pitch --origin 0 --interval 10 --value 0=9 --value 1=7 -- -10 10";
+    let words: Vec<&str> = words.split(' ').collect();
+    let (code, out, _) = said(&words);
+    assert_eq!(code, 0);
+    assert!(out.contains("-10000") && out.contains("10007"), "{out}");
+    let file = Scratch::new("negative.ren", b"axis: X\nspacing: 10\n-10 6\n");
+    let words = "mill pitch --origin 0 --interval 10 --lang en --ren";
+    let mut words: Vec<&str> = words.split(' ').collect();
+    words.push(file.path());
+    let (code, _, err) = said(&words);
+    assert!(code == 2 && err.contains("least number"), "{err}");
 }
 
 #[test]

@@ -4,8 +4,8 @@
 use crate::commands::CommandError;
 
 use gsk_messages::{Message, say};
-use gsk_twins::grbl::{GrblTwin, Settings, State, Variant};
-use gsk_twins::klipper::{self, KlipperTwin, SpindleMake, Travel};
+use gsk_twins::grbl::{GrblSettings, GrblState, GrblTwin, Variant};
+use gsk_twins::klipper::{self, KlipperTwin, SpindleWiring, TravelSwitch};
 use gsk_twins::wire::{Damage, Wire};
 use web_time::{Duration, Instant};
 
@@ -33,13 +33,13 @@ const SWITCHES: [(&str, usize, i64, i64, Option<i64>); 6] = [
 ];
 
 /// The spindle of the board of timed steps.
-const SPINDLE: SpindleMake<'_> = SpindleMake {
-    index: "PC3",
-    forward: "PB4",
-    reverse: "PB5",
-    speed: "PH6",
-    top: 9999.0,
-    inertia: 0.2,
+const SPINDLE: SpindleWiring<'_> = SpindleWiring {
+    index_pin: "PC3",
+    forward_pin: "PB4",
+    reverse_pin: "PB5",
+    speed_pin: "PH6",
+    full_speed_rpm: 9999.0,
+    time_constant_s: 0.2,
 };
 
 /// A board that is played.
@@ -61,31 +61,31 @@ impl Twin {
     fn new(args: &LinkTwinArgs) -> Self {
         let grbl = |variant, settings| {
             let mut board = GrblTwin::new(variant, settings);
-            board.spindle_mut().full_speed = args.spindle_top;
+            board.spindle_mut().full_speed_rpm = args.spindle_top;
             Self::Grbl(Box::new(board))
         };
         match args.firmware {
-            TwinBoard::Grbl => grbl(Variant::Grbl, Settings::default()),
+            TwinBoard::Grbl => grbl(Variant::Grbl, GrblSettings::default()),
             // Its spindle has an encoder.
-            TwinBoard::Grblhal => grbl(Variant::GrblHal, Settings::with_encoder(ENCODER)),
+            TwinBoard::Grblhal => grbl(Variant::GrblHal, GrblSettings::with_encoder(ENCODER)),
             // As an owner has it who copied an example.
-            TwinBoard::Fluidnc => grbl(Variant::FluidNc, Settings::with_tree()),
+            TwinBoard::Fluidnc => grbl(Variant::FluidNc, GrblSettings::with_config_tree()),
             TwinBoard::Klipper => {
-                let mut board = KlipperTwin::new(klipper::Make::default());
+                let mut board = KlipperTwin::new(klipper::KlipperHardware::default());
                 for (pin, axis, from, to, turn) in SWITCHES {
-                    let travel = Travel {
-                        axis,
-                        from,
-                        to,
-                        turn,
+                    let travel = TravelSwitch {
+                        stepper: axis,
+                        first_pulse: from,
+                        last_pulse: to,
+                        pulses_per_turn: turn,
                     };
-                    board.put_switch(pin, travel);
+                    board.place_switch(pin, travel);
                 }
-                board.fit_spindle(SpindleMake {
-                    top: args.spindle_top,
+                board.attach_spindle(SpindleWiring {
+                    full_speed_rpm: args.spindle_top,
                     ..SPINDLE
                 });
-                board.set_ripple(args.ripple, args.ripple_hz);
+                board.set_speed_ripple(args.ripple, args.ripple_hz);
                 Self::Klipper(Box::new(board))
             }
         }
@@ -118,19 +118,19 @@ impl Twin {
         match self {
             Self::Grbl(board) => Shown {
                 state: say::as_written(format_args!("{:?}", board.state())),
-                resets: board.resets,
-                stands: board.state() == State::Idle,
+                resets: board.reset_count,
+                stands: board.state() == GrblState::Idle,
                 pulses: board.pulses(),
             },
             Self::Klipper(board) => Shown {
                 state: match board.state() {
-                    klipper::State::Boots => say::link_twin_boots(),
-                    klipper::State::Runs => say::link_twin_runs(),
-                    klipper::State::Shutdown(reason) => say::link_twin_shut_down(reason),
+                    klipper::KlipperState::Booting => say::link_twin_boots(),
+                    klipper::KlipperState::Running => say::link_twin_runs(),
+                    klipper::KlipperState::Shutdown(reason) => say::link_twin_shut_down(reason),
                 },
                 resets: 0,
                 // A quarter of a second without a pulse.
-                stands: board.now().saturating_sub(board.last_pulse()) > 250_000_000,
+                stands: board.now().saturating_sub(board.last_pulse_ns()) > 250_000_000,
                 pulses: board.pulses(),
             },
         }
@@ -157,7 +157,7 @@ pub fn twin(args: &LinkTwinArgs) -> Result<u8, CommandError> {
     let mut board = Twin::new(args);
     output::print(&format!("{}\n", port.name()?));
     if args.delay_ms > 0 {
-        let delay = Damage::HeldUp(args.delay_ms * 1_000_000);
+        let delay = Damage::Delayed(args.delay_ms * 1_000_000);
         board.wire().damage(0, delay);
     }
     let start = Instant::now();
@@ -168,7 +168,7 @@ pub fn twin(args: &LinkTwinArgs) -> Result<u8, CommandError> {
         .is_none_or(|seconds| start.elapsed() < Duration::from_secs(seconds))
     {
         if let Some(every) = args.lose_every {
-            while damaged < board.wire().given() + AHEAD {
+            while damaged < board.wire().sent_count() + AHEAD {
                 damaged += every;
                 board.wire().damage(damaged, Damage::Lost);
             }
@@ -176,7 +176,7 @@ pub fn twin(args: &LinkTwinArgs) -> Result<u8, CommandError> {
         let bytes = port.read().map_err(CommandError::Gone)?;
         let elapsed = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
         if let (Twin::Klipper(board), Some(after)) = (&mut board, args.lose_index) {
-            board.lose_index(start.elapsed() >= Duration::from_secs(after));
+            board.set_index_lost(start.elapsed() >= Duration::from_secs(after));
         }
         let said = board.play(&bytes, elapsed);
         port.write(&said).map_err(CommandError::Gone)?;

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use gsk_core::model::ControlModel;
 use gsk_language::Text;
 
 use super::documents::Document;
@@ -63,10 +64,11 @@ pub fn text_of<'a>(path: &Path, mut open: impl Iterator<Item = &'a Document>) ->
 pub fn called(
     text: &Text,
     index: &BTreeMap<u16, PathBuf>,
+    model: &ControlModel,
     read: &dyn Fn(&Path) -> Option<String>,
 ) -> Vec<Found> {
-    let calls = subprograms::calls(text.as_str());
-    subprograms::find_among(index, calls, &BTreeSet::new(), read)
+    let calls = subprograms::calls(text.as_str(), model);
+    subprograms::find_among(index, calls, &BTreeSet::new(), model, read)
 }
 
 /// Whether a file is small enough to be looked into for a word.

@@ -5,23 +5,22 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
-use std::time::Duration;
 
 use crossbeam::channel::{Receiver, Sender, unbounded};
 use gsk_core::command::ProgramId;
-use gsk_core::preview::End;
+use gsk_core::preview::{End, WorkBudget};
 use gsk_core::program::Program;
 use gsk_language::{Analysis, Finding, Level, LineTimes, Structure, Text, analyse, analyse_mill};
 use gsk_messages::{Language, Message, say};
 use lsp_types::Uri;
 
 use super::Control;
-use crate::files::subprograms::Found;
+use crate::files::subprograms::{Calls, Found};
 use crate::loading;
-use crate::patience::Patience;
+use crate::work_limit::WorkLimit;
 
-/// How long a text is looked through, and how many moves of it.
-const PATIENCE: (Duration, u64) = (Duration::from_secs(10), 20_000_000);
+/// Work of a look through a text.
+const BUDGET: WorkBudget = WorkBudget::interactive(20_000_000);
 
 /// A text to be looked through.
 pub struct Job {
@@ -86,7 +85,7 @@ fn look(control: &Control, job: &Job, language: Language) -> Analysis {
     let mut setup = control.setup.clone();
     let unsaved = || PathBuf::from(job.uri.as_str());
     let path = job.path.clone().unwrap_or_else(unsaved);
-    let found = |_: BTreeSet<u16>, loaded: &BTreeSet<u16>| {
+    let found = |_: Calls, loaded: &BTreeSet<u16>| {
         let new = |it: &&Found| !loaded.contains(&it.number);
         job.found.iter().filter(new).cloned().collect()
     };
@@ -96,8 +95,8 @@ fn look(control: &Control, job: &Job, language: Language) -> Analysis {
         Ok(notices) => notices.0,
         Err(error) => return not_loaded(&error.message(), language),
     };
-    let patience = Patience::new(PATIENCE.0, PATIENCE.1);
-    let mut goes_on = |progress: &_| patience.lasts(progress) && job.wanted.load(Ordering::Relaxed);
+    let limit = WorkLimit::new(BUDGET);
+    let mut goes_on = |progress: &_| limit.allows(progress) && job.wanted.load(Ordering::Relaxed);
     let mut analysis = match &control.mill {
         Some(mill) => {
             let programs = &setup.memory.programs;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crossbeam::channel::{Receiver, SendError, Sender};
 use crossbeam::select;
+use gsk_core::model::ControlModel;
 use gsk_core::setup::Setup;
 use gsk_language::Reader;
 use gsk_messages::{Language, say};
@@ -64,6 +65,8 @@ impl<T> From<SendError<T>> for ServeError {
 struct Server<'a> {
     connection: &'a Connection,
     desk: Desk,
+    /// Whose programs are looked through: which codes call programs.
+    model: ControlModel,
     jobs: Sender<Job>,
     looked: Receiver<Looked>,
     shut_down: bool,
@@ -109,6 +112,7 @@ pub fn serve(
     connection
         .sender
         .send(Response::new_ok(id, result).into())?;
+    let model = control.setup.memory.model.clone();
     let (jobs, looked) = looker::start(control, editor.reader.language);
     let server = Server {
         connection,
@@ -118,6 +122,7 @@ pub fn serve(
             open: BTreeMap::new(),
             folders: Folders::default(),
         },
+        model,
         jobs,
         looked,
         shut_down: false,
@@ -400,7 +405,7 @@ impl Server<'_> {
             Some(path) => {
                 let index = self.desk.folders.beside(path, self.desk.open.values());
                 let read = |path: &std::path::Path| folder::text_of(path, self.desk.open.values());
-                folder::called(&document.text, &index, &read)
+                folder::called(&document.text, &index, &self.model, &read)
             }
         };
         let Some(document) = self.desk.open.get_mut(uri.as_str()) else {

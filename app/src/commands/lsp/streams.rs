@@ -8,6 +8,8 @@ use crossbeam::channel::{Receiver, Sender, bounded};
 use lsp_server::{Connection, Message, Notification};
 use lsp_types::notification::{Exit, Notification as _};
 
+use super::framing::read_message;
+
 /// Messages that may wait to be written.
 const WAITING: usize = 16;
 
@@ -41,7 +43,7 @@ pub fn open() -> (Connection, Streams) {
 
 fn read_all(to_server: &Sender<Message>) -> io::Result<()> {
     let mut input = io::stdin().lock();
-    while let Some(message) = Message::read(&mut input)? {
+    while let Some(message) = read_message(&mut input)? {
         let is_exit = |it: &Notification| it.method == Exit::METHOD;
         let last = matches!(&message, Message::Notification(it) if is_exit(it));
         if to_server.send(message).is_err() || last {

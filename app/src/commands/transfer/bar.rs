@@ -2,7 +2,7 @@
 
 use std::io::{self, IsTerminal};
 
-use gsk_transfer::{FileName, Progress};
+use gsk_transfer::{FileName, TransferProgress};
 use indicatif::{ProgressBar, ProgressStyle};
 use web_time::Duration;
 
@@ -19,7 +19,7 @@ impl Watch for Bar {
         self.0 = bar(name, size);
     }
 
-    fn moves(&mut self, progress: Progress, retries: u64) {
+    fn moves(&mut self, progress: TransferProgress, retries: u64) {
         if let Some(bar) = &self.0 {
             bar.set_length(progress.total as u64);
             bar.set_position(progress.done as u64);

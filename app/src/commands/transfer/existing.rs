@@ -4,7 +4,7 @@
 use std::io::{self, BufRead, IsTerminal, Write};
 
 use gsk_messages::{Message, say};
-use gsk_transfer::{Fault, FileName, NewFile, Order};
+use gsk_transfer::{FileName, PcCommand, TransferFault, TransferFile};
 
 use super::CommandError;
 use crate::cli::ExistingFile;
@@ -27,34 +27,34 @@ enum Choice {
 /// Sends a file, whatever stands in its way.
 pub(super) fn send(
     talk: &mut Talk,
-    file: NewFile,
+    file: TransferFile,
     on_existing: ExistingFile,
 ) -> Result<Settled, CommandError> {
     match talk.send(file.clone()) {
         Err(PcError::Files(FilesError::Refused {
-            fault: Fault::Exists,
+            fault: TransferFault::Exists,
             ..
         })) => {}
         result => return Ok(result.map(|()| Settled::Sent)?),
     }
     match choice(talk, &file, on_existing)? {
         Choice::Overwrite => {
-            let file = NewFile {
+            let file = TransferFile {
                 overwrite: true,
                 ..file
             };
             talk.send(file)?;
         }
         Choice::Rename(to) => {
-            let from = file.place.clone();
+            let from = file.remote_path.clone();
             talk.change(
-                &file.place.name,
-                Order::Rename {
+                &file.remote_path.name,
+                PcCommand::Rename {
                     from,
                     to: to.clone(),
                 },
             )?;
-            output::say(&say::transfer_renamed(&file.place.name, to));
+            output::say(&say::transfer_renamed(&file.remote_path.name, to));
             talk.send(file)?;
         }
         Choice::Skip => return Ok(Settled::Skipped),
@@ -64,10 +64,10 @@ pub(super) fn send(
 
 fn choice(
     talk: &mut Talk,
-    file: &NewFile,
+    file: &TransferFile,
     on_existing: ExistingFile,
 ) -> Result<Choice, CommandError> {
-    let name = &file.place.name;
+    let name = &file.remote_path.name;
     Ok(match on_existing {
         ExistingFile::Overwrite => Choice::Overwrite,
         ExistingFile::Skip => Choice::Skip,
@@ -80,9 +80,9 @@ fn choice(
 }
 
 /// The next program number that is free.
-fn free_name(talk: &mut Talk, file: &NewFile) -> Result<FileName, CommandError> {
-    let name = &file.place.name;
-    let entries = talk.list(file.place.partition)?;
+fn free_name(talk: &mut Talk, file: &TransferFile) -> Result<FileName, CommandError> {
+    let name = &file.remote_path.name;
+    let entries = talk.list(file.remote_path.partition)?;
     pc::free_name(name, &entries).ok_or_else(|| FilesError::NoFreeName(name.clone()).into())
 }
 

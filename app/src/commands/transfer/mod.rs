@@ -9,7 +9,7 @@ mod text;
 use std::path::Path;
 
 use gsk_messages::say;
-use gsk_transfer::{FileName, NewFile, Order, Partition, Place};
+use gsk_transfer::{FileName, Partition, PcCommand, RemotePath, TransferFile};
 
 use super::{ALARM, CommandError, FINE, output};
 use crate::cli::{
@@ -106,8 +106,8 @@ fn send_all(
     let mut talk = connect(port)?;
     let mut failed = false;
     for (done, (file, bytes)) in files.iter().zip(read).enumerate() {
-        let new = NewFile {
-            place: Place {
+        let new = TransferFile {
+            remote_path: RemotePath {
                 partition,
                 name: file.name.clone(),
             },
@@ -131,7 +131,7 @@ fn send_all(
 fn send_one(
     talk: &mut Talk,
     file: &Chosen,
-    new: NewFile,
+    new: TransferFile,
     on_existing: ExistingFile,
 ) -> Result<(), CommandError> {
     let size = new.bytes.len();
@@ -172,7 +172,7 @@ fn fetch(
     folder::make(into)?;
     let mut failed = false;
     for name in names {
-        let place = Place {
+        let place = RemotePath {
             partition,
             name: name.clone(),
         };
@@ -203,11 +203,11 @@ fn delete(args: &TransferDeleteArgs) -> Result<(), CommandError> {
     let mut talk = connect(&args.port)?;
     let mut failed = false;
     for name in &args.names {
-        let place = Place {
+        let place = RemotePath {
             partition: args.partition,
             name: name.clone(),
         };
-        let deleted = talk.change(name, Order::Delete(place));
+        let deleted = talk.change(name, PcCommand::Delete(place));
         let deleted = deleted.map(|()| output::say(&say::transfer_deleted(name)));
         goes_on(deleted, &mut failed)?;
     }
@@ -217,12 +217,12 @@ fn delete(args: &TransferDeleteArgs) -> Result<(), CommandError> {
 
 fn rename(args: &TransferRenameArgs) -> Result<(), CommandError> {
     let mut talk = connect(&args.port)?;
-    let from = Place {
+    let from = RemotePath {
         partition: args.partition,
         name: args.from.clone(),
     };
     let to = args.to.clone();
-    talk.change(&args.from, Order::Rename { from, to })?;
+    talk.change(&args.from, PcCommand::Rename { from, to })?;
     talk.end();
     output::say(&say::transfer_renamed(&args.from, &args.to));
     Ok(())
@@ -240,7 +240,7 @@ fn wait(args: &TransferWaitArgs) -> Result<(), CommandError> {
     let mut count = 0;
     while args.files.is_none_or(|most| count < most) {
         let Some(file) = talk.idle()? else { continue };
-        let name = file.place.name.as_str();
+        let name = file.remote_path.name.as_str();
         let path = match args.overwrite {
             true => args.folder.join(name),
             false => folder::free(&args.folder, name),

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use gsk_messages::say;
-use gsk_transfer::{TextEvent, TextReader, TextWriter, program_number, programs};
+use gsk_transfer::{TextEvent, TextReader, TextWriter, parse_program_number, split_programs};
 use web_time::{Duration, Instant};
 
 use super::{CommandError, bar, output, say_got};
@@ -35,7 +35,10 @@ pub(super) fn send(args: &TransferSendTextArgs) -> Result<(), CommandError> {
     let begun = Instant::now();
     for (path, mut writer) in args.files.iter().zip(texts) {
         send_one(&mut port, &mut writer, begun, args.wait)?;
-        output::say(&say::transfer_text_sent(path.display(), writer.length()));
+        output::say(&say::transfer_text_sent(
+            path.display(),
+            writer.total_bytes(),
+        ));
         pause(&mut port, BETWEEN)?;
     }
     Ok(())
@@ -50,14 +53,16 @@ fn send_one(
     let mut moved = Instant::now();
     loop {
         let heard = port.read().map_err(FilesError::Gone)?;
-        writer.hear(&heard);
+        writer.receive(&heard);
         let now = begun.elapsed();
-        if writer.is_over(now) {
+        if writer.is_finished(now) {
             return Ok(());
         }
-        let taken = port.write(writer.due(now)).map_err(FilesError::Gone)?;
-        writer.sent(taken, now);
-        if taken > 0 || writer.given() == writer.length() {
+        let taken = port
+            .write(writer.pending_bytes(now))
+            .map_err(FilesError::Gone)?;
+        writer.mark_sent(taken, now);
+        if taken > 0 || writer.sent_bytes() == writer.total_bytes() {
             moved = Instant::now();
         } else if moved.elapsed() > Duration::from_secs(patience) {
             return Err(FilesError::HeldUp(patience).into());
@@ -80,8 +85,8 @@ pub(super) fn receive(args: &TransferReceiveTextArgs) -> Result<(), CommandError
     let mut port = Port::open_within(&name, baud, IN_USE)?;
     output::say(&say::transfer_text_waits());
     let text = read(&mut port, baud, args.wait)?;
-    let found = programs(&text);
-    let name = |program: &str| match program_number(program) {
+    let found = split_programs(&text);
+    let name = |program: &str| match parse_program_number(program) {
         Some(number) => format!("O{number:04}.CNC"),
         None => "TEXT.CNC".to_owned(),
     };
@@ -114,19 +119,19 @@ fn read(port: &mut Port, baud: u32, patience: u64) -> Result<String, CommandErro
         if !heard.is_empty() {
             heard_at = Instant::now();
         }
-        reader.hear(&heard, begun.elapsed());
+        reader.receive(&heard, begun.elapsed());
         let event = reader.advance(begun.elapsed());
-        replies.extend(reader.take_replies());
+        replies.extend(reader.take_flow_control());
         let taken = port.write(&replies).map_err(FilesError::Gone)?;
         replies.drain(..taken);
         match event {
             None if heard_at.elapsed() > Duration::from_secs(patience) => {
                 return Err(FilesError::Nothing(patience).into());
             }
-            None | Some(TextEvent::Begun) => {}
-            Some(TextEvent::Whole(text)) => return Ok(text),
+            None | Some(TextEvent::Started) => {}
+            Some(TextEvent::Complete(text)) => return Ok(text),
             Some(TextEvent::Noise) => return Err(FilesError::Noise.into()),
-            Some(TextEvent::Broken) => return Err(FilesError::Broken.into()),
+            Some(TextEvent::Interrupted) => return Err(FilesError::Broken.into()),
         }
     }
 }

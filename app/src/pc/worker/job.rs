@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 
 use crossbeam::channel::RecvTimeoutError;
 use gsk_messages::say;
-use gsk_transfer::{Fault, NewFile, Order as LineOrder, Partition, Place};
+use gsk_transfer::{Partition, PcCommand, RemotePath, TransferFault, TransferFile};
 use web_time::Instant;
 
 use super::{
@@ -93,8 +93,8 @@ impl Desk {
         let mut of_all = None;
         self.job(Kind::Send, named.collect(), |desk, file| {
             let bytes = folder::read(&file.path)?;
-            let new = NewFile {
-                place: file.place,
+            let new = TransferFile {
+                remote_path: file.place,
                 bytes,
                 overwrite: file.overwrite,
             };
@@ -102,21 +102,25 @@ impl Desk {
         });
     }
 
-    fn send_one(&mut self, new: NewFile, of_all: &mut Option<Choice>) -> Result<Fate, PcError> {
+    fn send_one(
+        &mut self,
+        new: TransferFile,
+        of_all: &mut Option<Choice>,
+    ) -> Result<Fate, PcError> {
         match self.talk()?.send(new.clone()) {
             Err(PcError::Files(FilesError::Refused {
-                fault: Fault::Exists,
+                fault: TransferFault::Exists,
                 ..
             })) => {}
             result => return result.map(|()| Fate::Done),
         }
-        let entries = self.talk()?.list(new.place.partition)?;
-        let free = free_name(&new.place.name, &entries);
+        let entries = self.talk()?.list(new.remote_path.partition)?;
+        let free = free_name(&new.remote_path.name, &entries);
         let choice = match of_all.clone() {
             Some(choice) => choice,
             None => {
                 let answer = self.ask(Question::AtControl {
-                    place: new.place.clone(),
+                    place: new.remote_path.clone(),
                     free: free.clone(),
                     entries,
                 })?;
@@ -133,23 +137,23 @@ impl Desk {
         match choice {
             Choice::Skip => Ok(Fate::Skipped),
             Choice::Overwrite => {
-                let new = NewFile {
+                let new = TransferFile {
                     overwrite: true,
                     ..new
                 };
                 self.talk()?.send(new).map(|()| Fate::Done)
             }
             Choice::Rename(to) => {
-                let name = new.place.name.clone();
+                let name = new.remote_path.name.clone();
                 let to = to.or(free);
                 let to = to.ok_or_else(|| FilesError::NoFreeName(name.clone()));
                 let to = match to {
                     Ok(to) => to,
                     Err(error) => return Ok(Fate::Refused(error.message())),
                 };
-                let from = new.place.clone();
+                let from = new.remote_path.clone();
                 let talk = self.talk()?;
-                talk.change(&name, LineOrder::Rename { from, to })?;
+                talk.change(&name, PcCommand::Rename { from, to })?;
                 talk.send(new).map(|()| Fate::Done)
             }
         }
@@ -162,7 +166,7 @@ impl Desk {
         };
         let files = files.into_iter().map(|file| ToSend {
             path: file.path,
-            place: Place {
+            place: RemotePath {
                 partition: Partition::User,
                 name: file.name,
             },
@@ -171,7 +175,7 @@ impl Desk {
         self.send(files.collect());
     }
 
-    pub(super) fn receive(&mut self, places: Vec<Place>, into: &Path) {
+    pub(super) fn receive(&mut self, places: Vec<RemotePath>, into: &Path) {
         if let Err(error) = folder::make(into) {
             return self.failed(&error);
         }
@@ -220,18 +224,18 @@ impl Desk {
     pub(super) fn back_up(&mut self, into: &Path) {
         let listed = self.at_port(|talk| talk.list(Partition::User));
         let Some(entries) = listed else { return };
-        let places = entries.into_iter().map(|entry| Place {
+        let places = entries.into_iter().map(|entry| RemotePath {
             partition: Partition::User,
             name: entry.name,
         });
         self.receive(places.collect(), into);
     }
 
-    pub(super) fn delete(&mut self, places: Vec<Place>) {
+    pub(super) fn delete(&mut self, places: Vec<RemotePath>) {
         let named = places.into_iter().map(|it| (it.name.to_string(), it));
         self.job(Kind::Delete, named.collect(), |desk, place| {
             let name = place.name.clone();
-            let deleted = desk.talk()?.change(&name, LineOrder::Delete(place));
+            let deleted = desk.talk()?.change(&name, PcCommand::Delete(place));
             deleted.map(|()| Fate::Done)
         });
     }

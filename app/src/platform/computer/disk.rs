@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
-use super::super::{Facts, for_owner_alone};
+use super::super::{Facts, for_owner_alone, refuse_device};
 
 /// What stands at a path, links followed.
 ///
 /// # Errors
 /// Nothing, or what the system says.
 pub fn facts(path: &Path) -> io::Result<Facts> {
+    refuse_device(path)?;
     let facts = fs::metadata(path)?;
     Ok(Facts {
         is_file: facts.is_file(),
@@ -36,6 +37,7 @@ pub fn is_link(path: &Path) -> bool {
 /// # Errors
 /// What the system says.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    refuse_device(path)?;
     let file = File::open(path)?;
     // Of a pipe nobody knows beforehand how much it has.
     let length = file.metadata()?.len().min(most);
@@ -58,6 +60,7 @@ pub fn list(folder: &Path) -> io::Result<Vec<PathBuf>> {
 /// # Errors
 /// What the system says.
 pub fn make_folder(path: &Path) -> io::Result<()> {
+    refuse_device(path)?;
     fs::create_dir_all(path)
 }
 
@@ -91,6 +94,7 @@ pub fn rename(from: &Path, to: &Path) -> io::Result<()> {
 /// # Errors
 /// What the system says.
 pub fn write_new(path: &Path, bytes: &[u8], owner_alone: bool) -> io::Result<()> {
+    refuse_device(path)?;
     let mut options = OpenOptions::new();
     options.write(true).create_new(true);
     if owner_alone {

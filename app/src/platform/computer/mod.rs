@@ -2,6 +2,7 @@
 
 mod disk;
 mod log_file;
+mod panic;
 mod turns;
 mod view;
 
@@ -10,7 +11,8 @@ pub use disk::{
     remove_folder, rename, sync_folder, write_new,
 };
 pub use log_file::{LogFile, LogGuard, log_file};
-pub use turns::{LONGEST_LOOK, Turning, answer, beside, receive, turn};
+pub use panic::before_panic;
+pub use turns::{LARGEST_LOOK, Turning, answer, beside, receive, turn};
 pub use view::{
     choose_file, data_folder, first_word, home_folder, in_use, leave_refusal, open_window,
     sent_folder, take_dropped, tell_screen,

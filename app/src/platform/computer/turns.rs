@@ -4,10 +4,15 @@ use std::io;
 use std::thread::{self, JoinHandle};
 
 use crossbeam::channel::{Receiver, RecvError, RecvTimeoutError};
+use gsk_core::preview::WorkBudget;
 use web_time::{Duration, Instant};
 
-/// A program may be looked through as long as whoever looks has patience.
-pub const LONGEST_LOOK: Duration = Duration::MAX;
+/// A thread of its own looks a program through: the caller alone limits its work.
+pub const LARGEST_LOOK: WorkBudget = WorkBudget {
+    moves: u64::MAX,
+    work: u64::MAX,
+    motionless: u64::MAX,
+};
 
 /// Something that takes its turns until it is over.
 #[derive(Debug)]

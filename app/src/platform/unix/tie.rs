@@ -103,6 +103,20 @@ impl ToProgram {
         self.0.try_clone().map(Self)
     }
 
+    /// Whether the program says something within this time, or is gone.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn has_said_within(&self, time: Duration) -> io::Result<bool> {
+        let mut look = [PollFd::from_borrowed_fd(self.0.as_fd(), PollFlags::IN)];
+        let time = Timespec::try_from(time).map_err(io::Error::other)?;
+        match poll(&mut look, Some(&time)) {
+            Ok(count) => Ok(count > 0),
+            Err(Errno::INTR) => Ok(false),
+            Err(error) => Err(error.into()),
+        }
+    }
+
     /// Whether the program is gone, whatever of it was not read yet.
     pub fn is_gone(&self) -> bool {
         let mut look = [PollFd::from_borrowed_fd(self.0.as_fd(), PollFlags::empty())];

@@ -11,3 +11,8 @@ pub fn same_file(one: &Path, other: &Path) -> bool {
 pub const fn is_serial_port(_name: &Path) -> bool {
     false
 }
+
+/// No name of a file is that of a device.
+pub const fn is_device(_path: &Path) -> bool {
+    false
+}

@@ -28,3 +28,6 @@ pub const fn name_process(_name: &str) {}
 pub const fn processor_time(_process: u32) -> Option<f64> {
     None
 }
+
+/// A page shows its panic by itself.
+pub fn before_panic(_then: impl Fn() + 'static) {}

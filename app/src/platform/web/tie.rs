@@ -58,6 +58,14 @@ impl ToProgram {
         match *self {}
     }
 
+    /// Whether the program says something within this time.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn has_said_within(&self, _time: Duration) -> io::Result<bool> {
+        match *self {}
+    }
+
     /// Whether the program is gone, whatever of it was not read yet.
     pub fn is_gone(&self) -> bool {
         match *self {}

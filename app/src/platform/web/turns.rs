@@ -7,12 +7,17 @@ use std::io;
 use std::rc::Rc;
 
 use crossbeam::channel::{Receiver, RecvTimeoutError, TryRecvError};
+use gsk_core::preview::WorkBudget;
 use web_time::{Duration, Instant};
 
 use super::disk;
 
-/// The page stands still while a program is looked through: it is given up so soon.
-pub const LONGEST_LOOK: Duration = Duration::from_millis(1500);
+/// The page stands still while a program is looked through: it takes a second or two.
+pub const LARGEST_LOOK: WorkBudget = WorkBudget {
+    moves: 500_000,
+    work: 2_000_000,
+    motionless: 500_000,
+};
 /// The name of what answers all others.
 const KERNEL: &str = "kernel";
 

@@ -12,6 +12,12 @@ pub fn same_file(one: &Path, other: &Path) -> bool {
 /// user's data is his own already.
 pub const fn for_owner_alone(_options: &mut OpenOptions) {}
 
+/// Whether the last part of a path is the name of a device: `CON`, `nul.nc`.
+pub fn is_device(path: &Path) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str());
+    name.is_some_and(gsk_transfer::is_device_name) && !is_serial_port(path)
+}
+
 /// Whether a name is that of a serial port: `COM3`, `\\.\COM12`.
 pub fn is_serial_port(name: &Path) -> bool {
     let name = name.to_string_lossy().to_ascii_uppercase();
@@ -32,6 +38,19 @@ mod tests {
         }
         for file in ["COM", "COMMON.nc", "COM1.nc", r"C:\COM1"] {
             assert!(!is_serial_port(Path::new(file)), "{file}");
+        }
+    }
+
+    #[test]
+    fn devices_are_no_files() {
+        for name in ["CON", "con.nc", r"C:\parts\NUL.CNC", "COM1.CNC"] {
+            assert!(
+                super::super::super::refuse_device(Path::new(name)).is_err(),
+                "{name}"
+            );
+        }
+        for name in ["COM3", "CONE.nc", r"C:\con\part.nc"] {
+            assert!(!is_device(Path::new(name)), "{name}");
         }
     }
 }

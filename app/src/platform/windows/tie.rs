@@ -174,6 +174,17 @@ impl ToProgram {
         Ok(Self(Arc::clone(&self.0)))
     }
 
+    /// Whether the program says something within this time, or is gone.
+    ///
+    /// # Errors
+    /// None here.
+    pub fn has_said_within(&self, time: Duration) -> io::Result<bool> {
+        let nothing = |said: &mut Said| said.bytes.is_empty() && !said.gone;
+        let waited = self.0.more.wait_timeout_while(self.0.said(), time, nothing);
+        let (_, waited) = waited.unwrap_or_else(PoisonError::into_inner);
+        Ok(!waited.timed_out())
+    }
+
     /// Whether the program is gone, whatever of it was not read yet.
     pub fn is_gone(&self) -> bool {
         self.0.said().gone

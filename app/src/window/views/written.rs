@@ -1,7 +1,7 @@
 //! What a view has written into the control, and the button that takes the last of it back.
 
 use egui::{Button, Ui};
-use gsk_commission::Undo;
+use gsk_commission::UndoList;
 use gsk_messages::{Language, Message, say};
 
 /// Changes of an entry that are listed when it is pointed at.
@@ -22,7 +22,7 @@ pub struct Words<Label, Change> {
 pub fn show<Label, Change: Clone>(
     ui: &mut Ui,
     language: Language,
-    undo: &mut Undo<Label, Change>,
+    undo: &mut UndoList<Label, Change>,
     words: &Words<Label, Change>,
     allowed: impl Fn(&[Change]) -> bool,
 ) -> Option<Vec<Change>> {
@@ -44,7 +44,7 @@ pub fn show<Label, Change: Clone>(
     let button = ui.add_enabled(allowed(&last.before), button);
     let hint = words.hint.text(language);
     if button.on_disabled_hover_text(hint).clicked() {
-        return undo.take();
+        return undo.pop();
     }
     None
 }

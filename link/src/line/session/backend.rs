@@ -158,6 +158,10 @@ impl Backend for LineLink {
         }
     }
 
+    fn stop_after_absence(&mut self) {
+        self.wake();
+    }
+
     fn lost(&mut self, cause: Message) {
         self.lose_board(cause);
     }
@@ -184,6 +188,12 @@ impl Backend for LineLink {
         }
     }
 
+    fn has_answered_stop(&self, answered: &[u8]) -> bool {
+        let text = String::from_utf8_lossy(answered);
+        let mut lines = text.lines().map(Response::parse);
+        lines.any(|line| matches!(line, Response::Banner(_)))
+    }
+
     fn last_position(&self) -> Option<PerAxis<Pulses>> {
         self.reports.position()
     }
@@ -197,8 +207,8 @@ impl Backend for LineLink {
             && (!self.stopping.is_none() || self.stopping.limit.is_some() || unread)
     }
 
-    fn is_responding(&self) -> bool {
-        self.reports.is_responding(self.session.now)
+    fn has_answered_since(&self, moment: HostTime) -> bool {
+        self.reports.has_answered_since(moment)
     }
 
     fn takes_motion(&self) -> bool {

@@ -17,7 +17,7 @@ use gsk_units::{PerAxis, Point, Pulses};
 /// A board answers for motion so long before it has made it, and a switch is told so
 /// much later.
 const PREPARED: Duration = Duration::from_millis(200);
-/// A report may have been under way for so long.
+/// A report that was not asked for may have been under way for so long.
 const LATE_REPORT: Duration = Duration::from_millis(300);
 /// A segment takes no longer than its duration and this.
 const LATE: Duration = Duration::from_secs(1);
@@ -42,6 +42,9 @@ pub(super) struct Motion {
     handed: VecDeque<(HostTime, Queued)>,
     /// Where motion made of late began, and when it was counted as made.
     past: VecDeque<(HostTime, PerAxis<Pulses>)>,
+    /// When the report was asked for that has not come: what was made since then is kept,
+    /// however long it takes.
+    asked: Option<HostTime>,
     /// Kernel pulses of the last sample taken.
     pub(super) commanded: PerAxis<Pulses>,
     /// Board pulses minus kernel pulses.
@@ -66,6 +69,7 @@ impl Motion {
             queued: VecDeque::new(),
             handed: VecDeque::new(),
             past: VecDeque::new(),
+            asked: None,
             commanded: PerAxis::default(),
             offset: PerAxis::default(),
             executed: RunTime::ZERO,
@@ -99,7 +103,14 @@ impl Motion {
         self.queued.clear();
         self.handed.clear();
         self.past.clear();
+        self.asked = None;
         self.resumes = false;
+        self.segments.begin(self.commanded, self.executed);
+    }
+
+    /// What the board was not sent is not made.
+    pub(super) fn drop_unsent(&mut self) {
+        self.backlog.clear();
         self.segments.begin(self.commanded, self.executed);
     }
 
@@ -168,6 +179,16 @@ impl Motion {
         }
     }
 
+    /// A report is asked for: it is going to show the board on the motion from here on.
+    pub(super) const fn report_asked(&mut self, now: HostTime) {
+        self.asked = Some(now);
+    }
+
+    /// The report has come, and was compared.
+    pub(super) const fn report_came(&mut self) {
+        self.asked = None;
+    }
+
     /// Counts as made what the pulse timer was handed so long ago; all of it when the
     /// board stands.
     pub(super) fn settle(&mut self, stands: bool, now: HostTime) {
@@ -189,11 +210,9 @@ impl Motion {
             self.executed = segment.end;
             self.made = segment.pulses;
         }
-        while self
-            .past
-            .pop_front_if(|(at, _)| now.saturating_sub(*at) > LATE_REPORT)
-            .is_some()
-        {}
+        let oldest = now.saturating_sub(LATE_REPORT);
+        let oldest = self.asked.map_or(oldest, |asked| oldest.min(asked));
+        while self.past.pop_front_if(|(at, _)| *at < oldest).is_some() {}
     }
 
     /// Whether the oldest segment in the queue takes much longer than it was given.

@@ -68,6 +68,9 @@ impl LineLink {
 
     fn report(&mut self, status: Status) {
         let now = self.session.now;
+        if self.is_stale_report() {
+            return;
+        }
         if let Some(round_trip) = self.reports.take(status, now) {
             self.wire.traffic.round_trip = Some(round_trip);
         }
@@ -97,6 +100,7 @@ impl LineLink {
                 return;
             }
         }
+        self.motion.report_came();
         if let Some(free) = status.free_blocks {
             let held = self.board().blocks.saturating_sub(free);
             self.retire(held);
@@ -120,7 +124,10 @@ impl LineLink {
                 self.startup.unlocks = false;
                 self.send("$X", false);
             }
-            BoardState::Idle => self.startup.unlocks = false,
+            BoardState::Idle => {
+                self.startup.unlocks = false;
+                self.stands_after_absence();
+            }
             BoardState::Other if self.session.state.takes_motion() => {
                 self.session
                     .alarm(alarm::BOARD_FAULT, say::board_state_unasked());
@@ -149,6 +156,7 @@ impl LineLink {
         if self.reports.is_due(interval, self.session.now) {
             self.wire.send_realtime(STATUS_QUERY);
             self.reports.ask(self.session.now);
+            self.motion.report_asked(self.session.now);
         }
     }
 
@@ -211,14 +219,6 @@ impl LineLink {
         if gap < AWAY {
             return;
         }
-        if gap >= self.config.lookahead() && !self.motion.backlog.is_empty() {
-            // The board stands by now; what waited for room in it would move it again.
-            self.motion.backlog.clear();
-            self.session
-                .alarm(alarm::STEPS_TOO_LATE, say::computer_away());
-            self.session.events.push(Event::Halting { reached: false });
-            self.flush();
-        }
         self.motion.progressed += gap;
         self.thread.was_away(gap);
         self.wire.was_away(gap);
@@ -226,5 +226,8 @@ impl LineLink {
             *asked += gap;
         }
         self.stopping.was_away(gap);
+        if gap >= self.config.lookahead() {
+            self.wake();
+        }
     }
 }

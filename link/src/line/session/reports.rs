@@ -28,6 +28,8 @@ pub(super) struct Reports {
     /// When a report was asked for that has not come.
     pub(super) asked: Option<HostTime>,
     last_asked: HostTime,
+    /// When the newest question was asked that was answered.
+    answered: HostTime,
     pub(super) status: Option<Status>,
     /// Switches as last reported; a restart says nothing about them.
     pub(super) pins: Pins,
@@ -42,6 +44,7 @@ impl Reports {
         Self {
             asked: None,
             last_asked: now,
+            answered: now,
             status: None,
             pins: Pins::default(),
             still_since: None,
@@ -63,6 +66,7 @@ impl Reports {
     /// Takes a report; how long it was waited for, if it was asked for.
     pub(super) fn take(&mut self, status: Status, now: HostTime) -> Option<Duration> {
         let asked = self.asked.take();
+        self.answered = asked.unwrap_or(self.answered);
         self.status = Some(status);
         self.pins = status.pins;
         asked.map(|asked| now.saturating_sub(asked))
@@ -117,8 +121,13 @@ impl Reports {
         }
     }
 
+    /// Whether a question was answered that was asked no earlier than this.
+    pub(super) fn has_answered_since(&self, moment: HostTime) -> bool {
+        self.answered >= moment
+    }
+
     /// Whether the board answers what it is asked.
-    pub(super) fn is_responding(&self, now: HostTime) -> bool {
+    fn is_responding(&self, now: HostTime) -> bool {
         self.asked
             .is_none_or(|asked| now.saturating_sub(asked) < HEARD)
     }

@@ -10,7 +10,7 @@ use crate::line::Family;
 use crate::line::family::Cause;
 use crate::line::realtime::{FEED_HOLD, SOFT_RESET};
 use crate::line::response::BoardState;
-use crate::{HostTime, LinkState, Pins, Stop, Uncertainty};
+use crate::{Event, HostTime, LinkState, Pins, Stop, Uncertainty};
 
 /// A board that was asked and is silent for so long is lost.
 const SILENCE: Duration = Duration::from_millis(500);
@@ -18,6 +18,8 @@ const SILENCE: Duration = Duration::from_millis(500);
 const ANSWER_WAIT: Duration = Duration::from_secs(2);
 /// A hold stands within this, or the board is given up.
 const HOLD_WAIT: Duration = Duration::from_secs(1);
+/// A board that stands after an absence has answered all lines within this.
+const ABSENCE_ANSWERS: Duration = Duration::from_millis(300);
 /// Ctrl-X is sent again after this, while no banner comes.
 const RESET_AGAIN: Duration = Duration::from_millis(100);
 
@@ -31,6 +33,21 @@ pub(super) enum Halt {
     Braking(HostTime),
     /// Ctrl-X was sent; waits for the banner.
     Restarting(Restart),
+    /// The computer was away for longer than the lookahead: nothing is sent before the
+    /// board has reported where it is now.
+    Waking(Waking),
+}
+
+/// What is known of the board after an absence of the computer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Waking {
+    since: HostTime,
+    /// The next report answers a question from before the absence.
+    stale: bool,
+    /// A line was not written whole: the board may hold its first part.
+    cut_off: bool,
+    /// The alarm that says so was raised: a board that is lost says something else.
+    raised: bool,
 }
 
 /// How far a restart of the board has come.
@@ -79,6 +96,7 @@ impl Stopping {
         match &mut self.halt {
             Halt::None => {}
             Halt::Draining(since) | Halt::Braking(since) => *since += gap,
+            Halt::Waking(waking) => waking.since += gap,
             Halt::Restarting(restart) => {
                 restart.since += gap;
                 restart.sent += gap;
@@ -122,6 +140,7 @@ impl LineLink {
             }
             Halt::Draining(since) => self.watch_draining(since),
             Halt::Restarting(restart) => self.watch_restart(restart),
+            Halt::Waking(waking) => self.watch_waking(waking),
             _ => {}
         }
     }
@@ -140,6 +159,71 @@ impl LineLink {
                 sent: self.session.now,
                 ..restart
             });
+        }
+    }
+
+    /// The computer was away for longer than the lookahead, and the board has run dry by
+    /// now: what waits here would move it again. It finishes what it holds, reports where
+    /// it stands, and the control goes on from there.
+    pub(super) fn wake(&mut self) {
+        if self.session.state != LinkState::Moving
+            || !self.stopping.is_none()
+            || self.thread.is_cutting()
+        {
+            return;
+        }
+        self.stopping.halt = Halt::Waking(Waking {
+            since: self.session.now,
+            stale: self.reports.asked.is_some(),
+            cut_off: self.wire.withdraw(),
+            raised: false,
+        });
+        self.reports.asked = None;
+        self.reports.hurry();
+        self.motion.drop_unsent();
+        self.session.events.push(Event::Halting { reached: false });
+    }
+
+    /// Whether a report says nothing of the time after an absence; it is asked for again.
+    pub(super) fn is_stale_report(&mut self) -> bool {
+        let Halt::Waking(waking) = &mut self.stopping.halt else {
+            return false;
+        };
+        let stale = core::mem::take(&mut waking.stale);
+        if stale {
+            self.reports.asked = None;
+            self.reports.hurry();
+        } else if !core::mem::replace(&mut waking.raised, true) {
+            self.session
+                .alarm(alarm::STEPS_TOO_LATE, say::computer_busy());
+        }
+        stale
+    }
+
+    /// The board has reported itself standing after an absence.
+    pub(super) fn stands_after_absence(&mut self) {
+        let Halt::Waking(waking) = self.stopping.halt else {
+            return;
+        };
+        if !waking.cut_off && self.wire.is_answered() {
+            self.stopping.halt = Halt::None;
+            self.drop_motion();
+            self.enter(LinkState::Verify);
+        } else if waking.cut_off || self.session.since(waking.since) >= ABSENCE_ANSWERS {
+            // Part of a line is in its buffer, or one was lost.
+            self.forget_motion();
+            self.restart();
+        }
+    }
+
+    fn watch_waking(&mut self, waking: Waking) {
+        if self.session.state != LinkState::Moving {
+            self.stopping.halt = Halt::None;
+        } else if self.session.since(waking.since) >= HOLD_WAIT {
+            self.session
+                .alarm(alarm::STEPS_TOO_LATE, say::computer_busy());
+            self.forget_motion();
+            self.brake();
         }
     }
 

@@ -5,6 +5,7 @@
 
 use std::collections::VecDeque;
 
+use crate::line::realtime::STATUS_QUERY;
 use crate::{HostTime, Traffic};
 
 /// No line of a board is longer.
@@ -65,6 +66,13 @@ impl Wire {
     /// What has not been written never will be.
     pub(super) fn drop_outgoing(&mut self) {
         self.outgoing.clear();
+    }
+
+    /// What has not been written is withdrawn; whether lines are among it.
+    pub(super) fn withdraw(&mut self) -> bool {
+        let lines = self.outgoing.iter().any(|byte| *byte != STATUS_QUERY);
+        self.outgoing.clear();
+        lines
     }
 
     /// Takes a byte in; the line that ends with it, unless that is empty. What a line is

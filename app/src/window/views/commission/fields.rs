@@ -1,7 +1,8 @@
 //! What is typed into the fields of the steps.
 
 use egui::{Role, TextEdit, Ui, WidgetInfo};
-use gsk_commission::{Backlash, DriveKind, Travel, ZeroMethod};
+use gsk_commission::{BacklashReading, DriveKind, SlideTravel, ZeroMethod};
+use gsk_core::units::parse_finite;
 use gsk_messages::{Language, Message, say};
 
 /// Width of a field, points.
@@ -55,9 +56,7 @@ impl Default for Fields {
 
 /// A number, with a point or a comma.
 pub fn number(text: &str) -> Result<f64, Message> {
-    let number: Option<f64> = text.trim().replace(',', ".").parse().ok();
-    let finite = number.filter(|number| number.is_finite());
-    finite.ok_or_else(say::commission_numbers)
+    parse_finite(&text.trim().replace(',', ".")).ok_or_else(say::commission_numbers)
 }
 
 /// A number that may be left out.
@@ -69,7 +68,7 @@ pub fn optional(text: &str) -> Result<Option<f64>, Message> {
 }
 
 /// Pairs of readings, one a line.
-pub fn readings(text: &str) -> Result<Vec<Backlash>, Message> {
+pub fn readings(text: &str) -> Result<Vec<BacklashReading>, Message> {
     let lines = text.lines().filter(|line| !line.trim().is_empty());
     lines
         .map(|line| {
@@ -77,9 +76,9 @@ pub fn readings(text: &str) -> Result<Vec<Backlash>, Message> {
             let (Some(a), Some(b), None) = (words.next(), words.next(), words.next()) else {
                 return Err(say::commission_numbers());
             };
-            Ok(Backlash {
-                a: Travel(number(a)?),
-                b: Travel(number(b)?),
+            Ok(BacklashReading {
+                a: SlideTravel(number(a)?),
+                b: SlideTravel(number(b)?),
             })
         })
         .collect()

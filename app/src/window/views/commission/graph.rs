@@ -1,7 +1,7 @@
 //! Pitch errors along an axis: what is in force, what was measured, what is proposed.
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
-use gsk_commission::Curve;
+use gsk_commission::DeviationCurve;
 use gsk_messages::{Language, Message, say};
 
 /// Height of the picture, points.
@@ -21,15 +21,15 @@ const NEW: Color32 = Color32::from_rgb(90, 200, 255);
 #[derive(Clone, Debug, Default)]
 pub struct Curves {
     /// The correction in force.
-    pub old: Curve,
+    pub old: DeviationCurve,
     /// The deviation that was measured.
-    pub measured: Curve,
+    pub measured: DeviationCurve,
     /// The correction that is proposed.
-    pub new: Curve,
+    pub new: DeviationCurve,
 }
 
 impl Curves {
-    fn rows(&self) -> [(&Curve, Color32, Message); 3] {
+    fn rows(&self) -> [(&DeviationCurve, Color32, Message); 3] {
         [
             (&self.old, OLD, say::commission_legend_old()),
             (&self.measured, MEASURED, say::commission_legend_measured()),

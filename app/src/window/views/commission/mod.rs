@@ -9,13 +9,14 @@ use std::sync::Arc;
 
 use egui::{Button, CentralPanel, Color32, Grid, Panel, RichText, ScrollArea, TextEdit, Ui};
 use gsk_commission::{
-    Change, Drive, DriveKind, GearMeasured, Lag, Proposal, SpindleSpeed, Step, Travel, Undo,
-    ZeroMethod, acceleration, backlash, direction, gear_from_drive, gear_measured, largest_lag,
-    reference, spindle,
+    CommissioningStep, DriveKind, DriveTrain, FollowingErrorReading, MeasuredMove, ParameterChange,
+    Proposal, SlideTravel, SpindleSpeed, UndoList, ZeroMethod, propose_acceleration,
+    propose_backlash, propose_direction, propose_gear_from_drive, propose_gear_from_move,
+    propose_rapid_rate, propose_reference, propose_spindle,
 };
 use gsk_core::units::{Axis, PerAxis};
 use gsk_messages::{Language, Message, say};
-use gsk_project::refused;
+use gsk_project::refusal_message;
 
 use super::written;
 use crate::kernel::monitor::MachineView;
@@ -38,12 +39,12 @@ const FINE: Color32 = Color32::from_rgb(110, 230, 120);
 /// The view of commissioning.
 pub struct CommissionView {
     console: Console,
-    step: Step,
+    step: CommissioningStep,
     axis: Axis,
     fields: Fields,
     pitch: PitchStep,
     proposal: Option<Result<Proposal, Message>>,
-    undo: Undo<Step, Change>,
+    undo: UndoList<CommissioningStep, ParameterChange>,
     /// The largest following error since it was cleared, mm of slide travel.
     lag: PerAxis<f64>,
 }
@@ -53,12 +54,12 @@ impl CommissionView {
     pub fn new(console: Console) -> Self {
         Self {
             console,
-            step: Step::Direction,
+            step: CommissioningStep::Direction,
             axis: Axis::Z,
             fields: Fields::default(),
             pitch: PitchStep::default(),
             proposal: None,
-            undo: Undo::default(),
+            undo: UndoList::default(),
             lag: PerAxis::default(),
         }
     }
@@ -98,7 +99,7 @@ impl CommissionView {
     }
 
     fn steps(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) -> bool {
-        for step in Step::ALL {
+        for step in CommissioningStep::ALL {
             let chosen = self.step == step;
             if ui
                 .selectable_label(chosen, step.name().text(language))
@@ -149,7 +150,7 @@ impl CommissionView {
             |_| machine.parameters_refused.is_none(),
         );
         if let Some(before) = taken {
-            let requests = before.iter().map(|change| change.request());
+            let requests = before.iter().map(|change| change.to_request());
             self.console.send(Command::Write(requests.collect()));
             self.proposal = None;
         }
@@ -163,11 +164,11 @@ impl CommissionView {
         ui.add_space(6.0);
         let mut again = false;
         match self.step {
-            Step::Direction => {}
-            Step::Gear => self.gear_fields(ui, language),
-            Step::Acceleration => self.acceleration_fields(ui, language),
-            Step::Reference => self.reference_fields(ui, language),
-            Step::Spindle => {
+            CommissioningStep::Direction => {}
+            CommissioningStep::Gear => self.gear_fields(ui, language),
+            CommissioningStep::Acceleration => self.acceleration_fields(ui, language),
+            CommissioningStep::Reference => self.reference_fields(ui, language),
+            CommissioningStep::Spindle => {
                 let [gear, rpm, volts] = &mut self.fields.spindle;
                 let mut names = [
                     (say::commission_field_gear(), gear),
@@ -176,16 +177,16 @@ impl CommissionView {
                 ];
                 rows(ui, language, &mut names);
             }
-            Step::Backlash => {
+            CommissioningStep::Backlash => {
                 ui.label(say::commission_field_readings().text(language));
                 let field = TextEdit::multiline(&mut self.fields.readings).desired_rows(4);
                 ui.add(field.desired_width(200.0));
             }
-            Step::Pitch => again = self.pitch_fields(ui, language),
+            CommissioningStep::Pitch => again = self.pitch_fields(ui, language),
         }
         ui.add_space(4.0);
         let words = match self.step {
-            Step::Direction => say::commission_turn_over(),
+            CommissioningStep::Direction => say::commission_turn_over(),
             _ => say::commission_propose(),
         };
         if ui.button(words.text(language)).clicked() || again {
@@ -283,52 +284,54 @@ impl CommissionView {
         let (axis, own) = (self.axis, &machine.parameters);
         let fields = &self.fields;
         let proposal = match self.step {
-            Step::Direction => direction(axis, own),
-            Step::Gear if fields.measured_gear => {
+            CommissioningStep::Direction => propose_direction(axis, own),
+            CommissioningStep::Gear if fields.measured_gear => {
                 let [commanded, measured] = &fields.moved;
-                let made = GearMeasured {
-                    commanded: Travel(number(commanded)?),
-                    measured: Travel(number(measured)?),
+                let made = MeasuredMove {
+                    commanded: SlideTravel(number(commanded)?),
+                    measured: SlideTravel(number(measured)?),
                 };
-                gear_measured(axis, made, own)
+                propose_gear_from_move(axis, made, own)
             }
-            Step::Gear => {
+            CommissioningStep::Gear => {
                 let [pulses, lead, screw, motor] = &fields.plates;
                 // Teeth are whole: what is none becomes 0, and is refused.
                 let teeth = |text: &str| text.trim().parse().unwrap_or(0);
-                let drive = Drive {
-                    pulses: number(pulses)?,
-                    lead: Travel(number(lead)?),
+                let drive = DriveTrain {
+                    pulses_per_turn: number(pulses)?,
+                    lead: SlideTravel(number(lead)?),
                     screw_teeth: teeth(screw),
                     motor_teeth: teeth(motor),
                 };
-                gear_from_drive(axis, &drive, own)
+                propose_gear_from_drive(axis, &drive, own)
             }
-            Step::Acceleration => {
+            CommissioningStep::Acceleration => {
                 let [seen, allowed] = &fields.lag;
                 match (optional(seen)?, optional(allowed)?) {
-                    (None, None) => acceleration(fields.kind, own),
+                    (None, None) => propose_acceleration(fields.kind, own),
                     (seen, allowed) => {
-                        let lag = Lag {
-                            seen: Travel(seen.unwrap_or(0.0)),
-                            allowed: Travel(allowed.unwrap_or(0.0)),
+                        let lag = FollowingErrorReading {
+                            measured: SlideTravel(seen.unwrap_or(0.0)),
+                            allowed: SlideTravel(allowed.unwrap_or(0.0)),
                         };
-                        largest_lag(axis, lag, own)
+                        propose_rapid_rate(axis, lag, own)
                     }
                 }
             }
-            Step::Reference => reference(axis, fields.method, own),
-            Step::Spindle => {
+            CommissioningStep::Reference => propose_reference(axis, fields.method, own),
+            CommissioningStep::Spindle => {
                 let [gear, rpm, volts] = &fields.spindle;
                 let read = SpindleSpeed {
                     gear: gear.trim().parse().unwrap_or(0),
                     rpm: number(rpm)?,
                     volts: optional(volts)?,
                 };
-                spindle(read, own)
+                propose_spindle(read, own)
             }
-            Step::Backlash => backlash(axis, &readings(&fields.readings)?, own),
-            Step::Pitch => {
+            CommissioningStep::Backlash => {
+                propose_backlash(axis, &readings(&fields.readings)?, own)
+            }
+            CommissioningStep::Pitch => {
                 let found = self.pitch.propose(axis, fields, (own, &machine.pitch))?;
                 return Ok(found.map(|found| found.proposal().clone()));
             }
@@ -344,7 +347,7 @@ impl CommissionView {
         machine: &MachineView,
         proposal: &Proposal,
     ) {
-        if self.step == Step::Pitch {
+        if self.step == CommissioningStep::Pitch {
             self.pitch.result(ui, language);
         }
         for note in &proposal.notes {
@@ -365,7 +368,7 @@ impl CommissionView {
                         ui.strong(say::commission_stands().text(language));
                         ui.end_row();
                         for change in &proposal.changes {
-                            let now = change.now(&machine.parameters, &machine.pitch);
+                            let now = change.current(&machine.parameters, &machine.pitch);
                             ui.label(change.message().text(language));
                             ui.label(RichText::new(now.message().text(language)).weak());
                             ui.end_row();
@@ -375,7 +378,7 @@ impl CommissionView {
             });
         let refusal = machine.parameters_refused;
         let (words, colour) = match refusal {
-            Some(refusal) => (say::data_cannot_write(refused(refusal)), NOT_NOW),
+            Some(refusal) => (say::data_cannot_write(refusal_message(refusal)), NOT_NOW),
             None => (say::commission_can_write(), FINE),
         };
         ui.label(RichText::new(words.text(language)).color(colour));
@@ -388,10 +391,11 @@ impl CommissionView {
             .clicked()
         {
             let changes = &proposal.changes;
-            let stands = |change: &Change| change.now(&machine.parameters, &machine.pitch);
+            let stands =
+                |change: &ParameterChange| change.current(&machine.parameters, &machine.pitch);
             let before = changes.iter().map(stands).collect();
-            self.undo.note(self.step, before, changes);
-            let requests = changes.iter().map(|change| change.request());
+            self.undo.record(self.step, before, changes);
+            let requests = changes.iter().map(|change| change.to_request());
             self.console.send(Command::Write(requests.collect()));
             self.proposal = None;
         }

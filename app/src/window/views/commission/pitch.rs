@@ -4,7 +4,10 @@ use std::path::Path;
 
 use crossbeam::channel::{Receiver, bounded};
 use egui::{ScrollArea, Ui};
-use gsk_commission::{Change, Curve, Imported, PlanWish, Travel, correction};
+use gsk_commission::{
+    DeviationCurve, ImportedFile, ParameterChange, PitchPlanOptions, SlideTravel,
+    compute_correction,
+};
 use gsk_core::memory::{Parameters, PitchTable};
 use gsk_core::units::Axis;
 use gsk_messages::{Language, Message, say};
@@ -27,7 +30,7 @@ const ENDINGS: [&str; 4] = ["csv", "ren", "rtl", "txt"];
 #[derive(Clone, Debug)]
 struct Measured {
     name: String,
-    imported: Imported,
+    imported: ImportedFile,
 }
 
 /// The file under way, the one that was read, and what came of it.
@@ -57,10 +60,10 @@ impl PitchStep {
         if let Some(measured) = &self.read {
             let name = &measured.name;
             let words = match &measured.imported {
-                Imported::Measured(it) => {
+                ImportedFile::Measured(it) => {
                     say::commission_file_read(name, it.readings.len(), it.runs())
                 }
-                Imported::Table(table) => say::commission_file_table(name, table.rows.len()),
+                ImportedFile::Table(table) => say::commission_file_table(name, table.rows.len()),
             };
             ui.label(words.text(language));
         }
@@ -97,8 +100,8 @@ impl PitchStep {
         let Some(measured) = &self.read else {
             return Ok(None);
         };
-        let wish = PlanWish {
-            interval: optional(&fields.interval)?.map(Travel),
+        let wish = PitchPlanOptions {
+            interval: optional(&fields.interval)?.map(SlideTravel),
             clear: fields.clear,
         };
         let imported = measured.imported.clone();
@@ -114,23 +117,23 @@ impl PitchStep {
                     None => say::commission_play_unknown(),
                 };
                 self.said = vec![
-                    say::commission_fit(fit.left.1.0, fit.slope, play),
+                    say::commission_fit(fit.residual.1.0, fit.slope_um_per_m, play),
                     say::commission_plan(plan.before.0, plan.after.0, plan.interval.0),
                 ];
                 fit.curve.clone()
             }
-            Found::Table(_) => Curve::default(),
+            Found::Table(_) => DeviationCurve::default(),
         };
         let (first, last) = match &found {
             Found::Measured(_, fit, _) => fit.curve.range(),
             Found::Table(_) => reach(axis, &then, &found.proposal().changes),
         };
         let step = (last.0 - first.0) / f64::from(DRAWN);
-        let positions = || (0..=DRAWN).map(|index| Travel(first.0 + step * f64::from(index)));
+        let positions = || (0..=DRAWN).map(|index| SlideTravel(first.0 + step * f64::from(index)));
         self.curves = Curves {
-            old: correction(axis, own.0, own.1, positions()),
+            old: compute_correction(axis, own.0, own.1, positions()),
             measured,
-            new: correction(axis, &then, &table, positions()),
+            new: compute_correction(axis, &then, &table, positions()),
         };
         Ok(Some(found))
     }
@@ -163,16 +166,20 @@ impl PitchStep {
 }
 
 /// How far the points of a table reach.
-fn reach(axis: Axis, parameters: &Parameters, changes: &[Change]) -> (Travel, Travel) {
-    let interval = gsk_commission::interval_of(axis, parameters);
-    let interval = interval.unwrap_or(Travel(1.0)).0;
+fn reach(
+    axis: Axis,
+    parameters: &Parameters,
+    changes: &[ParameterChange],
+) -> (SlideTravel, SlideTravel) {
+    let interval = gsk_commission::pitch_interval(axis, parameters);
+    let interval = interval.unwrap_or(SlideTravel(1.0)).0;
     let origin = f64::from(parameters.pitch_origin(axis));
     let (mut low, mut high) = (-interval, interval);
     for change in changes {
-        if let Change::Pitch { point, .. } = change {
+        if let ParameterChange::Pitch { point, .. } = change {
             let at = (f64::from(*point) - origin) * interval;
             (low, high) = (low.min(at - interval), high.max(at));
         }
     }
-    (Travel(low), Travel(high))
+    (SlideTravel(low), SlideTravel(high))
 }

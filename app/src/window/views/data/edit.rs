@@ -3,10 +3,10 @@
 
 use std::collections::BTreeMap;
 
-use gsk_commission::Change;
+use gsk_commission::ParameterChange;
 use gsk_core::cnc::{OffsetEntry, Request};
 use gsk_core::memory::{self, Offsets, PitchTable, Refusal, ToolOffset};
-use gsk_core::units::Axis;
+use gsk_core::units::{Axis, parse_finite};
 use gsk_messages::{Message, say};
 
 use super::values::Values;
@@ -76,7 +76,7 @@ pub enum Spot {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Edit {
     /// A parameter.
-    Parameter(Change),
+    Parameter(ParameterChange),
     /// A tool offset.
     Offset {
         /// Row.
@@ -101,7 +101,7 @@ impl Edit {
     /// What is asked of the control.
     pub const fn request(self) -> Request {
         match self {
-            Self::Parameter(change) => change.request(),
+            Self::Parameter(change) => change.to_request(),
             Self::Offset {
                 number,
                 part,
@@ -154,7 +154,7 @@ impl Edit {
     pub fn now(self, machine: &Values<'_>) -> Self {
         match self {
             Self::Parameter(change) => {
-                Self::Parameter(change.now(machine.parameters, machine.pitch))
+                Self::Parameter(change.current(machine.parameters, machine.pitch))
             }
             Self::Offset { number, part, .. } => Self::Offset {
                 number,
@@ -244,7 +244,7 @@ impl Spot {
                 let value = self.parameter(number, text)?;
                 let mut then = machine.parameters.clone();
                 then.set(number, value).map_err(|error| error.message())?;
-                Ok(Edit::Parameter(Change::Value { number, value }))
+                Ok(Edit::Parameter(ParameterChange::Value { number, value }))
             }
             Self::Offset(number, part) => self.offset(number, part, text, machine),
             Self::PitchX(point) => self.pitch_error(Axis::X, point, text),
@@ -285,14 +285,17 @@ impl Spot {
         let mut table = PitchTable::default();
         let set = table.set(axis, point, value);
         set.map_err(|error| error.message())?;
-        Ok(Edit::Parameter(Change::Pitch { axis, point, value }))
+        Ok(Edit::Parameter(ParameterChange::Pitch {
+            axis,
+            point,
+            value,
+        }))
     }
 
     /// A number, with a point or a comma.
     fn number(self, text: &str) -> Result<f64, Message> {
-        let number: Option<f64> = text.replace(',', ".").parse().ok();
-        let number = number.filter(|number| number.is_finite());
-        number.ok_or_else(|| say::data_not_a_value(self.name(), text))
+        parse_finite(&text.replace(',', "."))
+            .ok_or_else(|| say::data_not_a_value(self.name(), text))
     }
 
     /// An offset; after U or W what is added to it (decision DATA-3, manual III-7).

@@ -2,10 +2,10 @@
 //! back. Who holds the values takes what is asked.
 
 use egui::{Button, CentralPanel, ComboBox, Panel, RichText, Role, ScrollArea, Ui, WidgetInfo};
-use gsk_commission::Undo;
+use gsk_commission::UndoList;
 use gsk_core::memory::{ParameterGroup, Refusal};
 use gsk_messages::{Language, Message, say};
-use gsk_project::refused;
+use gsk_project::refusal_message;
 
 use super::super::{bar_frame, side_frame, written};
 use super::edit::{Drafts, Edit};
@@ -48,7 +48,7 @@ pub struct Sheets {
     asked_too_early: bool,
     /// Why it was not taken, and what was typed then.
     complaint: Option<(Message, Drafts)>,
-    undo: Undo<Edit, Edit>,
+    undo: UndoList<Edit, Edit>,
     /// Something was written: what is there by now is no draft any more.
     settling: bool,
 }
@@ -64,7 +64,7 @@ impl Sheets {
             drafts: Drafts::default(),
             asked_too_early: false,
             complaint: None,
-            undo: Undo::default(),
+            undo: UndoList::default(),
             settling: false,
         }
     }
@@ -90,7 +90,7 @@ impl Sheets {
     pub fn refuse(&mut self, why: Message, asked: &Asked) {
         self.complaint = Some((why, self.drafts.clone()));
         if !asked.takes_back {
-            self.undo.take();
+            self.undo.pop();
         }
     }
 
@@ -194,7 +194,7 @@ impl Sheets {
         let (words, colour) = match (of_drafts.or(of_page), self.into) {
             // It stands against what is typed alone.
             (Some(refusal), _) => (
-                say::data_cannot_write(refused(refusal)),
+                say::data_cannot_write(refusal_message(refusal)),
                 match self.drafts.count() {
                     0 => ui.visuals().weak_text_color(),
                     _ => TYPED,
@@ -253,7 +253,7 @@ impl Sheets {
         self.settling = true;
         let first = edits.first()?;
         let before = edits.iter().map(|edit| edit.now(values)).collect();
-        self.undo.note(*first, before, &edits);
+        self.undo.record(*first, before, &edits);
         Some(Asked {
             edits,
             takes_back: false,

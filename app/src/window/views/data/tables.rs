@@ -111,7 +111,7 @@ pub fn pitch(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut
 /// compensation, and of point 0, which ends none (manual III-10).
 fn ends_at(axis: Axis, point: u8, machine: &Values<'_>) -> String {
     let parameters = machine.parameters;
-    let interval = gsk_commission::interval_of(axis, parameters);
+    let interval = gsk_commission::pitch_interval(axis, parameters);
     let Some(interval) = interval.filter(|_| point > 0) else {
         return String::new();
     };

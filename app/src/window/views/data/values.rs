@@ -65,7 +65,9 @@ impl Tables {
             true => Variables::numbers_of_macro_b().collect(),
             false => Variables::numbers().collect(),
         };
-        let lasting = numbers.into_iter().filter(|it| gsk_project::lasts(*it));
+        let lasting = numbers
+            .into_iter()
+            .filter(|it| gsk_project::is_retained_variable(*it));
         let value = |number| match real {
             true => memory.variables.real(number),
             // 33 bits at most.

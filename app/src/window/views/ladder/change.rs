@@ -2,7 +2,7 @@
 //! instructions.
 
 use gsk_core::plc::address::BitAddress;
-use gsk_core::plc::{Body, Branch, Contact, Element, Mnemonic, Network, Operand, Statement};
+use gsk_core::plc::{Branch, Contact, Element, Mnemonic, Network, Operand, RungBody, Statement};
 
 /// What is done to a contact or a coil.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,7 +22,7 @@ pub enum Change {
 /// The instructions of a rung after a change to its statement `at`; none if the
 /// change makes no sense there.
 pub fn changed(network: &Network, at: usize, change: Change) -> Option<Vec<String>> {
-    let Body::Rung { contacts, outputs } = &network.body else {
+    let RungBody::Rung { contacts, outputs } = &network.body else {
         return None;
     };
     let of_contacts = network.statements().len() - outputs.len();
@@ -40,7 +40,7 @@ pub fn changed(network: &Network, at: usize, change: Change) -> Option<Vec<Strin
         return None;
     }
     let changed = Network {
-        body: Body::Rung { contacts, outputs },
+        body: RungBody::Rung { contacts, outputs },
         ..network.clone()
     };
     Some(lines(&changed))

@@ -1,6 +1,6 @@
 //! Rows of the tables as lines of the instruction list: `.MSG`, `.CMT`, `.INIT`.
 
-use gsk_core::plc::Subject;
+use gsk_core::plc::PlcAddress;
 use gsk_core::plc::address::{BitAddress, ByteAddress};
 
 use gsk_messages::{Message, say};
@@ -86,7 +86,7 @@ impl Table {
         self.replaced(list, subject(address), None)
     }
 
-    fn replaced(self, list: &str, wanted: Option<Subject>, line: Option<&str>) -> String {
+    fn replaced(self, list: &str, wanted: Option<PlcAddress>, line: Option<&str>) -> String {
         let row = |text: &str| self.subject_of(text);
         let known = wanted.and_then(|wanted| {
             list.lines()
@@ -113,7 +113,7 @@ impl Table {
     }
 
     /// The address of a line of this kind; nothing of other lines.
-    fn subject_of(self, line: &str) -> Option<Option<Subject>> {
+    fn subject_of(self, line: &str) -> Option<Option<PlcAddress>> {
         let mut words = line.split_whitespace();
         let name = words.next()?;
         name.eq_ignore_ascii_case(self.directive())
@@ -121,10 +121,10 @@ impl Table {
     }
 }
 
-fn subject(address: &str) -> Option<Subject> {
+fn subject(address: &str) -> Option<PlcAddress> {
     let address = address.trim().to_ascii_uppercase();
-    let bit = address.parse::<BitAddress>().ok().map(Subject::Bit);
-    bit.or_else(|| address.parse::<ByteAddress>().ok().map(Subject::Byte))
+    let bit = address.parse::<BitAddress>().ok().map(PlcAddress::Bit);
+    bit.or_else(|| address.parse::<ByteAddress>().ok().map(PlcAddress::Byte))
 }
 
 #[cfg(test)]

@@ -6,7 +6,8 @@ use egui::{
 };
 use gsk_core::plc::address::BitAddress;
 use gsk_core::plc::{
-    Body, Contact, Element, Ladder, Memory, Mnemonic, Operand, Power, Statement, Subject,
+    Contact, Element, Ladder, Mnemonic, Operand, PlcAddress, PlcMemory, PowerFlow, RungBody,
+    Statement,
 };
 use gsk_panel::pages::signal_meaning;
 
@@ -33,7 +34,7 @@ const FOUND: Color32 = Color32::from_rgba_unmultiplied_const(255, 214, 90, 38);
 pub struct Sheet<'a> {
     pub ladder: &'a Ladder,
     /// Memory, if the ladder is the one that runs.
-    pub memory: Option<&'a Memory>,
+    pub memory: Option<&'a PlcMemory>,
     pub language: Language,
     pub comments: bool,
     /// The statement that is chosen, as an index in the program.
@@ -41,7 +42,7 @@ pub struct Sheet<'a> {
     /// Whether a bit is forced, and to what.
     pub forced: &'a dyn Fn(BitAddress) -> Option<bool>,
     /// The address that is looked for.
-    pub sought: Option<Subject>,
+    pub sought: Option<PlcAddress>,
     /// The rung that a halted scan runs next.
     pub next: Option<u32>,
     /// Errors and warnings of the compiler: rung and words.
@@ -60,7 +61,7 @@ pub fn width(columns: usize, comments: bool) -> f32 {
 pub(super) struct Pen<'a> {
     pub(super) ui: &'a Ui,
     pub(super) sheet: &'a Sheet<'a>,
-    power: &'a [Power],
+    power: &'a [PowerFlow],
     /// Statements of its contacts.
     of_contacts: usize,
     /// Index of the rung's first statement.
@@ -76,7 +77,7 @@ pub fn rung(
     sheet: &Sheet<'_>,
     placed: &Placed,
     corner: Pos2,
-    power: &[Power],
+    power: &[PowerFlow],
 ) -> Option<usize> {
     let network = &placed.network;
     let painter = ui.painter();
@@ -134,8 +135,8 @@ pub fn rung(
         );
     }
     let of_outputs = match &network.body {
-        Body::Mark(_) => 0,
-        Body::Rung { outputs, .. } => outputs.len(),
+        RungBody::Structure(_) => 0,
+        RungBody::Rung { outputs, .. } => outputs.len(),
     };
     let mut pen = Pen {
         ui,
@@ -147,8 +148,8 @@ pub fn rung(
         clicked: None,
     };
     match &network.body {
-        Body::Mark(mark) => pen.mark(mark, right),
-        Body::Rung { contacts, outputs } => pen.body(contacts, outputs, right),
+        RungBody::Structure(mark) => pen.mark(mark, right),
+        RungBody::Rung { contacts, outputs } => pen.body(contacts, outputs, right),
     }
     pen.clicked
 }
@@ -261,7 +262,7 @@ impl Pen<'_> {
         let out = live && power.closed;
         let place = Rect::from_min_size(corner, cell);
         let symbol = Rect::from_center_size(pos2(middle, y), vec2(18.0, 22.0));
-        self.back(place, Subject::Bit(contact.bit));
+        self.back(place, PlcAddress::Bit(contact.bit));
         self.wire(pos2(corner.x, y), pos2(symbol.left(), y), live);
         self.wire(pos2(symbol.right(), y), pos2(place.right(), y), out);
         let known = self.sheet.memory.is_some();
@@ -314,7 +315,7 @@ impl Pen<'_> {
             colour,
         );
         if self.sheet.comments {
-            let words = comment(self.sheet.ladder, Subject::Bit(bit), self.sheet.language);
+            let words = comment(self.sheet.ladder, PlcAddress::Bit(bit), self.sheet.language);
             let at = pos2(corner.x + cell.x / 2.0, corner.y + WIRE + 14.0);
             self.two_lines(&words, at, cell.x - 8.0);
         }
@@ -336,7 +337,7 @@ impl Pen<'_> {
         at: usize,
         row: usize,
         (bus, right): (f32, f32),
-        power: Power,
+        power: PowerFlow,
     ) {
         let y = self.wire_y(row);
         let live = power.live && self.sheet.memory.is_some();
@@ -353,7 +354,7 @@ impl Pen<'_> {
         let middle = right - cell.x / 2.0 - 6.0;
         let corner = pos2(middle - cell.x / 2.0, y - WIRE);
         let place = Rect::from_min_size(corner, cell);
-        self.back(place, Subject::Bit(bit));
+        self.back(place, PlcAddress::Bit(bit));
         self.wire(pos2(bus, y), pos2(middle - 11.0, y), live);
         self.wire(pos2(middle + 11.0, y), pos2(right, y), live);
         let on = self.sheet.memory.is_some() && power.closed;
@@ -376,7 +377,7 @@ impl Pen<'_> {
     }
 
     /// Marks what is looked for.
-    fn back(&self, place: Rect, subject: Subject) {
+    fn back(&self, place: Rect, subject: PlcAddress) {
         let place = place.shrink2(vec2(3.0, 1.0));
         if self.sheet.sought == Some(subject) {
             self.ui.painter().rect_filled(place, 3.0, FOUND);
@@ -443,14 +444,14 @@ impl Pen<'_> {
 }
 
 /// What an address is called: the ladder's comment, else the table of signals.
-pub fn comment(ladder: &Ladder, subject: Subject, language: Language) -> String {
+pub fn comment(ladder: &Ladder, subject: PlcAddress, language: Language) -> String {
     let own = ladder.comment(subject).map(|comment| match language {
         Language::Zh => comment.chinese.as_str(),
         Language::En => comment.english.as_str(),
     });
     match (own, subject) {
         (Some(own), _) if !own.is_empty() => own.to_owned(),
-        (_, Subject::Bit(bit)) => signal_meaning(bit, language).to_owned(),
+        (_, PlcAddress::Bit(bit)) => signal_meaning(bit, language).to_owned(),
         _ => String::new(),
     }
 }

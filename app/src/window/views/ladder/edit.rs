@@ -302,7 +302,9 @@ impl LadderView {
             return;
         };
         if let Some(lines) = lines(&network) {
-            let text = draft.ladder().with_rung(network.number, &lines.join("\n"));
+            let text = draft
+                .ladder()
+                .source_with_rung(network.number, &lines.join("\n"));
             draft.set(text, None);
         }
     }
@@ -362,7 +364,7 @@ impl LadderView {
                 if response.changed()
                     && let Some(draft) = &mut self.draft
                 {
-                    let text = editor.base.with_rung(editor.rung, &editor.text);
+                    let text = editor.base.source_with_rung(editor.rung, &editor.text);
                     draft.set(text, Some(editor.rung));
                     draft.text().clone_into(&mut editor.source);
                 }

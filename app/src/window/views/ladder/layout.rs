@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use egui::{Vec2, vec2};
-use gsk_core::plc::{Body, Element, Ladder, Network, Statement};
+use gsk_core::plc::{Element, Ladder, Network, RungBody, Statement};
 
 use super::value::operand_count;
 
@@ -64,8 +64,8 @@ impl Drawing {
             columns = columns.max(wide);
             let title = if network.title.is_some() { TITLE } else { 0.0 };
             let body = match network.body {
-                Body::Mark(_) => TITLE,
-                Body::Rung { .. } => rows as f32 * cell(comments).y,
+                RungBody::Structure(_) => TITLE,
+                RungBody::Rung { .. } => rows as f32 * cell(comments).y,
             };
             let height = title + body + BETWEEN;
             let placed = Placed {
@@ -115,8 +115,8 @@ impl Drawing {
 /// Columns and rows of contacts and outputs.
 fn size(network: &Network, comments: bool) -> (usize, usize) {
     match &network.body {
-        Body::Mark(_) => (0, 1),
-        Body::Rung { contacts, outputs } => {
+        RungBody::Structure(_) => (0, 1),
+        RungBody::Rung { contacts, outputs } => {
             let (columns, rows) = contacts
                 .iter()
                 .map(cells)

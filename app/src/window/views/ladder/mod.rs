@@ -21,7 +21,7 @@ use egui::{Panel, Pos2, RichText, ScrollArea, Sense, Ui, vec2};
 use gsk_core::cnc::{LadderStep, Request};
 use gsk_core::memory::Refusal;
 use gsk_core::plc::address::BitAddress;
-use gsk_core::plc::{Ladder, Statement, Subject};
+use gsk_core::plc::{Ladder, PlcAddress, Statement};
 
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
@@ -73,7 +73,7 @@ pub struct LadderView {
     comments: bool,
     drawing: Option<Drawing>,
     /// How often each address is used; of the drawn ladder.
-    uses: Vec<(Subject, usize)>,
+    uses: Vec<(PlcAddress, usize)>,
     /// The statement that is chosen, as an index in the program.
     chosen: Option<usize>,
     /// A height that comes into view with the next picture.
@@ -200,7 +200,7 @@ impl LadderView {
             let last = ladder.statements().len().saturating_sub(1);
             self.chosen = self.chosen.filter(|_| self.editing).map(|at| at.min(last));
             self.search.clear();
-            let uses = |subject: Subject| (subject, ladder.references(subject).len());
+            let uses = |subject: PlcAddress| (subject, ladder.references(subject).len());
             self.uses = ladder.addresses().into_iter().map(uses).collect();
         }
         let drawing = Drawing::new(ladder, self.comments);
@@ -324,7 +324,7 @@ impl LadderView {
             for placed in drawing.between(seen.top() - 8.0, seen.bottom()) {
                 let corner = Pos2::new(place.left(), place.top() + 8.0 + placed.top);
                 let power = if runs {
-                    plc.power(&placed.network)
+                    plc.power_flow(&placed.network)
                 } else {
                     Vec::new()
                 };
@@ -375,7 +375,8 @@ impl LadderView {
                 .collect();
             ui.label(RichText::new(about.join("  ")).weak());
             ui.separator();
-            let figures = say::ladder_size(ladder.steps(), ladder.rung_count(), ladder.parts());
+            let figures =
+                say::ladder_size(ladder.steps(), ladder.rung_count(), ladder.part_count());
             let figures = figures.text(language);
             ui.label(RichText::new(figures).weak());
             if !has_side {
@@ -398,11 +399,11 @@ impl LadderView {
 }
 
 /// The statement and what it is about.
-fn subjects(statement: &Statement) -> Vec<Subject> {
+fn subjects(statement: &Statement) -> Vec<PlcAddress> {
     use gsk_core::plc::Operand;
     let named = |operand: &Operand| match operand {
-        Operand::Bit(bit) => Some(Subject::Bit(*bit)),
-        Operand::Byte(byte) => Some(Subject::Byte(*byte)),
+        Operand::Bit(bit) => Some(PlcAddress::Bit(*bit)),
+        Operand::Byte(byte) => Some(PlcAddress::Byte(*byte)),
         _ => None,
     };
     statement.operands.iter().filter_map(named).collect()

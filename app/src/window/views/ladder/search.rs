@@ -2,7 +2,7 @@
 
 use egui::{RichText, Ui};
 use gsk_core::plc::address::{BitAddress, ByteAddress};
-use gsk_core::plc::{Ladder, Subject};
+use gsk_core::plc::{Ladder, PlcAddress};
 
 use super::draw::comment;
 use super::{LadderView, subjects};
@@ -12,7 +12,7 @@ use gsk_messages::{Language, say};
 #[derive(Clone, Debug, Default)]
 pub struct Search {
     text: String,
-    subject: Option<Subject>,
+    subject: Option<PlcAddress>,
     /// Statements, as indices in the program.
     found: Vec<usize>,
     /// Which of them is shown.
@@ -29,7 +29,7 @@ impl Search {
     }
 
     /// The address that is looked for.
-    pub const fn subject(&self) -> Option<Subject> {
+    pub const fn subject(&self) -> Option<PlcAddress> {
         self.subject
     }
 
@@ -53,14 +53,14 @@ impl Search {
 }
 
 /// The address that a text names.
-fn subject(text: &str) -> Option<Subject> {
-    let bit = text.parse::<BitAddress>().ok().map(Subject::Bit);
-    bit.or_else(|| text.parse::<ByteAddress>().ok().map(Subject::Byte))
+fn subject(text: &str) -> Option<PlcAddress> {
+    let bit = text.parse::<BitAddress>().ok().map(PlcAddress::Bit);
+    bit.or_else(|| text.parse::<ByteAddress>().ok().map(PlcAddress::Byte))
 }
 
 /// Statements of this name, or about an address whose comment has the words.
 fn by_words(ladder: &Ladder, text: &str) -> Vec<usize> {
-    let about = |subject: &Subject| {
+    let about = |subject: &PlcAddress| {
         [Language::Zh, Language::En].into_iter().any(|language| {
             comment(ladder, *subject, language)
                 .to_uppercase()
@@ -122,7 +122,7 @@ impl LadderView {
     }
 
     /// Looks for an address, as if it had been keyed in.
-    pub(super) fn look_for(&mut self, ladder: &Ladder, subject: Subject) {
+    pub(super) fn look_for(&mut self, ladder: &Ladder, subject: PlcAddress) {
         self.search.text = subject.to_string();
         self.search.run(ladder);
     }

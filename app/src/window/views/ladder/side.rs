@@ -3,7 +3,7 @@
 use egui::{Color32, RichText, ScrollArea, Ui, vec2};
 use gsk_core::cnc::Request;
 use gsk_core::plc::address::BitAddress;
-use gsk_core::plc::{Access, Ladder, Subject};
+use gsk_core::plc::{Access, Ladder, PlcAddress};
 use gsk_panel::pages::signal_name;
 
 use super::draw::{self, comment};
@@ -51,14 +51,14 @@ impl LadderView {
         language: Language,
         machine: &MachineView,
         ladder: &Ladder,
-        subject: Subject,
+        subject: PlcAddress,
     ) {
         ui.add_space(4.0);
         ui.separator();
         let memory = machine.plc.memory();
         let held = match subject {
-            Subject::Bit(bit) => u8::from(memory.bit(bit)).to_string(),
-            Subject::Byte(byte) => value::number(byte, 1, memory),
+            PlcAddress::Bit(bit) => u8::from(memory.bit(bit)).to_string(),
+            PlcAddress::Byte(byte) => value::number(byte, 1, memory),
         };
         ui.horizontal(|ui| {
             ui.label(RichText::new(subject.to_string()).monospace().strong());
@@ -67,7 +67,7 @@ impl LadderView {
                     .monospace()
                     .color(draw::LIVE),
             );
-            if let Subject::Bit(bit) = subject {
+            if let PlcAddress::Bit(bit) = subject {
                 let symbol = signal_name(bit);
                 if symbol != "-" {
                     ui.label(RichText::new(symbol).weak());
@@ -78,7 +78,7 @@ impl LadderView {
         if !words.is_empty() {
             ui.label(words);
         }
-        if let Subject::Bit(bit) = subject {
+        if let PlcAddress::Bit(bit) = subject {
             self.force(ui, language, machine, bit);
         }
         let references = ladder.references(subject);
@@ -89,8 +89,8 @@ impl LadderView {
             let mut listed = references
                 .iter()
                 .filter(|reference| match access {
-                    Access::Read => reference.access.reads(),
-                    _ => reference.access.writes(),
+                    Access::Read => reference.access.is_read(),
+                    _ => reference.access.is_write(),
                 })
                 .peekable();
             if listed.peek().is_none() {

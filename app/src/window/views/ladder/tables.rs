@@ -5,7 +5,7 @@ use egui::{
     Align, Color32, Label, Layout, Panel, RichText, ScrollArea, Sense, TextEdit, Ui, UiBuilder,
     vec2,
 };
-use gsk_core::plc::{Ladder, Subject};
+use gsk_core::plc::{Ladder, PlcAddress};
 
 use super::directive::Table;
 use super::draft::Draft;
@@ -54,7 +54,7 @@ impl LadderView {
         if let Some(message) = clicked.and_then(|index| messages.get(index)) {
             let number = message.number.to_string();
             self.row = vec![message.bit.to_string(), number, message.text.clone()];
-            self.show_uses(&ladder, Subject::Bit(message.bit));
+            self.show_uses(&ladder, PlcAddress::Bit(message.bit));
         }
     }
 
@@ -108,7 +108,7 @@ impl LadderView {
                 return Vec::new();
             };
             let now = value::number(start.address, 1, machine.plc.memory());
-            let words = draw::comment(&ladder, Subject::Byte(start.address), language);
+            let words = draw::comment(&ladder, PlcAddress::Byte(start.address), language);
             vec![
                 RichText::new(start.address.to_string()).monospace(),
                 RichText::new(start.value.to_string()).monospace(),
@@ -118,12 +118,12 @@ impl LadderView {
         });
         if let Some(start) = clicked.and_then(|index| values.get(index)) {
             self.row = vec![start.address.to_string(), start.value.to_string()];
-            self.show_uses(&ladder, Subject::Byte(start.address));
+            self.show_uses(&ladder, PlcAddress::Byte(start.address));
         }
     }
 
     /// Goes to the first place that uses an address; while editing the row stays.
-    fn show_uses(&mut self, ladder: &Ladder, subject: Subject) {
+    fn show_uses(&mut self, ladder: &Ladder, subject: PlcAddress) {
         if self.editing {
             return;
         }

@@ -1,6 +1,6 @@
 //! What the operands of an instruction are called, and what they hold.
 
-use gsk_core::plc::{Area, ByteAddress, Kind, Memory, Mnemonic, Operand, Statement};
+use gsk_core::plc::{Area, ByteAddress, Mnemonic, Operand, OperandKind, PlcMemory, Statement};
 
 use gsk_messages::{Language, say};
 
@@ -13,27 +13,28 @@ pub fn operand_count(output: &Statement) -> usize {
 }
 
 /// What an operand is for.
-pub fn role(kind: Kind, language: Language) -> String {
+pub fn role(kind: OperandKind, language: Language) -> String {
     let role = match kind {
-        Kind::Contact => say::ladder_operand_reset(),
-        Kind::Coil => say::ladder_operand_output(),
-        Kind::ThreeCoils => return "> = <".to_owned(),
-        Kind::Length => say::ladder_operand_bytes(),
-        Kind::Value | Kind::Source => say::ladder_operand_input(),
-        Kind::Target | Kind::DecodeTarget | Kind::TableTarget | Kind::RotationTarget => {
-            say::ladder_operand_result()
-        }
-        Kind::Index => say::ladder_operand_index(),
-        Kind::Position => say::ladder_operand_position(),
-        Kind::Timer => say::ladder_operand_timer(),
-        Kind::Counter => say::ladder_operand_counter(),
-        Kind::Time | Kind::Count => say::ladder_operand_preset(),
-        Kind::Number => say::ladder_operand_base(),
-        Kind::Stations => say::ladder_operand_stations(),
-        Kind::TableSize => say::ladder_operand_table_size(),
-        Kind::CounterFormat | Kind::RotationFormat => say::ladder_operand_format(),
-        Kind::Label => say::ladder_operand_label(),
-        Kind::Subprogram => say::ladder_operand_subprogram(),
+        OperandKind::Contact => say::ladder_operand_reset(),
+        OperandKind::Coil => say::ladder_operand_output(),
+        OperandKind::ThreeCoils => return "> = <".to_owned(),
+        OperandKind::Length => say::ladder_operand_bytes(),
+        OperandKind::Value | OperandKind::Source => say::ladder_operand_input(),
+        OperandKind::Target
+        | OperandKind::DecodeTarget
+        | OperandKind::TableTarget
+        | OperandKind::RotationTarget => say::ladder_operand_result(),
+        OperandKind::Index => say::ladder_operand_index(),
+        OperandKind::Position => say::ladder_operand_position(),
+        OperandKind::Timer => say::ladder_operand_timer(),
+        OperandKind::Counter => say::ladder_operand_counter(),
+        OperandKind::Time | OperandKind::Count => say::ladder_operand_preset(),
+        OperandKind::Number => say::ladder_operand_base(),
+        OperandKind::Stations => say::ladder_operand_stations(),
+        OperandKind::TableSize => say::ladder_operand_table_size(),
+        OperandKind::CounterFormat | OperandKind::RotationFormat => say::ladder_operand_format(),
+        OperandKind::Label => say::ladder_operand_label(),
+        OperandKind::Subprogram => say::ladder_operand_subprogram(),
     };
     role.text(language)
 }
@@ -41,14 +42,14 @@ pub fn role(kind: Kind, language: Language) -> String {
 /// What an operand holds now; nothing for a number.
 pub fn held(
     statement: &Statement,
-    kind: Kind,
+    kind: OperandKind,
     operand: &Operand,
-    memory: &Memory,
+    memory: &PlcMemory,
 ) -> Option<String> {
     match operand {
         Operand::Bit(bit) => {
             let state = |bit| u8::from(memory.bit(bit));
-            if kind != Kind::ThreeCoils {
+            if kind != OperandKind::ThreeCoils {
                 return Some(state(*bit).to_string());
             }
             let mut three = String::new();
@@ -65,14 +66,14 @@ pub fn held(
 }
 
 /// Bytes that an operand of a statement covers.
-fn width(statement: &Statement, kind: Kind) -> usize {
-    if !kind.is_wide() {
+fn width(statement: &Statement, kind: OperandKind) -> usize {
+    if !kind.has_instruction_length() {
         return 1;
     }
     let kinds = statement.mnemonic.row().operands;
     let lengths = kinds.iter().zip(&statement.operands);
     let length = lengths
-        .filter(|(kind, _)| **kind == Kind::Length)
+        .filter(|(kind, _)| **kind == OperandKind::Length)
         .find_map(|(_, operand)| match operand {
             Operand::Number(length) => usize::try_from(*length).ok(),
             _ => None,
@@ -81,7 +82,7 @@ fn width(statement: &Statement, kind: Kind) -> usize {
 }
 
 /// A byte, a value of several bytes, or an entry.
-pub fn number(address: ByteAddress, width: usize, memory: &Memory) -> String {
+pub fn number(address: ByteAddress, width: usize, memory: &PlcMemory) -> String {
     let entry = matches!(address.area, Area::T | Area::C | Area::Dc | Area::Dt);
     let value = match width {
         _ if entry => memory.long(address),

@@ -18,7 +18,7 @@ pub fn finding(error: &CompileError, language: Language) -> String {
 /// The closing line of a compilation without errors, in Chinese in the words of the
 /// manufacturer's tool.
 pub fn compiled(warnings: usize, language: Language) -> String {
-    gsk_core::plc::summary(0, warnings).text(language)
+    gsk_core::plc::compile_summary(0, warnings).text(language)
 }
 
 fn rule(rule: Rule) -> Message {

@@ -11,7 +11,7 @@ use egui::Context;
 use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
 use gsk_core::memory::{Offsets, Parameters};
-use gsk_core::preview::{End, preview_explained, preview_while};
+use gsk_core::preview::{End, WorkBudget, preview_explained, preview_while};
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::units::Point;
@@ -27,17 +27,17 @@ use super::path::{Block, Builder, Path};
 use super::xray;
 use crate::job::{self, Chosen};
 use crate::kernel::{Command, Console};
-use crate::patience::Patience;
 use crate::platform;
 use crate::window::samples;
+use crate::work_limit::WorkLimit;
 
 /// How often the control is asked whether something has changed.
 const LOOKS: Duration = Duration::from_millis(100);
 /// How soon a path that grows is handed over first, and how often then.
 const FIRST_NEWS: Duration = Duration::from_millis(30);
 const NEWS: Duration = Duration::from_millis(200);
-/// How long a program is carried out, and how many moves of it.
-const PATIENCE: (Duration, u64) = (Duration::from_secs(30), 5_000_000);
+/// Work of carrying a program out.
+const BUDGET: WorkBudget = WorkBudget::interactive(5_000_000);
 
 /// What came of a program.
 #[derive(Clone, Debug, Default)]
@@ -275,7 +275,7 @@ impl Work {
             self.send(Some(chosen.clone()));
         }
         let rates = RapidRates::of(&setup.memory);
-        let patience = Patience::new(PATIENCE.0, PATIENCE.1);
+        let limit = WorkLimit::new(BUDGET);
         let (mut news, mut pause) = (Instant::now(), FIRST_NEWS);
         let tried = basis.tried.as_ref().is_some_and(|(id, tried)| {
             let own = basis.program.as_ref().filter(|(own, _)| own == id);
@@ -309,7 +309,7 @@ impl Work {
                     self.context.request_repaint();
                 }
             },
-            &mut |progress| patience.lasts(progress) && is_newest(),
+            &mut |progress| limit.allows(progress) && is_newest(),
         );
         if !is_newest() {
             return false;
@@ -375,10 +375,10 @@ impl Work {
         };
         self.put_in(&mut setup);
         let begun = self.shared.newer.load(Ordering::Relaxed);
-        let patience = Patience::new(PATIENCE.0, PATIENCE.1);
+        let limit = WorkLimit::new(BUDGET);
         let rates = RapidRates::of(&setup.memory);
         let compared = ideal::compare(&setup, job, rates, &mut |progress| {
-            patience.lasts(progress) && self.shared.newer.load(Ordering::Relaxed) == begun
+            limit.allows(progress) && self.shared.newer.load(Ordering::Relaxed) == begun
         });
         if let Some(compared) = compared {
             self.compared.force_push(Arc::new(compared));
@@ -404,13 +404,13 @@ fn profile(
     if let Some(text) = programs.get(program).map(xray::without_profile_cycles) {
         put_in(programs, program, &text);
     }
-    let patience = Patience::new(PATIENCE.0, PATIENCE.1);
+    let limit = WorkLimit::new(BUDGET);
     let mut builder = Builder::default();
     preview_while(
         &setup,
         &setup.memory.programs,
         &mut |executed| builder.push(executed, shift(machining, executed), rates),
-        &mut |progress| patience.lasts(progress),
+        &mut |progress| limit.allows(progress),
     );
     builder.path(&setup.memory.programs, false)
 }

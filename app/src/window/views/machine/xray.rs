@@ -10,6 +10,7 @@ use egui::{Color32, DragValue, RichText, Ui};
 use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
 use gsk_core::program::Program;
+use gsk_core::units::parse_finite;
 use gsk_messages::{Language, say};
 
 use super::path::{Block, Path};
@@ -95,7 +96,7 @@ fn words(ui: &mut Ui, program: &Program, number: u32, language: Language) -> Opt
             let Some(word) = word_of(line, &span) else {
                 continue;
             };
-            let value: Option<f64> = word.value.parse().ok();
+            let value = parse_finite(&word.value);
             let value = value.filter(|_| is_changed(code, word.address));
             let Some(mut value) = value else {
                 ui.label(RichText::new(&line[span.range]).monospace());

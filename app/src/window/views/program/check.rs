@@ -3,27 +3,26 @@
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
 
 use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 use crossbeam::queue::ArrayQueue;
 use egui::Context;
 use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
-use gsk_core::preview::End;
+use gsk_core::preview::{Caution, End, WorkBudget};
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_language::locate;
-use gsk_messages::Language;
+use gsk_messages::{Language, Message};
 use gsk_runner::first_look::{self, FirstLook};
 use gsk_runner::report::AlarmReport;
 
 use crate::kernel::Console;
-use crate::patience::Patience;
 use crate::platform;
+use crate::work_limit::WorkLimit;
 
-/// How long a text is looked through, and how many moves of it.
-pub const PATIENCE: (Duration, u64) = (Duration::from_secs(10), 20_000_000);
+/// Work of a look through a text.
+const BUDGET: WorkBudget = WorkBudget::interactive(20_000_000);
 
 /// Something wrong with the text.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,6 +52,8 @@ pub struct Checked {
     pub revision: u64,
     /// What is wrong, in the order of execution.
     pub findings: Vec<Finding>,
+    /// What is no alarm and yet likely a slip, each with its line.
+    pub warnings: Vec<Message>,
     /// What the program does.
     pub look: FirstLook,
     /// The programs of the control's memory.
@@ -156,9 +157,9 @@ impl Worker {
         let job = self.jobs.try_iter().last().unwrap_or(first);
         let setup = self.console.setup().unwrap_or_default();
         let is_newest = || self.newest.load(Ordering::Relaxed) == job.revision;
-        let patience = Patience::new(PATIENCE.0, PATIENCE.1);
+        let limit = WorkLimit::new(BUDGET);
         let checked = check(&job, setup, &mut |progress| {
-            patience.lasts(progress) && is_newest()
+            limit.allows(progress) && is_newest()
         });
         if is_newest() {
             self.results.force_push(checked);
@@ -180,7 +181,7 @@ fn check(
     let memory = programs.iter().map(|(number, _)| number).collect();
     programs.open_external(program.clone());
     programs.select(ProgramId::External);
-    let (look, alarms) = first_look::look_beyond(name, &setup, goes_on);
+    let (look, alarms, cautions) = first_look::look_beyond(name, &setup, goes_on);
     let programs = &setup.memory.programs;
     Checked {
         revision: job.revision,
@@ -188,6 +189,7 @@ fn check(
             .iter()
             .map(|alarm| finding(alarm, programs, &program))
             .collect(),
+        warnings: cautions.iter().map(Caution::sentence).collect(),
         look,
         memory,
     }

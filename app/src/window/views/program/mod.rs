@@ -412,8 +412,7 @@ impl ProgramView {
             .auto_shrink([false, false])
             .show(ui, |ui| {
                 if checked.is_given_up() {
-                    let seconds = check::PATIENCE.0.as_secs();
-                    let words = say::program_given_up(seconds).text(language);
+                    let words = say::program_given_up().text(language);
                     ui.label(RichText::new(words).color(WRONG));
                 } else if checked.findings.is_empty() {
                     ui.label(checked.look.line(language));
@@ -435,6 +434,9 @@ impl ProgramView {
                     for said in helps.into_iter().flatten() {
                         ui.label(said.text(language));
                     }
+                }
+                for warning in &checked.warnings {
+                    ui.label(warning.text(language));
                 }
             });
         if let Some((line, columns)) = go {

@@ -8,7 +8,10 @@ use std::sync::Arc;
 use egui::{Button, RichText, ScrollArea, TextWrapMode, Ui};
 use gsk_core::memory::{Level, Refusal};
 use gsk_messages::{Language, Message, say};
-use gsk_project::{Difference, State, denied, diff, refused, sentence, whole_disk};
+use gsk_project::{
+    ProjectDifference, ProjectState, describe_difference, diff, find_denied_changes,
+    find_whole_disk, refusal_message,
+};
 
 use super::document::{Document, folder_of};
 use super::tree::{LadderParts, Node};
@@ -22,13 +25,13 @@ pub struct Chosen {
     /// The folder of the project.
     pub folder: PathBuf,
     /// The values.
-    pub differences: Vec<Difference>,
+    pub differences: Vec<ProjectDifference>,
 }
 
 impl Chosen {
     /// Whether a value was chosen, as it was shown.
-    pub fn has(&self, difference: &Difference) -> bool {
-        let by_key = |it: &Difference| it.key.cmp(&difference.key);
+    pub fn has(&self, difference: &ProjectDifference) -> bool {
+        let by_key = |it: &ProjectDifference| it.key.cmp(&difference.key);
         let found = self.differences.binary_search_by(by_key).ok();
         let found = found.and_then(|at| self.differences.get(at));
         found.is_some_and(|it| it.new == difference.new)
@@ -58,7 +61,7 @@ pub struct Basis {
     /// Which.
     pub other: Other,
     /// What it holds.
-    pub state: State,
+    pub state: ProjectState,
     /// How its programs are written down.
     pub encodings: Encodings,
     /// The operation level that is in force in a control.
@@ -99,7 +102,7 @@ impl Basis {
 
 /// A value that differs.
 struct Row {
-    difference: Difference,
+    difference: ProjectDifference,
     /// In Chinese and English: a ladder is not compiled for every picture.
     words: [String; 2],
     refusal: Option<Refusal>,
@@ -111,7 +114,7 @@ pub struct Compared {
     /// The other side.
     pub basis: Arc<Basis>,
     /// The state of the project that was compared.
-    pub project: Arc<State>,
+    pub project: Arc<ProjectState>,
     /// What takes values over.
     pub target: Target,
     rows: Vec<Row>,
@@ -125,7 +128,7 @@ pub enum Asked {
     /// The other way round.
     Turn(Target),
     /// What is ticked is to be taken over.
-    Take(Vec<Difference>),
+    Take(Vec<ProjectDifference>),
 }
 
 impl Compared {
@@ -144,7 +147,7 @@ impl Compared {
         }
         let into_control = target == Target::Control && basis.other == Other::Control;
         let without_texts;
-        let (old, new): (&State, &State) = match into_control {
+        let (old, new): (&ProjectState, &ProjectState) = match into_control {
             true => {
                 without_texts = (*project).clone().without_texts();
                 (other, &without_texts)
@@ -153,7 +156,7 @@ impl Compared {
         };
         let differences = diff(old, new);
         let refusals = match basis.level.filter(|_| into_control) {
-            Some(level) => denied(&differences, &old.memory().parameters, level),
+            Some(level) => find_denied_changes(&differences, &old.memory().parameters, level),
             None => Vec::new(),
         };
         let parts = LadderParts::of(old, new);
@@ -161,7 +164,7 @@ impl Compared {
             let refusal = refusals.iter().find(|it| it.key == difference.key);
             let refusal = refusal.map(|it| it.refusal);
             let words = [Language::Zh, Language::En]
-                .map(|language| sentence(&difference, old, new, language));
+                .map(|language| describe_difference(&difference, old, new, language));
             Row {
                 taken: refusal.is_none(),
                 words,
@@ -263,12 +266,12 @@ impl Compared {
         for at in shown {
             if let Some(row) = self.rows.get_mut(*at) {
                 row.taken = taken && row.refusal.is_none();
-                disks.extend(whole_disk(&row.difference));
+                disks.extend(find_whole_disk(&row.difference));
             }
         }
         // A disk has all of its values or none.
         for row in &mut self.rows {
-            if whole_disk(&row.difference).is_some_and(|set| disks.contains(&set)) {
+            if find_whole_disk(&row.difference).is_some_and(|set| disks.contains(&set)) {
                 row.taken = taken && row.refusal.is_none();
             }
         }
@@ -312,7 +315,7 @@ impl Compared {
                         turned = Some((*at, !row.taken));
                     }
                     if let Some(refusal) = row.refusal {
-                        tick.on_disabled_hover_text(refused(refusal).text(language));
+                        tick.on_disabled_hover_text(refusal_message(refusal).text(language));
                     }
                 }
             });

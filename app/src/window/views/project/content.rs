@@ -2,7 +2,7 @@
 
 use egui::{Align, Layout, RichText, ScrollArea, TextWrapMode, Ui, vec2};
 use gsk_messages::{Language, Message, say};
-use gsk_project::{Key, State, Value, label, unit};
+use gsk_project::{ProjectKey, ProjectState, ProjectValue, label, unit};
 
 use super::document::programs;
 use super::tree::{LadderParts, Node, below};
@@ -34,7 +34,7 @@ impl Content {
     }
 
     /// Draws the lines of a place.
-    pub fn show(&mut self, ui: &mut Ui, language: Language, node: Node, state: &State) {
+    pub fn show(&mut self, ui: &mut Ui, language: Language, node: Node, state: &ProjectState) {
         if self.of != Some((node, language)) {
             self.of = Some((node, language));
             self.lines = lines(node, state, language);
@@ -76,7 +76,7 @@ fn cell(ui: &mut Ui, width: f32, height: f32, text: RichText) {
     });
 }
 
-fn lines(node: Node, state: &State, language: Language) -> Vec<Line> {
+fn lines(node: Node, state: &ProjectState, language: Language) -> Vec<Line> {
     let ladder = state.ladder();
     match node {
         Node::Messages => {
@@ -93,17 +93,17 @@ fn lines(node: Node, state: &State, language: Language) -> Vec<Line> {
                 .map(|start| Line {
                     head: start.address.to_string(),
                     text: start.value.to_string(),
-                    note: label(Key::Data(start.address), state, language),
+                    note: label(ProjectKey::Data(start.address), state, language),
                 })
                 .collect()
         }
         Node::Ladder => text(ladder.source()),
-        Node::Machine => written(state, Key::Machine),
+        Node::Machine => written(state, ProjectKey::Machine),
         Node::Program(number) => {
             let program = state.memory().programs.iter();
             let own = program.into_iter().find(|(own, _)| *own == number);
             let mut all = own.map_or_else(Vec::new, |(_, program)| text(program.text()));
-            let job = written(state, Key::Job(number));
+            let job = written(state, ProjectKey::Job(number));
             if !job.is_empty() {
                 all.push(Line::default());
                 all.extend(job);
@@ -134,13 +134,13 @@ fn text(source: &str) -> Vec<Line> {
 }
 
 /// The text of a machine file or job.
-fn written(state: &State, key: Key) -> Vec<Line> {
+fn written(state: &ProjectState, key: ProjectKey) -> Vec<Line> {
     let found = state.texts().and_then(|texts| texts.get(&key));
     found.map_or_else(Vec::new, |found| text(found))
 }
 
 /// A program in the list of all.
-fn listed(number: u16, state: &State, language: Language) -> Line {
+fn listed(number: u16, state: &ProjectState, language: Language) -> Line {
     let mut programs = state.memory().programs.iter();
     let own = programs.find(|(own, _)| *own == number);
     let source = own.as_ref().map_or("", |(_, program)| program.text());
@@ -153,14 +153,14 @@ fn listed(number: u16, state: &State, language: Language) -> Line {
 }
 
 /// How much stands at a place.
-fn summary(node: Node, name: &Message, state: &State, language: Language) -> Line {
+fn summary(node: Node, name: &Message, state: &ProjectState, language: Language) -> Line {
     let ladder = state.ladder();
     let said = match node {
         Node::Messages => say::project_node_values(ladder.messages().len()),
         Node::Initial => say::project_node_values(ladder.start_values().len()),
         Node::Ladder => say::project_node_lines(ladder.source().lines().count()),
         Node::Programs => say::project_node_values(programs(state).len()),
-        Node::Machine => say::project_node_lines(written(state, Key::Machine).len()),
+        Node::Machine => say::project_node_lines(written(state, ProjectKey::Machine).len()),
         _ => say::project_node_values(entries(node, state).count()),
     };
     Line {
@@ -170,13 +170,13 @@ fn summary(node: Node, name: &Message, state: &State, language: Language) -> Lin
     }
 }
 
-fn entries(node: Node, state: &State) -> impl Iterator<Item = (Key, Value)> {
+fn entries(node: Node, state: &ProjectState) -> impl Iterator<Item = (ProjectKey, ProjectValue)> {
     let all = state.entries().into_iter();
     all.filter(move |(key, _)| node.has(*key, LadderParts::default()))
 }
 
 /// Values by their names.
-fn values(node: Node, state: &State, language: Language) -> Vec<Line> {
+fn values(node: Node, state: &ProjectState, language: Language) -> Vec<Line> {
     let model = state.memory().model.id();
     entries(node, state)
         .map(|(key, value)| Line {

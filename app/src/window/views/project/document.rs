@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gsk_messages::{Language, Message, say};
-use gsk_project::{Difference, Key, State, apply, export};
+use gsk_project::{ProjectDifference, ProjectKey, ProjectState, apply, export};
 
 use crate::files::program_file;
 use crate::project::{self, Encodings, ProjectError};
@@ -16,7 +16,7 @@ pub struct Document {
     /// Its folder.
     pub folder: PathBuf,
     /// What it holds.
-    pub state: Arc<State>,
+    pub state: Arc<ProjectState>,
     /// How its programs are written down.
     pub encodings: Encodings,
     /// It holds what its folder does not.
@@ -56,7 +56,7 @@ impl Document {
     /// The rules that the whole would break; nothing is changed then.
     pub fn take(
         &mut self,
-        differences: &[Difference],
+        differences: &[ProjectDifference],
         encodings: &Encodings,
     ) -> Result<(), Message> {
         let changed = apply(&self.state, differences);
@@ -77,11 +77,11 @@ impl Document {
 }
 
 /// The numbers of the programs of a state.
-pub fn programs(state: &State) -> BTreeSet<u16> {
+pub fn programs(state: &ProjectState) -> BTreeSet<u16> {
     let programs = state.memory().programs.iter();
     let jobs = state.texts().into_iter().flat_map(|texts| texts.keys());
     let jobs = jobs.filter_map(|key| match key {
-        Key::Job(number) => Some(*number),
+        ProjectKey::Job(number) => Some(*number),
         _ => None,
     });
     programs.map(|(number, _)| number).chain(jobs).collect()

@@ -4,10 +4,12 @@
 use std::sync::Arc;
 
 use egui::Ui;
-use gsk_commission::Change;
+use gsk_commission::ParameterChange;
 use gsk_core::memory::ParameterGroup;
 use gsk_messages::Language;
-use gsk_project::{Difference, Key, OffsetWord, Set, State, Value};
+use gsk_project::{
+    DataSet, OffsetColumn, ProjectDifference, ProjectKey, ProjectState, ProjectValue,
+};
 
 use super::super::data::{Asked, Edit, Into, Page, Part, Sheets, Tables, Values, is_state};
 use super::tree::Node;
@@ -15,7 +17,7 @@ use super::tree::Node;
 /// The pages, and the tables of the state that they show.
 pub struct Editing {
     sheets: Sheets,
-    tables: Option<(Arc<State>, Tables)>,
+    tables: Option<(Arc<ProjectState>, Tables)>,
 }
 
 impl Default for Editing {
@@ -55,9 +57,9 @@ impl Editing {
         ui: &mut Ui,
         language: Language,
         page: Page,
-        state: &Arc<State>,
+        state: &Arc<ProjectState>,
     ) -> Option<Asked> {
-        let is_known = |known: &&(Arc<State>, Tables)| Arc::ptr_eq(&known.0, state);
+        let is_known = |known: &&(Arc<ProjectState>, Tables)| Arc::ptr_eq(&known.0, state);
         if self.tables.as_ref().filter(is_known).is_none() {
             self.tables = Some((Arc::clone(state), Tables::of(state.memory())));
         }
@@ -69,10 +71,10 @@ impl Editing {
 }
 
 /// What edits change in a project.
-pub fn differences(edits: &[Edit], state: &State) -> Vec<Difference> {
+pub fn differences(edits: &[Edit], state: &ProjectState) -> Vec<ProjectDifference> {
     let entries = state.entries();
     let wanted = edits.iter().flat_map(|edit| values(*edit));
-    let other = wanted.map(|(key, new)| Difference {
+    let other = wanted.map(|(key, new)| ProjectDifference {
         key,
         old: entries.get(&key).cloned(),
         new,
@@ -81,25 +83,28 @@ pub fn differences(edits: &[Edit], state: &State) -> Vec<Difference> {
 }
 
 /// The values that an edit is about: of a state parameter each bit is one.
-fn values(edit: Edit) -> Vec<(Key, Option<Value>)> {
-    let set = Set::Control;
-    let whole = |value: i32| Some(Value::Whole(value.into()));
+fn values(edit: Edit) -> Vec<(ProjectKey, Option<ProjectValue>)> {
+    let set = DataSet::Control;
+    let whole = |value: i32| Some(ProjectValue::Whole(value.into()));
     match edit {
-        Edit::Parameter(Change::Value { number, value }) if is_state(number) => {
+        Edit::Parameter(ParameterChange::Value { number, value }) if is_state(number) => {
             let bit = |bit: u8| {
                 let on = value >> bit & 1;
-                (Key::Parameter(set, number, Some(bit)), whole(on))
+                (ProjectKey::Parameter(set, number, Some(bit)), whole(on))
             };
             (0..8).map(bit).collect()
         }
-        Edit::Parameter(Change::Value { number, value }) => {
-            vec![(Key::Parameter(set, number, None), whole(value))]
+        Edit::Parameter(ParameterChange::Value { number, value }) => {
+            vec![(ProjectKey::Parameter(set, number, None), whole(value))]
         }
-        Edit::Parameter(Change::Bit { number, bit, on }) => {
-            vec![(Key::Parameter(set, number, Some(bit)), whole(on.into()))]
+        Edit::Parameter(ParameterChange::Bit { number, bit, on }) => {
+            vec![(
+                ProjectKey::Parameter(set, number, Some(bit)),
+                whole(on.into()),
+            )]
         }
-        Edit::Parameter(Change::Pitch { axis, point, value }) => {
-            vec![(Key::Pitch(set, point, axis), whole(value.into()))]
+        Edit::Parameter(ParameterChange::Pitch { axis, point, value }) => {
+            vec![(ProjectKey::Pitch(set, point, axis), whole(value.into()))]
         }
         Edit::Offset {
             number,
@@ -107,16 +112,16 @@ fn values(edit: Edit) -> Vec<(Key, Option<Value>)> {
             value,
         } => {
             let (word, value) = match part {
-                Part::X => (OffsetWord::X, Value::Real(value)),
-                Part::Z => (OffsetWord::Z, Value::Real(value)),
-                Part::R => (OffsetWord::R, Value::Real(value)),
+                Part::X => (OffsetColumn::X, ProjectValue::Real(value)),
+                Part::Z => (OffsetColumn::Z, ProjectValue::Real(value)),
+                Part::R => (OffsetColumn::R, ProjectValue::Real(value)),
                 // 0 to 9: checked when it was read.
-                Part::T => (OffsetWord::T, Value::Whole(value as i64)),
+                Part::T => (OffsetColumn::T, ProjectValue::Whole(value as i64)),
             };
-            vec![(Key::Offset(set, number, word), Some(value))]
+            vec![(ProjectKey::Offset(set, number, word), Some(value))]
         }
         Edit::Variable { number, value, .. } => {
-            vec![(Key::Variable(number), value.map(Value::Real))]
+            vec![(ProjectKey::Variable(number), value.map(ProjectValue::Real))]
         }
     }
 }
@@ -129,14 +134,14 @@ mod tests {
     use gsk_core::units::Axis;
     use gsk_project::{apply, export};
 
-    fn typed(state: &State, spot: Spot, text: &str) -> Result<Edit, gsk_messages::Message> {
+    fn typed(state: &ProjectState, spot: Spot, text: &str) -> Result<Edit, gsk_messages::Message> {
         let tables = Tables::of(state.memory());
         spot.read(text, &Values::of_memory(state.memory(), &tables))
     }
 
     #[test]
     fn what_is_typed_is_a_line_of_the_folder_each() {
-        let state = State::of(&Setup::delivered());
+        let state = ProjectState::from_setup(&Setup::delivered());
         let edits: Vec<Edit> = [
             (Spot::Parameter(22), "7600"),
             (Spot::Parameter(4), "01000001"),
@@ -155,7 +160,7 @@ mod tests {
         let changed = apply(&state, &found).unwrap();
         assert_eq!(gsk_project::diff(&state, &changed).len(), found.len());
         let [old, new] = [&state, &changed].map(|it| export(it, Language::En));
-        let lines = |files: &gsk_project::Files| -> Vec<String> {
+        let lines = |files: &gsk_project::ProjectFiles| -> Vec<String> {
             let all = files.values().flat_map(|text| text.lines());
             all.map(str::to_owned).collect()
         };
@@ -173,7 +178,7 @@ mod tests {
 
     #[test]
     fn a_project_takes_what_a_control_takes() {
-        let state = State::of(&Setup::delivered());
+        let state = ProjectState::from_setup(&Setup::delivered());
         for (spot, text) in [
             (Spot::Parameter(22), "1"),
             (Spot::Parameter(22), "quick"),
@@ -187,7 +192,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_with_an_offset_names_its_place() {
-        let state = State::of(&Setup::delivered());
+        let state = ProjectState::from_setup(&Setup::delivered());
         for (part, text) in [(Part::X, "99999"), (Part::X, "x"), (Part::T, "12")] {
             let said = typed(&state, Spot::Offset(5, part), text).unwrap_err();
             let said = said.text(Language::En);

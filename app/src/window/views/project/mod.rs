@@ -390,7 +390,7 @@ impl ProjectView {
     }
 
     /// What was ticked goes into the control, or into the project.
-    fn take(&mut self, differences: Vec<gsk_project::Difference>, context: &Context) {
+    fn take(&mut self, differences: Vec<gsk_project::ProjectDifference>, context: &Context) {
         let (Some(document), Some(compared)) = (&mut self.document, &self.compared) else {
             return;
         };

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use egui::Context;
 use gsk_core::model::ModelId;
 use gsk_messages::{Language, Message, say};
-use gsk_project::State;
+use gsk_project::ProjectState;
 
 use super::compared::{Basis, Compared, Other, Target};
 use super::document::{Document, folder_of};
@@ -372,8 +372,8 @@ impl ProjectView {
 }
 
 /// A control of this model as it is delivered.
-fn as_delivered(model: ModelId) -> State {
-    State::of(&project::delivered(model, None))
+fn as_delivered(model: ModelId) -> ProjectState {
+    ProjectState::from_setup(&project::delivered(model, None))
 }
 
 #[cfg(test)]

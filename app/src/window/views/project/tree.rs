@@ -1,7 +1,7 @@
 //! The tree of a project (manual PLC-V 4): what stands where, and which values belong there.
 
 use gsk_messages::{Message, say};
-use gsk_project::{Key, Section, State};
+use gsk_project::{ProjectKey, ProjectSection, ProjectState};
 
 /// A place of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -127,7 +127,7 @@ pub struct LadderParts {
 
 impl LadderParts {
     /// Of two ladders.
-    pub fn of(old: &State, new: &State) -> Self {
+    pub fn of(old: &ProjectState, new: &ProjectState) -> Self {
         let [old, new] = [old.ladder(), new.ladder()];
         Self {
             messages: old.messages() != new.messages(),
@@ -148,9 +148,9 @@ fn rest(source: &str) -> Vec<&str> {
 
 impl Node {
     /// The places that a value belongs to, from the whole project to a program.
-    pub fn with(key: Key, parts: LadderParts) -> impl Iterator<Item = Self> {
+    pub fn with(key: ProjectKey, parts: LadderParts) -> impl Iterator<Item = Self> {
         let program = match key {
-            Key::Program(number) | Key::Job(number) => Some(Self::Program(number)),
+            ProjectKey::Program(number) | ProjectKey::Job(number) => Some(Self::Program(number)),
             _ => None,
         };
         let rows = ROWS.iter().map(|row| row.node);
@@ -161,32 +161,34 @@ impl Node {
     }
 
     /// Whether a value belongs there; `parts`: of the ladder, which is one value.
-    pub fn has(self, key: Key, parts: LadderParts) -> bool {
-        let section = Section::of(key);
+    pub fn has(self, key: ProjectKey, parts: LadderParts) -> bool {
+        let section = ProjectSection::from_key(key);
         match self {
             Self::Project => true,
-            Self::Plc => matches!(section, Section::Ladder | Section::Data),
-            Self::Messages => section == Section::Ladder && parts.messages,
-            Self::Ladder => section == Section::Ladder && parts.rungs,
-            Self::Initial => section == Section::Ladder && parts.initial,
-            Self::Kept => section == Section::Data,
+            Self::Plc => matches!(section, ProjectSection::Ladder | ProjectSection::Data),
+            Self::Messages => section == ProjectSection::Ladder && parts.messages,
+            Self::Ladder => section == ProjectSection::Ladder && parts.rungs,
+            Self::Initial => section == ProjectSection::Ladder && parts.initial,
+            Self::Kept => section == ProjectSection::Data,
             Self::Cnc => below(self).any(|(node, _)| node.has(key, parts)),
             Self::Parameters => {
-                section == Section::Parameters || matches!(key, Key::ModelParameter(_))
+                section == ProjectSection::Parameters
+                    || matches!(key, ProjectKey::ModelParameter(_))
             }
-            Self::Offsets => section == Section::Offsets,
-            Self::Pitch => section == Section::Pitch,
-            Self::Variables => section == Section::Variables,
+            Self::Offsets => section == ProjectSection::Offsets,
+            Self::Pitch => section == ProjectSection::Pitch,
+            Self::Variables => section == ProjectSection::Variables,
             Self::Settings => {
-                section == Section::Settings || matches!(key, Key::Format | Key::Model)
+                section == ProjectSection::Settings
+                    || matches!(key, ProjectKey::Format | ProjectKey::Model)
             }
-            Self::Counters => matches!(section, Section::Counters | Section::Panel),
-            Self::Disks => section == Section::Disks,
-            Self::Programs => matches!(section, Section::Programs | Section::Jobs),
+            Self::Counters => matches!(section, ProjectSection::Counters | ProjectSection::Panel),
+            Self::Disks => section == ProjectSection::Disks,
+            Self::Programs => matches!(section, ProjectSection::Programs | ProjectSection::Jobs),
             Self::Program(number) => {
-                matches!(key, Key::Program(own) | Key::Job(own) if own == number)
+                matches!(key, ProjectKey::Program(own) | ProjectKey::Job(own) if own == number)
             }
-            Self::Machine => section == Section::Machine,
+            Self::Machine => section == ProjectSection::Machine,
         }
     }
 }
@@ -201,7 +203,8 @@ mod tests {
     fn every_value_has_its_place() {
         let mut setup = Setup::delivered();
         setup.memory.programs.store("O0003;\nM30;\n").unwrap();
-        let state = State::of(&setup).with_texts([(Key::Machine, "()".into())]);
+        let state =
+            ProjectState::from_setup(&setup).with_texts([(ProjectKey::Machine, "()".into())]);
         let parts = LadderParts {
             rungs: true,
             ..LadderParts::default()
@@ -218,7 +221,7 @@ mod tests {
             assert!(all.contains(found[0]) && all[0] == Node::Project);
             assert!(all.iter().all(|node| node.has(*key, parts)));
         }
-        assert!(Node::Program(3).has(Key::Program(3), parts));
-        assert!(!Node::Program(3).has(Key::Program(4), parts));
+        assert!(Node::Program(3).has(ProjectKey::Program(3), parts));
+        assert!(!Node::Program(3).has(ProjectKey::Program(4), parts));
     }
 }

@@ -2,7 +2,7 @@
 
 use egui::{Button, Ui, vec2};
 use gsk_messages::{Language, Message, say};
-use gsk_transfer::Place;
+use gsk_transfer::RemotePath;
 
 use super::{Chosen, Dialog, Direction, Stage, TransferView};
 use crate::pc::Item;
@@ -79,7 +79,7 @@ impl TransferView {
         let to_send = |item: &Item| {
             Some(ToSend {
                 path: item.path.clone(),
-                place: Place {
+                place: RemotePath {
                     partition: item.partition(),
                     // The list takes good names only.
                     name: gsk_transfer::FileName::new(&item.name).ok()?,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use egui::{ComboBox, Context, Grid, Id, Rect, TextEdit, Ui};
 use gsk_messages::{Language, Message, say};
-use gsk_transfer::{FileName, NewFile, Partition, Place};
+use gsk_transfer::{FileName, Partition, RemotePath, TransferFile};
 
 use super::job::Wish;
 use super::naming::{FIELD, Naming, complaint, ended, window};
@@ -36,11 +36,11 @@ pub enum Dialog {
         naming: Naming,
     },
     /// Before files of the control are deleted.
-    Delete(Vec<Place>),
+    Delete(Vec<RemotePath>),
     /// Before a whole set goes to the control.
     Restore(PathBuf),
     /// What becomes of a file that the control has sent.
-    Keep(NewFile),
+    Keep(TransferFile),
 }
 
 impl Dialog {
@@ -67,7 +67,7 @@ impl Dialog {
     }
 
     /// A file that is renamed: the first that is ticked.
-    pub fn rename(first: Option<&Place>) -> Self {
+    pub fn rename(first: Option<&RemotePath>) -> Self {
         let old = first.map(|place| place.name.to_string());
         let partition = first.map(|place| place.partition).unwrap_or_default();
         Self::Rename {
@@ -271,7 +271,7 @@ impl TransferView {
                 let place = Partition::ALL.get(partition).copied().unwrap_or_default();
                 if let (Ok(old), Ok(to)) = (FileName::new(&naming.old), FileName::new(&naming.new))
                 {
-                    let from = Place {
+                    let from = RemotePath {
                         partition: place,
                         name: old,
                     };
@@ -282,7 +282,12 @@ impl TransferView {
         None
     }
 
-    fn delete(&self, context: &Context, language: Language, places: Vec<Place>) -> Option<Dialog> {
+    fn delete(
+        &self,
+        context: &Context,
+        language: Language,
+        places: Vec<RemotePath>,
+    ) -> Option<Dialog> {
         let title = say::transfer_view_delete_ask(places.len());
         let names: Vec<String> = places.iter().map(|place| place.name.to_string()).collect();
         let said = say::transfer_view_delete_gone(names.join(", "));
@@ -308,9 +313,9 @@ impl TransferView {
     }
 
     /// 接收到CNC上传的文件,保存在硬盘上吗?
-    fn keep(&self, context: &Context, language: Language, file: NewFile) -> Option<Dialog> {
+    fn keep(&self, context: &Context, language: Language, file: TransferFile) -> Option<Dialog> {
         let title = say::transfer_view_keep();
-        let name = file.place.name.clone();
+        let name = file.remote_path.name.clone();
         let said = say::transfer_view_keep_what(&name, file.bytes.len());
         let answers = [say::transfer_view_yes(), say::transfer_view_no()];
         match ask(context, self.room, language, &title, &said, &answers) {

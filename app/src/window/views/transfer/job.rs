@@ -6,7 +6,7 @@ use egui::{
     vec2,
 };
 use gsk_messages::{Language, Message, say};
-use gsk_transfer::{FileName, Progress};
+use gsk_transfer::{FileName, TransferProgress};
 
 use super::naming::{Naming, window};
 use super::{BAD, GOOD};
@@ -23,7 +23,7 @@ pub struct Job {
     kind: Kind,
     rows: Vec<(String, Option<Fate>)>,
     at: usize,
-    progress: Option<Progress>,
+    progress: Option<TransferProgress>,
     /// When it was first seen on its way, seconds of the window's clock, and how much of it
     /// had come by then, bytes.
     since: Option<(f64, usize)>,
@@ -311,7 +311,7 @@ fn sign(ui: &mut Ui, fate: Option<&Fate>, here: bool) {
 }
 
 /// How much of a file has come.
-fn share(progress: Progress) -> f32 {
+fn share(progress: TransferProgress) -> f32 {
     match progress.total {
         0 => 0.0,
         total => progress.done as f32 / total as f32,

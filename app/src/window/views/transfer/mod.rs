@@ -15,7 +15,7 @@ use egui::{
     CentralPanel, Color32, ComboBox, Id, Panel, Rect, RichText, ScrollArea, TextEdit, Ui, vec2,
 };
 use gsk_messages::{Language, Message, say};
-use gsk_transfer::{BLOCK, Entry, FileName, NewFile, Partition, Place};
+use gsk_transfer::{BLOCK_BYTES, DirectoryEntry, FileName, Partition, RemotePath, TransferFile};
 use web_time::Duration;
 
 use crate::kernel::Console;
@@ -51,19 +51,19 @@ enum Chosen {
     /// A list that was saved.
     List(Vec<Item>),
     /// The folder that the ticked files go into.
-    Into(Vec<Place>, PathBuf),
+    Into(Vec<RemotePath>, PathBuf),
     /// The folder of a backup that is made.
     BackUp(PathBuf),
     /// The folder of a backup that is brought back.
     Restore(PathBuf),
     /// Where a file goes that the control has sent.
-    Keep(PathBuf, NewFile),
+    Keep(PathBuf, TransferFile),
 }
 
 /// What the control holds, as it was said last.
 #[derive(Default)]
 struct Listing {
-    partitions: Vec<(Partition, Vec<Entry>)>,
+    partitions: Vec<(Partition, Vec<DirectoryEntry>)>,
     /// Chosen files: partition in [`Partition::ALL`], name.
     ticked: BTreeSet<(usize, String)>,
 }
@@ -83,7 +83,7 @@ pub struct TransferView {
     job: Option<Job>,
     dialog: Option<Dialog>,
     /// Files that the control has sent, until it is said what becomes of them.
-    pushed: VecDeque<NewFile>,
+    pushed: VecDeque<TransferFile>,
     /// What was said last, and whether something is wrong.
     said: Option<(Message, bool)>,
     chosen: (Sender<Chosen>, Receiver<Chosen>),
@@ -284,7 +284,7 @@ impl TransferView {
             }
             ui.separator();
             let words = say::transfer_view_block().text(language);
-            ui.label(RichText::new(format!("{words} {BLOCK}")).weak());
+            ui.label(RichText::new(format!("{words} {BLOCK_BYTES}")).weak());
         });
     }
 
@@ -326,7 +326,7 @@ impl TransferView {
 
 impl Listing {
     /// What is there still stays ticked.
-    fn list(&mut self, partitions: Vec<(Partition, Vec<Entry>)>) {
+    fn list(&mut self, partitions: Vec<(Partition, Vec<DirectoryEntry>)>) {
         self.partitions = partitions;
         let there: BTreeSet<_> = self.keys().collect();
         self.ticked.retain(|key| there.contains(key));
@@ -338,12 +338,12 @@ impl Listing {
     }
 
     /// The ticked files.
-    fn places(&self) -> Vec<Place> {
+    fn places(&self) -> Vec<RemotePath> {
         let mut places = Vec::new();
         for (at, (partition, entries)) in self.partitions.iter().enumerate() {
             for entry in entries {
                 if self.ticked.contains(&(at, entry.name.to_string())) {
-                    places.push(Place {
+                    places.push(RemotePath {
                         partition: *partition,
                         name: entry.name.clone(),
                     });

@@ -4,7 +4,7 @@ use egui::{
     Align2, Button, Context, Grid, Label, Rect, RichText, ScrollArea, TextEdit, Ui, Window,
 };
 use gsk_messages::{Language, Message, say};
-use gsk_transfer::{Entry, FileName, Partition};
+use gsk_transfer::{DirectoryEntry, FileName, Partition};
 
 use super::BAD;
 use crate::window::clear;
@@ -36,7 +36,7 @@ impl Naming {
         room: Rect,
         language: Language,
         partition: Partition,
-        entries: &[Entry],
+        entries: &[DirectoryEntry],
     ) -> Option<Option<FileName>> {
         let mut done = None;
         window(
@@ -78,7 +78,7 @@ impl Naming {
     }
 
     /// A click on a file puts its name into the field above.
-    pub fn entries(&mut self, ui: &mut Ui, entries: &[Entry], free: bool) {
+    pub fn entries(&mut self, ui: &mut Ui, entries: &[DirectoryEntry], free: bool) {
         ScrollArea::vertical()
             .id_salt("naming-entries")
             .max_height(150.0)

@@ -1,0 +1,116 @@
+//! Reads a message of the language server protocol from a stream.
+
+use std::io::{self, BufRead, ErrorKind, Read as _};
+
+use lsp_server::Message;
+
+/// The longest message, bytes: a program of the greatest size with every character escaped
+/// is shorter.
+const LONGEST: u64 = 512 * 1024 * 1024;
+/// The longest line of a header, bytes.
+const LONGEST_HEADER: u64 = 4096;
+/// Characters of a message that an error quotes.
+const QUOTED: usize = 200;
+
+/// The next message; `None` at the end of the stream. The memory for it grows with the bytes
+/// that come, not with the length that its header promises.
+///
+/// # Errors
+/// A malformed header or message, one that is too long or broken off, and what the stream
+/// reports.
+pub fn read_message(input: &mut impl BufRead) -> io::Result<Option<Message>> {
+    let Some(length) = read_header(input)? else {
+        return Ok(None);
+    };
+    if length > LONGEST {
+        return Err(invalid(format!(
+            "a message of {length} bytes; the longest has {LONGEST}"
+        )));
+    }
+    let mut bytes = Vec::new();
+    input.by_ref().take(length).read_to_end(&mut bytes)?;
+    if (bytes.len() as u64) < length {
+        return Err(io::Error::from(ErrorKind::UnexpectedEof));
+    }
+    let text = String::from_utf8(bytes).map_err(|error| invalid(error.to_string()))?;
+    let message = serde_json::from_str(&text).map_err(|error| {
+        let begin: String = text.chars().take(QUOTED).collect();
+        invalid(format!("malformed LSP payload `{error}`: {begin:?}"))
+    })?;
+    Ok(Some(message))
+}
+
+/// The length of the message after a header; `None` at the end of the stream.
+fn read_header(input: &mut impl BufRead) -> io::Result<Option<u64>> {
+    let mut length = None;
+    loop {
+        let mut line = Vec::new();
+        input
+            .by_ref()
+            .take(LONGEST_HEADER)
+            .read_until(b'\n', &mut line)?;
+        if line.is_empty() {
+            return Ok(None);
+        }
+        let line = String::from_utf8_lossy(&line).into_owned();
+        let malformed = || invalid(format!("malformed header: {line:?}"));
+        let field = line.strip_suffix("\r\n").ok_or_else(malformed)?;
+        if field.is_empty() {
+            break;
+        }
+        let (name, value) = field.split_once(": ").ok_or_else(malformed)?;
+        if name.eq_ignore_ascii_case("Content-Length") {
+            length = Some(value.parse().map_err(|_| malformed())?);
+        }
+    }
+    length
+        .map(Some)
+        .ok_or_else(|| invalid("no Content-Length".to_owned()))
+}
+
+fn invalid(text: String) -> io::Error {
+    io::Error::new(ErrorKind::InvalidData, text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(bytes: &[u8]) -> io::Result<Option<Message>> {
+        read_message(&mut io::Cursor::new(bytes))
+    }
+
+    #[test]
+    fn a_message_is_read() {
+        let body = r#"{"jsonrpc":"2.0","method":"exit"}"#;
+        let text = format!(
+            "Content-Type: x\r\ncontent-length: {}\r\n\r\n{body}",
+            body.len()
+        );
+        let message = read(text.as_bytes()).expect("read").expect("message");
+        assert!(matches!(message, Message::Notification(it) if it.method == "exit"));
+        assert!(read(b"").expect("end").is_none());
+    }
+
+    #[test]
+    fn no_length_allocates_or_aborts() {
+        for length in [
+            "18446744073709551615",
+            "99999999999999999999999",
+            "9000000000000000000",
+            "-1",
+            "x",
+        ] {
+            let text = format!("Content-Length: {length}\r\n\r\n{{}}");
+            let error = read(text.as_bytes()).expect_err(length);
+            assert_eq!(error.kind(), ErrorKind::InvalidData, "{length}");
+        }
+        let error = read(b"Content-Length: 500000000\r\n\r\n{}").expect_err("broken off");
+        assert_eq!(error.kind(), ErrorKind::UnexpectedEof);
+        let long = [b'a'; 10_000];
+        assert_eq!(
+            read(&long).expect_err("header").kind(),
+            ErrorKind::InvalidData
+        );
+    }
+}

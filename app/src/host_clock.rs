@@ -1,0 +1,79 @@
+//! The clock by which a board is driven. It goes on while the computer sleeps, as the
+//! board does; what only the clock on the wall shows (a virtual machine that was held) is
+//! told apart.
+
+use web_time::{Duration, SystemTime};
+
+use crate::platform;
+
+/// A clock on the wall that is set right by less than this was not away.
+const SET_RIGHT: Duration = Duration::from_millis(50);
+
+/// Time since a port was opened.
+#[derive(Debug)]
+pub struct HostClock {
+    opened: Duration,
+    /// The last look for a jump: time with sleep, and the clock on the wall.
+    looked: (Duration, SystemTime),
+}
+
+impl HostClock {
+    /// A clock at zero.
+    pub fn start() -> Self {
+        let now = platform::time_with_sleep();
+        Self {
+            opened: now,
+            looked: (now, SystemTime::now()),
+        }
+    }
+
+    /// Time since the start, sleep of the computer included.
+    pub fn now(&self) -> Duration {
+        platform::time_with_sleep().saturating_sub(self.opened)
+    }
+
+    /// Time that only the clock on the wall shows since the last call; zero when it goes
+    /// as this one does, or was set back.
+    pub fn take_jump(&mut self) -> Duration {
+        let (now, wall) = (platform::time_with_sleep(), SystemTime::now());
+        let (before, wall_before) = core::mem::replace(&mut self.looked, (now, wall));
+        let by_wall = wall.duration_since(wall_before).unwrap_or_default();
+        jump(now.saturating_sub(before), by_wall)
+    }
+}
+
+fn jump(passed: Duration, by_wall: Duration) -> Duration {
+    let more = by_wall.saturating_sub(passed);
+    if more >= SET_RIGHT {
+        more
+    } else {
+        Duration::ZERO
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_jump_is_what_the_wall_clock_has_gained() {
+        let ms = Duration::from_millis;
+        // Asleep: both clocks show it, and the first alone is enough.
+        assert_eq!(jump(ms(3000), ms(3000)), ms(0));
+        assert_eq!(jump(ms(2), ms(3002)), ms(3000));
+        // Slewed or set back.
+        assert_eq!(jump(ms(2), ms(12)), ms(0));
+        assert_eq!(jump(ms(3000), ms(0)), ms(0));
+    }
+
+    #[test]
+    fn it_goes_on() {
+        let mut clock = HostClock::start();
+        let before = clock.now();
+        std::thread::sleep(Duration::from_millis(5));
+        assert!(clock.now() >= before + Duration::from_millis(5));
+        clock.looked.1 -= Duration::from_secs(3);
+        let jump = clock.take_jump();
+        assert!(jump >= Duration::from_millis(2500), "{jump:?}");
+    }
+}

@@ -1,0 +1,25 @@
+//! A clock that counts the sleep of the computer.
+
+use std::time::Duration;
+
+use rustix::time::{ClockId, clock_gettime};
+
+/// The clock that goes on while the computer sleeps.
+#[cfg(any(target_os = "linux", target_os = "android"))]
+const CLOCK: ClockId = ClockId::Boottime;
+/// Elsewhere the monotonic clock does.
+#[cfg(not(any(target_os = "linux", target_os = "android")))]
+const CLOCK: ClockId = ClockId::Monotonic;
+
+/// Time since the computer was started, its sleep included.
+pub fn time_with_sleep() -> Duration {
+    let time = clock_gettime(CLOCK);
+    let seconds = u64::try_from(time.tv_sec).unwrap_or_default();
+    let rest = u32::try_from(time.tv_nsec).unwrap_or_default();
+    Duration::new(seconds, rest)
+}
+
+/// A time that is the same in all processes.
+pub fn shared_time() -> Duration {
+    time_with_sleep()
+}
