@@ -88,6 +88,7 @@ impl SetupWords {
             return Ok(None);
         }
         let mut mill = MillSetup::default().with(model);
+        mill.day_time = setup.day_time;
         let said = |error: WordError| error.0.to_string();
         if let Some(start) = &self.mill.start {
             mill.take_start(start).map_err(said)?;
@@ -145,7 +146,7 @@ impl SetupWords {
         setup.memory.settings.macro_b = self.macro_b;
         if let Some(word) = &self.model {
             let id = ModelId::from_word(word).ok_or_else(|| format!("no model {word}"))?;
-            setup.memory.model = ControlModel::new(id);
+            setup.memory.set_model(ControlModel::new(id));
         }
         for word in &self.model_params {
             let (number, value) = parts(word)?;

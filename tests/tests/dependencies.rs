@@ -294,17 +294,18 @@ fn one_room_alone_asks_what_system_it_is() {
 }
 
 /// What runs on a page in a browser, too: rooms of `app`.
-const ON_A_PAGE: [&str; 10] = [
+const ON_A_PAGE: [&str; 11] = [
     "app/src/files/",
+    "app/src/input_watch.rs",
     "app/src/job.rs",
     "app/src/kernel.rs",
     "app/src/kernel/",
     "app/src/loading.rs",
     "app/src/pace.rs",
-    "app/src/patience.rs",
     "app/src/retained/",
     "app/src/transfer.rs",
     "app/src/window/",
+    "app/src/work_limit.rs",
 ];
 /// Beside boards, which a page has not.
 const OF_BOARDS: [&str; 2] = ["app/src/kernel/drive.rs", "app/src/kernel/live.rs"];

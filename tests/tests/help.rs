@@ -192,7 +192,8 @@ fn what_is_pointed_at_on_the_lcd_is_found() {
     ] {
         emulator.panel.show(page);
         let screen = emulator.screen();
-        let found = on_screen(page, &screen, row, column).map(|it| it.subject.to_string());
+        let found = on_screen(ModelId::default(), page, &screen, row, column)
+            .map(|it| it.subject.to_string());
         assert_eq!(
             found.as_deref(),
             Some(subject),
@@ -235,7 +236,7 @@ fn every_field_of_every_page_has_its_topic() {
                         continue;
                     }
                     words += 1;
-                    let found = on_screen(row.page, &screen, at, column);
+                    let found = on_screen(ModelId::default(), row.page, &screen, at, column);
                     if found.is_none_or(|it| matches!(it.subject, Subject::Page(_))) {
                         let said = screen.row(at);
                         silent.push(format!("{} {at}:{column} {said}", row.name));
@@ -258,7 +259,7 @@ fn what_the_nc_b08_teaches_and_macro_b_are_explained_where_they_stand() {
     emulator.panel.show(PageId::Graph);
     for screen in [emulator.screen(), emulator.translated_screen()] {
         for row in [1, 2, 11, 12] {
-            let found = on_screen(PageId::Graph, &screen, row, 14);
+            let found = on_screen(ModelId::default(), PageId::Graph, &screen, row, 14);
             let found = found.map(|it| it.subject);
             assert_eq!(found, Some(Subject::Notion("teaching")), "{row}");
         }

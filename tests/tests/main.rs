@@ -33,5 +33,6 @@ mod properties;
 mod protections;
 mod runner;
 mod samples;
+mod signal_facts;
 mod vocabulary;
 mod window_texts;

@@ -269,7 +269,7 @@ fn takes_its_time(start: &Setup, by_hand: &[(&str, f64, f64, u8)], a_pass: f64) 
     const A_CUT: f64 = 0.25;
     let [checked, executed] = [check(start), run(start)];
     for seen in [&checked, &executed] {
-        assert_eq!(seen.result["end"], "M30");
+        assert!(seen.result["end"] == "M02" || seen.result["end"] == "M30");
         assert!(seen.result["alarm"].is_null());
     }
     let times = checked.result["tool_times"].as_array().expect("tools");

@@ -10,14 +10,15 @@ use gsk_core::battery::Memory;
 use gsk_core::command::ProgramId;
 use gsk_core::memory::{Counters, Disk, DiskContent, Level, ToolOffset, rows};
 use gsk_core::model::{ControlModel, ModelId};
-use gsk_core::plc::{Area, ByteAddress, Ladder, Plc, Retained};
+use gsk_core::plc::{Area, ByteAddress, Ladder, Plc, RetainedMemory};
 use gsk_core::setup::{STANDARD_LADDER, Setup, standard_ladder};
 use gsk_core::units::Axis;
 use gsk_messages::Language;
 use gsk_panel::panel::PanelRetained;
 use gsk_project::{
-    Difference, Files, Key, OffsetWord, PanelWord, Section, Set, State, Switch, Value, apply,
-    denied, details, diff, export, import, label,
+    DataSet, OffsetColumn, PanelSetting, ProjectDifference, ProjectFiles, ProjectKey,
+    ProjectSection, ProjectState, ProjectValue, SettingSwitch, apply, describe_text_changes, diff,
+    export, find_denied_changes, import, label,
 };
 use proptest::prelude::*;
 
@@ -62,7 +63,7 @@ struct Control {
 }
 
 /// A key with its values before and after.
-type Change = (Key, Option<Value>, Option<Value>);
+type Change = (ProjectKey, Option<ProjectValue>, Option<ProjectValue>);
 
 impl Control {
     fn new() -> Self {
@@ -108,10 +109,10 @@ impl Control {
         control
     }
 
-    fn state(&self) -> State {
-        let retained: Retained = self.plc.memory().retained();
+    fn state(&self) -> ProjectState {
+        let retained: RetainedMemory = self.plc.memory().retained();
         let ladder = self.plc.ladder();
-        State::new(
+        ProjectState::new(
             &self.memory,
             Some(&retained),
             Arc::clone(ladder),
@@ -119,18 +120,18 @@ impl Control {
         )
     }
 
-    fn selected(&self) -> Option<Value> {
+    fn selected(&self) -> Option<ProjectValue> {
         let number = match self.memory.programs.current() {
             Some(ProgramId::Stored(number)) => Some(number),
             _ => None,
         };
-        Some(Value::Selected(number))
+        Some(ProjectValue::Selected(number))
     }
 
     /// Changes one thing.
     fn change(&mut self, numbers: &mut Numbers) -> Vec<Change> {
         let memory = &mut self.memory;
-        let whole = |value: i64| Some(Value::Whole(value));
+        let whole = |value: i64| Some(ProjectValue::Whole(value));
         match numbers.below(11) {
             0 | 1 => {
                 let data: Vec<_> = rows()
@@ -146,7 +147,7 @@ impl Control {
                     gsk_core::memory::Range::List(values) => numbers.of(values),
                 };
                 memory.parameters.set(row.number, value).unwrap();
-                let key = Key::Parameter(Set::Control, row.number, None);
+                let key = ProjectKey::Parameter(DataSet::Control, row.number, None);
                 vec![(key, whole(old.into()), whole(value.into()))]
             }
             2 => {
@@ -155,7 +156,7 @@ impl Control {
                 let bit = numbers.below(8) as u8;
                 let old = memory.parameters.bit(number, bit);
                 memory.parameters.set_bit(number, bit, !old).unwrap();
-                let key = Key::Parameter(Set::Control, number, Some(bit));
+                let key = ProjectKey::Parameter(DataSet::Control, number, Some(bit));
                 vec![(key, whole(old.into()), whole((!old).into()))]
             }
             3 => {
@@ -171,13 +172,17 @@ impl Control {
                 };
                 memory.offsets.set(number, new).unwrap();
                 let new = memory.offsets.get(number);
-                let key = |word| Key::Offset(Set::Control, number, word);
-                let real = |value| Some(Value::Real(value));
+                let key = |word| ProjectKey::Offset(DataSet::Control, number, word);
+                let real = |value| Some(ProjectValue::Real(value));
                 vec![
-                    (key(OffsetWord::X), real(old.x), real(new.x)),
-                    (key(OffsetWord::Z), real(old.z), real(new.z)),
-                    (key(OffsetWord::R), real(old.r), real(new.r)),
-                    (key(OffsetWord::T), whole(old.t.into()), whole(new.t.into())),
+                    (key(OffsetColumn::X), real(old.x), real(new.x)),
+                    (key(OffsetColumn::Z), real(old.z), real(new.z)),
+                    (key(OffsetColumn::R), real(old.r), real(new.r)),
+                    (
+                        key(OffsetColumn::T),
+                        whole(old.t.into()),
+                        whole(new.t.into()),
+                    ),
                 ]
             }
             4 => {
@@ -193,30 +198,34 @@ impl Control {
                     _ if number > 515 => Some(f64::from_bits(numbers.next())),
                     _ => Some(0.1),
                 };
-                let value = value.filter(|value| value.is_finite());
+                let value = value.filter(|value| value.abs() <= 1e47);
                 memory.variables.set_real(number, value).unwrap();
                 let new = memory.variables.real(number);
-                let (old, new) = (old.map(Value::Real), new.map(Value::Real));
-                vec![(Key::Variable(number), old, new)]
+                let (old, new) = (old.map(ProjectValue::Real), new.map(ProjectValue::Real));
+                vec![(ProjectKey::Variable(number), old, new)]
             }
             5 => {
                 let (point, axis) = (numbers.next() as u8, numbers.of(&[Axis::X, Axis::Z]));
                 let value = numbers.below(511) as i16 - 255;
                 let old = memory.pitch.value(axis, point);
                 memory.pitch.set(axis, point, value).unwrap();
-                let key = Key::Pitch(Set::Control, point, axis);
+                let key = ProjectKey::Pitch(DataSet::Control, point, axis);
                 vec![(key, whole(old.into()), whole(value.into()))]
             }
             6 => {
                 let old = memory.settings.macro_b;
                 memory.settings.macro_b = !old;
-                let key = Key::Switch(Switch::MacroB);
-                vec![(key, Some(Value::Switch(old)), Some(Value::Switch(!old)))]
+                let key = ProjectKey::Setting(SettingSwitch::MacroB);
+                vec![(
+                    key,
+                    Some(ProjectValue::Switch(old)),
+                    Some(ProjectValue::Switch(!old)),
+                )]
             }
             7 => {
                 let old = memory.counters.parts;
                 memory.counters.parts = numbers.below(Counters::PARTS.into()) as u32;
-                let key = Key::Count(gsk_project::Count::Parts);
+                let key = ProjectKey::Counter(gsk_project::ProjectCounter::Parts);
                 vec![(key, whole(old.into()), whole(memory.counters.parts.into()))]
             }
             8 => self.change_programs(numbers),
@@ -232,7 +241,7 @@ impl Control {
                 let byte = first + numbers.below((area.count() - first).into()) as u16;
                 let address = ByteAddress::new(area, byte);
                 let plc = self.plc.memory_mut();
-                let read = |plc: &gsk_core::plc::Memory| match area.is_entry() {
+                let read = |plc: &gsk_core::plc::PlcMemory| match area.is_entry() {
                     true => plc.long(address).into(),
                     false => plc.byte(address).into(),
                 };
@@ -242,7 +251,7 @@ impl Control {
                     false => plc.set_byte(address, numbers.next() as u8),
                 }
                 let new = read(plc);
-                vec![(Key::Data(address), whole(old), whole(new))]
+                vec![(ProjectKey::Data(address), whole(old), whole(new))]
             }
             _ => {
                 let Some(panel) = &mut self.panel else {
@@ -252,7 +261,7 @@ impl Control {
                 panel.graphic.min_z = numbers.next() as i32;
                 let new = panel.graphic.min_z;
                 vec![(
-                    Key::Panel(PanelWord::MinZ),
+                    ProjectKey::Panel(PanelSetting::MinZ),
                     whole(old.into()),
                     whole(new.into()),
                 )]
@@ -266,7 +275,7 @@ impl Control {
         let programs = &mut self.memory.programs;
         let text = |programs: &gsk_core::program::ProgramMemory| {
             let program = programs.stored(number);
-            program.map(|program| Value::Text(program.text().into()))
+            program.map(|program| ProjectValue::Text(program.text().into()))
         };
         let old = text(programs);
         if numbers.below(3) == 0 && old.is_some() {
@@ -283,8 +292,8 @@ impl Control {
         }
         let new = text(programs);
         vec![
-            (Key::Program(number), old, new),
-            (Key::Selected, selected, self.selected()),
+            (ProjectKey::Program(number), old, new),
+            (ProjectKey::Selected, selected, self.selected()),
         ]
     }
 }
@@ -322,7 +331,7 @@ proptest! {
     fn differences_are_exactly_what_was_changed(seed: u64, changes in 0..60u64) {
         let mut control = Control::of(seed);
         let before = control.state();
-        let mut planted: BTreeMap<Key, (Option<Value>, Option<Value>)> = BTreeMap::new();
+        let mut planted: BTreeMap<ProjectKey, (Option<ProjectValue>, Option<ProjectValue>)> = BTreeMap::new();
         let numbers = &mut Numbers(seed ^ 1);
         for _ in 0..changes {
             for (key, old, new) in control.change(numbers) {
@@ -330,10 +339,10 @@ proptest! {
             }
         }
         let after = control.state();
-        let planted: Vec<Difference> = planted
+        let planted: Vec<ProjectDifference> = planted
             .into_iter()
             .filter(|(_, (old, new))| old != new)
-            .map(|(key, (old, new))| Difference { key, old, new })
+            .map(|(key, (old, new))| ProjectDifference { key, old, new })
             .collect();
         let found = diff(&before, &after);
         prop_assert_eq!(&found, &planted);
@@ -343,9 +352,9 @@ proptest! {
             for language in [Language::En, Language::Zh] {
                 prop_assert!(!label(difference.key, &after, language).is_empty());
             }
-            let is_text = matches!(difference.old, Some(Value::Text(_)))
-                || matches!(difference.new, Some(Value::Text(_)));
-            prop_assert_eq!(details(difference).is_empty(), !is_text);
+            let is_text = matches!(difference.old, Some(ProjectValue::Text(_)))
+                || matches!(difference.new, Some(ProjectValue::Text(_)));
+            prop_assert_eq!(describe_text_changes(difference).is_empty(), !is_text);
         }
         // Two random ones as well: applying what differs makes them equal.
         let other = Control::of(seed ^ 2).state();
@@ -388,7 +397,7 @@ proptest! {
 
     #[test]
     fn no_folder_panics(texts in proptest::collection::vec(("[a-zO0-9./]{0,20}", "\\PC{0,60}"), 0..6)) {
-        let mut files = export(&State::of(&Setup::delivered()), Language::En);
+        let mut files = export(&ProjectState::from_setup(&Setup::delivered()), Language::En);
         for (name, text) in texts {
             let known: Vec<String> = files.keys().cloned().collect();
             let name = match text.len() % 2 {
@@ -410,8 +419,8 @@ fn is_table(name: &str) -> bool {
     name.ends_with(".txt") || name.ends_with(".gpr")
 }
 
-fn exported() -> Files {
-    export(&State::of(&Setup::delivered()), Language::En)
+fn exported() -> ProjectFiles {
+    export(&ProjectState::from_setup(&Setup::delivered()), Language::En)
 }
 
 /// The problems of a folder in which one file is another.
@@ -611,14 +620,14 @@ fn all_problems_are_said_at_once_up_to_a_bound() {
         files.insert(name.to_owned(), text);
     }
     let problems = import(&files).unwrap_err();
-    assert_eq!(problems.len(), gsk_project::MOST_PROBLEMS + 1);
+    assert_eq!(problems.len(), gsk_project::MAX_PROBLEMS + 1);
     let last = problems.last().unwrap().to_string();
     assert!(last.ends_with("more problems"), "{last}");
 }
 
 #[test]
 fn names_stand_as_remarks_in_both_languages_and_are_not_read() {
-    let state = State::of(&Setup::delivered());
+    let state = ProjectState::from_setup(&Setup::delivered());
     let [en, zh] = [Language::En, Language::Zh].map(|language| export(&state, language));
     for (files, wanted) in [(&en, "rapid"), (&zh, "快速")] {
         let line = files["parameters.txt"]
@@ -646,10 +655,13 @@ fn a_ladder_is_compared_by_meaning() {
             "ladder/main.il".to_owned(),
             STANDARD_LADDER.replacen(from, to, 1),
         );
-        let found = diff(&State::of(&Setup::delivered()), &import(&files).unwrap());
+        let found = diff(
+            &ProjectState::from_setup(&Setup::delivered()),
+            &import(&files).unwrap(),
+        );
         assert_eq!(found.len(), 1, "{found:?}");
-        assert_eq!(found[0].section(), Section::Ladder);
-        let said = details(&found[0]);
+        assert_eq!(found[0].section(), ProjectSection::Ladder);
+        let said = describe_text_changes(&found[0]);
         said.iter().map(ToString::to_string).collect::<Vec<_>>()
     };
     assert_eq!(
@@ -671,16 +683,20 @@ fn a_ladder_is_compared_by_meaning() {
 #[test]
 fn machine_and_jobs_are_compared_between_folders_alone() {
     let texts = |text: &str| {
-        let machine = (Key::Machine, Arc::from(text));
-        State::of(&Setup::delivered()).with_texts([machine, (Key::Job(7), Arc::from("()"))])
+        let machine = (ProjectKey::Machine, Arc::from(text));
+        ProjectState::from_setup(&Setup::delivered())
+            .with_texts([machine, (ProjectKey::Job(7), Arc::from("()"))])
     };
     let (one, other) = (texts("(name: \"a\")"), texts("(name: \"b\")"));
     let found = diff(&one, &other);
     assert_eq!(
         found.iter().map(|it| it.key).collect::<Vec<_>>(),
-        [Key::Machine]
+        [ProjectKey::Machine]
     );
-    assert_eq!(diff(&one, &State::of(&Setup::delivered())), []);
+    assert_eq!(
+        diff(&one, &ProjectState::from_setup(&Setup::delivered())),
+        []
+    );
     let files = export(&one, Language::En);
     assert_eq!(files["machine.ron"], "(name: \"a\")");
     assert_eq!(import(&files).unwrap(), one);
@@ -701,19 +717,19 @@ fn rights_are_those_of_the_control() {
     after.memory.programs.store("O9001;\nM30;\n").unwrap();
     let before = Control::new();
     let found = diff(&before.state(), &after.state());
-    let refused = |parameters: &_, level: Level| -> Vec<Key> {
-        let denied = denied(&found, parameters, level);
+    let refused = |parameters: &_, level: Level| -> Vec<ProjectKey> {
+        let denied = find_denied_changes(&found, parameters, level);
         denied.into_iter().map(|it| it.key).collect()
     };
     let level = |password: &str| before.memory.authority.level_of(password).unwrap();
-    let parameter = Key::Parameter(Set::Control, 22, None);
-    let offset = Key::Offset(Set::Control, 1, OffsetWord::X);
-    let (low, high) = (Key::Program(1), Key::Program(9001));
+    let parameter = ProjectKey::Parameter(DataSet::Control, 22, None);
+    let offset = ProjectKey::Offset(DataSet::Control, 1, OffsetColumn::X);
+    let (low, high) = (ProjectKey::Program(1), ProjectKey::Program(9001));
     let parameters = &before.memory.parameters;
     assert_eq!(refused(parameters, level("123456")), []);
     assert_eq!(refused(parameters, level("12345")), [high]);
     // Without 参数开关 no parameter; the level does not open it.
     assert_eq!(refused(parameters, level("1234")), [parameter, high]);
-    let nobody = [parameter, offset, Key::Variable(200), low, high];
+    let nobody = [parameter, offset, ProjectKey::Variable(200), low, high];
     assert_eq!(refused(parameters, Level::NONE), nobody);
 }

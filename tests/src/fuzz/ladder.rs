@@ -64,7 +64,7 @@ pub(super) fn run(input: &[u8]) {
             plc.memory_mut().set_x(byte, (slot >> byte) as u8);
             stepped.memory_mut().set_x(byte, (slot >> byte) as u8);
         }
-        watch::unit(|| plc.slot());
+        watch::unit(|| plc.run_slot());
         together = together && step_through(&mut stepped) && plc.fault().is_none();
         if together {
             assert_eq!(
@@ -75,13 +75,13 @@ pub(super) fn run(input: &[u8]) {
         }
     }
     for network in plc.ladder().networks() {
-        assert_eq!(plc.power(&network).len(), network.statements().len());
+        assert_eq!(plc.power_flow(&network).len(), network.statements().len());
     }
     watch::seen("fault", plc.fault().is_some());
     let retained = plc.memory().retained();
     plc.memory_mut().restore_retained(&retained);
     plc.power_on();
-    plc.slot();
+    plc.run_slot();
 }
 
 /// One slot, rung by rung; `false` for a loop that takes too many.
@@ -89,7 +89,7 @@ fn step_through(plc: &mut Plc) -> bool {
     const STEPS: u32 = 2000;
     for _ in 0..STEPS {
         watch::unit(|| plc.step_rung());
-        if !plc.within_slot() {
+        if !plc.is_within_slot() {
             return true;
         }
     }

@@ -13,7 +13,7 @@ use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::line::LineLink;
 use gsk_link::{Backend, LinkConfig, LinkState, RunTime, Sample, Stop};
-use gsk_twins::grbl::{GrblTwin, Settings, Variant};
+use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 
 use super::watch;
 
@@ -98,7 +98,7 @@ fn act(desk: &mut Desk, byte: u8) {
 
 /// A link that has come to know its board and may move it.
 fn ready_desk(variant: Variant) -> Desk {
-    let mut settings = Settings::default();
+    let mut settings = GrblSettings::default();
     let mut link = LineLink::open(
         LinkConfig::default(),
         &drives(&Parameters::default()),

@@ -69,7 +69,8 @@ fn parse(program: &Program, index: u32, syntax: Syntax) {
                 "error",
                 (error.alarm, watch::rule(&error.detail.to_string())),
             );
-            let length = program.block(index).chars().count();
+            // Columns count from the beginning of the line, which may hold several blocks.
+            let length = program.line(program.block_line(index)).chars().count();
             assert!(
                 error.column >= 1 && error.column as usize <= length + 1,
                 "column {} of {length}",

@@ -14,7 +14,7 @@ use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::step_queue::StepLink;
 use gsk_link::{Awaited, Backend, Input, LinkConfig, RunTime, Sample, Stop, Until};
-use gsk_twins::klipper::{KlipperTwin, Make, block};
+use gsk_twins::klipper::{KlipperHardware, KlipperTwin, encode_block};
 
 use super::watch;
 
@@ -141,7 +141,7 @@ fn act(desk: &mut Desk, byte: u8) {
             let mut said = core::mem::take(&mut desk.collected);
             said.truncate(59);
             let sequence = desk.sequence.wrapping_add(byte & 1);
-            desk.link.rx(&block(sequence, &said), desk.now());
+            desk.link.rx(&encode_block(sequence, &said), desk.now());
         }
         0xFF => desk.twin.press_reset(),
         _ => desk.collected.push(byte),
@@ -154,7 +154,7 @@ fn ready_desk() -> Desk {
     let config: LinkConfig = ron::from_str(WIRED).unwrap_or_default();
     let mut desk = Desk {
         link: StepLink::open(config, &drives(&Parameters::default()), Duration::ZERO),
-        twin: KlipperTwin::new(Make::default()),
+        twin: KlipperTwin::new(KlipperHardware::default()),
         run: RunTime::ZERO,
         z: 0,
         collected: Vec::new(),

@@ -7,9 +7,11 @@ use std::collections::BTreeSet;
 use crate::bench::keys::{CYCLE_START, MDI, X_PLUS, Z_PLUS, ZERO};
 use crate::bench::{press, ticks};
 use gsk_commission::{
-    Backlash, Change, Deviation, Direction, DriveKind, GearMeasured, Lag, Measurement, PlanWish,
-    Proposal, Reading, SpindleSpeed, Step, Travel, Undo, ZeroMethod, acceleration, backlash,
-    direction, fit, gear_measured, largest_lag, plan, reference, spindle,
+    ApproachDirection, AxisDeviation, AxisReading, BacklashReading, CommissioningStep, DriveKind,
+    FollowingErrorReading, MeasuredMove, Measurement, ParameterChange, PitchPlanOptions, Proposal,
+    SlideTravel, SpindleSpeed, UndoList, ZeroMethod, fit_screw, plan_pitch_table,
+    propose_acceleration, propose_backlash, propose_direction, propose_gear_from_move,
+    propose_rapid_rate, propose_reference, propose_spindle,
 };
 use gsk_core::cnc::Request;
 use gsk_core::machine::{AxisConfig, ScrewError, ServoConfig};
@@ -105,7 +107,7 @@ fn lathe(seed: u64) -> Simulation {
 /// Who sets the lathe up.
 struct Person {
     simulation: Simulation,
-    undo: Undo<Step, Change>,
+    undo: UndoList<CommissioningStep, ParameterChange>,
     dice: Dice,
     /// Where the laser was set to zero, mm.
     laser: f64,
@@ -206,23 +208,23 @@ impl Person {
 
     /// Writes what a step proposes; the control has nothing against it.
     #[track_caller]
-    fn write(&mut self, step: Step, proposal: &Proposal) {
+    fn write(&mut self, step: CommissioningStep, proposal: &Proposal) {
         self.put(step, proposal);
         self.no_alarm();
     }
 
     /// Writes what a step proposes, as the control lets a person.
     #[track_caller]
-    fn put(&mut self, step: Step, proposal: &Proposal) {
+    fn put(&mut self, step: CommissioningStep, proposal: &Proposal) {
         press(&mut self.simulation, MDI);
         let cnc = &mut self.simulation.cnc;
         cnc.request(Request::SetParameterSwitch(true)).unwrap();
         assert_eq!(cnc.rights().parameters(), Ok(()));
         let memory = cnc.battery();
         let (parameters, pitch) = (memory.parameters.clone(), memory.pitch.clone());
-        let stands = |change: &Change| change.now(&parameters, &pitch);
+        let stands = |change: &ParameterChange| change.current(&parameters, &pitch);
         let before = proposal.changes.iter().map(stands).collect();
-        self.undo.note(step, before, &proposal.changes);
+        self.undo.record(step, before, &proposal.changes);
         self.ask(&proposal.changes);
         let cnc = &mut self.simulation.cnc;
         cnc.request(Request::SetParameterSwitch(false)).unwrap();
@@ -230,13 +232,13 @@ impl Person {
     }
 
     #[track_caller]
-    fn ask(&mut self, changes: &[Change]) {
+    fn ask(&mut self, changes: &[ParameterChange]) {
         for change in changes {
-            self.simulation.cnc.request(change.request()).unwrap();
+            self.simulation.cnc.request(change.to_request()).unwrap();
         }
         let memory = self.simulation.cnc.battery();
         for change in changes {
-            assert_eq!(change.now(&memory.parameters, &memory.pitch), *change);
+            assert_eq!(change.current(&memory.parameters, &memory.pitch), *change);
         }
     }
 
@@ -253,13 +255,13 @@ impl Person {
         self.go(axis, 2.0);
         if reversed {
             // A gear is not made of such a move.
-            let made = GearMeasured {
-                commanded: Travel(-2.0),
-                measured: Travel(1.0),
+            let made = MeasuredMove {
+                commanded: SlideTravel(-2.0),
+                measured: SlideTravel(1.0),
             };
-            gear_measured(axis, made, &self.parameters()).unwrap_err();
-            let proposal = direction(axis, &self.parameters()).unwrap();
-            self.put(Step::Direction, &proposal);
+            propose_gear_from_move(axis, made, &self.parameters()).unwrap_err();
+            let proposal = propose_direction(axis, &self.parameters()).unwrap();
+            self.put(CommissioningStep::Direction, &proposal);
             // Alarm 000: it counts from the next power-on.
             let alarms = self.simulation.cnc.alarms();
             assert!(alarms.iter().any(|it| it.number == 0), "{alarms:?}");
@@ -294,8 +296,8 @@ impl Person {
             rpm,
             volts: Some(volts),
         };
-        let proposal = spindle(read, &self.parameters()).unwrap();
-        self.write(Step::Spindle, &proposal);
+        let proposal = propose_spindle(read, &self.parameters()).unwrap();
+        self.write(CommissioningStep::Spindle, &proposal);
     }
 
     /// What trips the drive, mm of slide travel, from its manual.
@@ -322,12 +324,12 @@ impl Person {
     fn lag(&mut self, axis: Axis) -> (f64, f64) {
         let allowed = self.allowed(axis);
         let seen = self.falls_behind(axis);
-        let lag = Lag {
-            seen: Travel(seen),
-            allowed: Travel(allowed),
+        let lag = FollowingErrorReading {
+            measured: SlideTravel(seen),
+            allowed: SlideTravel(allowed),
         };
-        let proposal = largest_lag(axis, lag, &self.parameters()).unwrap();
-        self.write(Step::Acceleration, &proposal);
+        let proposal = propose_rapid_rate(axis, lag, &self.parameters()).unwrap();
+        self.write(CommissioningStep::Acceleration, &proposal);
         (seen / allowed, self.falls_behind(axis) / allowed)
     }
 
@@ -336,13 +338,13 @@ impl Person {
         self.go(axis, -5.0);
         let from = self.read(axis);
         self.go(axis, -far);
-        let made = GearMeasured {
-            commanded: Travel(-far),
-            measured: Travel(self.read(axis) - from),
+        let made = MeasuredMove {
+            commanded: SlideTravel(-far),
+            measured: SlideTravel(self.read(axis) - from),
         };
         self.go(axis, far);
-        let proposal = gear_measured(axis, made, &self.parameters()).unwrap();
-        self.write(Step::Gear, &proposal);
+        let proposal = propose_gear_from_move(axis, made, &self.parameters()).unwrap();
+        self.write(CommissioningStep::Gear, &proposal);
     }
 
     /// The manual's program, and its two readings.
@@ -352,14 +354,14 @@ impl Person {
         for _ in 0..3 {
             self.go(axis, 10.0);
             self.go(axis, 5.0);
-            let a = Travel(self.read(axis));
+            let a = SlideTravel(self.read(axis));
             self.go(axis, 1.0);
             self.go(axis, -1.0);
-            let b = Travel(self.read(axis));
-            readings.push(Backlash { a, b });
+            let b = SlideTravel(self.read(axis));
+            readings.push(BacklashReading { a, b });
         }
-        let proposal = backlash(axis, &readings, &self.parameters()).unwrap();
-        self.write(Step::Backlash, &proposal);
+        let proposal = propose_backlash(axis, &readings, &self.parameters()).unwrap();
+        self.write(CommissioningStep::Backlash, &proposal);
     }
 
     /// Two runs along the travel, both ways each.
@@ -367,26 +369,26 @@ impl Person {
         let mut readings = Vec::new();
         for run in 1..=2 {
             self.go_to(axis, 2.0);
-            for direction in [Direction::Minus, Direction::Plus] {
+            for direction in [ApproachDirection::Minus, ApproachDirection::Plus] {
                 for index in 0..targets {
                     let index = match direction {
-                        Direction::Minus => index,
-                        Direction::Plus => targets - 1 - index,
+                        ApproachDirection::Minus => index,
+                        ApproachDirection::Plus => targets - 1 - index,
                     };
                     let target = -TARGET_MM * f64::from(index);
                     self.go_to(axis, target);
-                    readings.push(Reading {
+                    readings.push(AxisReading {
                         run,
                         direction,
-                        target: Travel(target),
-                        deviation: Deviation((self.read(axis) - target) * 1000.0),
+                        target: SlideTravel(target),
+                        deviation: AxisDeviation((self.read(axis) - target) * 1000.0),
                     });
                 }
                 self.go_to(
                     axis,
                     match direction {
-                        Direction::Minus => -TARGET_MM * f64::from(targets - 1) - 2.0,
-                        Direction::Plus => 2.0,
+                        ApproachDirection::Minus => -TARGET_MM * f64::from(targets - 1) - 2.0,
+                        ApproachDirection::Plus => 2.0,
                     },
                 );
             }
@@ -395,11 +397,12 @@ impl Person {
             axis: Some(axis),
             readings,
         };
-        let fit = fit(&measured, Direction::Plus).unwrap();
+        let fit = fit_screw(&measured, ApproachDirection::Plus).unwrap();
         let memory = self.simulation.cnc.battery();
         let (parameters, table) = (memory.parameters.clone(), memory.pitch.clone());
-        let plan = plan(axis, &fit, &parameters, &table, PlanWish::default()).unwrap();
-        self.write(Step::Pitch, &plan.proposal);
+        let plan =
+            plan_pitch_table(axis, &fit, &parameters, &table, PitchPlanOptions::default()).unwrap();
+        self.write(CommissioningStep::Pitch, &plan.proposal);
         (plan.before.0, plan.after.0)
     }
 
@@ -423,7 +426,7 @@ fn a_badly_set_lathe_is_set_right() {
     for seed in [1, 20, 300] {
         let mut person = Person {
             simulation: lathe(seed),
-            undo: Undo::default(),
+            undo: UndoList::default(),
             dice: Dice(seed + 1000),
             laser: 0.0,
         };
@@ -441,8 +444,8 @@ fn a_badly_set_lathe_is_set_right() {
                 Axis::Z => (150.0, 49),
             };
             person.gear(axis, far);
-            let rates = acceleration(DriveKind::Servo, &person.parameters()).unwrap();
-            person.write(Step::Acceleration, &rates);
+            let rates = propose_acceleration(DriveKind::Servo, &person.parameters()).unwrap();
+            person.write(CommissioningStep::Acceleration, &rates);
             let (before, after) = person.lag(axis);
             println!("seed {seed} {axis:?}: lag {before:.3} becomes {after:.3} of the allowed");
             assert!(
@@ -450,9 +453,9 @@ fn a_badly_set_lathe_is_set_right() {
                 "{axis:?}, seed {seed}: {after}, {before} before"
             );
             slowed.push(before > 0.801);
-            let zero = reference(axis, ZeroMethod::SwitchAndSignal, &person.parameters());
+            let zero = propose_reference(axis, ZeroMethod::SwitchAndSignal, &person.parameters());
             let zero = zero.unwrap();
-            person.write(Step::Reference, &zero);
+            person.write(CommissioningStep::Reference, &zero);
             person.home(axis);
             person.play(axis);
             person.home(axis);
@@ -472,7 +475,7 @@ fn a_badly_set_lathe_is_set_right() {
         press(&mut person.simulation, MDI);
         let switch = Request::SetParameterSwitch(true);
         person.simulation.cnc.request(switch).unwrap();
-        while let Some(before) = person.undo.take() {
+        while let Some(before) = person.undo.pop() {
             person.ask(&before);
         }
         let memory = person.simulation.cnc.battery();
@@ -497,10 +500,10 @@ fn the_rights_of_the_control_hold() {
     let mut simulation = lathe(1);
     press(&mut simulation, MDI);
     let before = simulation.cnc.battery();
-    let rates = acceleration(DriveKind::Stepper, &before.parameters).unwrap();
+    let rates = propose_acceleration(DriveKind::Stepper, &before.parameters).unwrap();
     assert!(!rates.changes.is_empty());
     for change in &rates.changes {
-        let _ = simulation.cnc.request(change.request());
+        let _ = simulation.cnc.request(change.to_request());
     }
     assert_eq!(simulation.cnc.battery().parameters, before.parameters);
 }

@@ -56,6 +56,54 @@ fn the_division_of_level_2_never_shifts_the_path() {
     assert_eq!(a[..same], b[..same]);
 }
 
+/// DM01 and DM02 of M codes that the machine's ladder names: 1 once the motion of their
+/// block is over, 0 with FIN, and never when FIN comes first; under the auxiliary lock
+/// they go out too (manual PLC-II 8.1, 8.2).
+#[test]
+fn m01_and_m02_of_the_ladder_have_their_decode_signals() {
+    let named = format!(".MCODE 1 \"one\"\n.MCODE 2 \"two\"\n{STANDARD_LADDER}");
+    // 080 is 500 ms: M01 waits for its motion, M02 is answered in the middle of it.
+    let text = "G98\nG01 W-1 F600 M01\nG04 X0.2\nG01 W-20 F600 M02\nM30\n";
+    for lock in [false, true] {
+        let mut simulation = Simulation::new(Setup {
+            ladder: compiled(&named).into(),
+            ..Setup::default()
+        });
+        simulation
+            .cnc
+            .request(Request::OpenExternal(Program::new(text)))
+            .unwrap();
+        for _ in 0..100 {
+            simulation.tick();
+        }
+        if lock {
+            let force = Request::ForceBit(bit("G5.6"), Some(true));
+            simulation.cnc.request(force).unwrap();
+        }
+        simulation.start_automatic();
+        let (mut decoded, mut codes, mut begun) = ([false; 2], Vec::new(), false);
+        for _ in 0..6000 {
+            simulation.tick();
+            let memory = simulation.cnc.plc().memory();
+            for (seen, address) in decoded.iter_mut().zip(["F9.6", "F9.5"]) {
+                if memory.bit(bit(address)) {
+                    *seen = true;
+                    assert!(!memory.bit(bit("F102.1")), "{address} in motion");
+                    assert!(memory.bit(bit("F1.3")), "{address} without F1.3");
+                }
+            }
+            let code = memory.f(10);
+            if memory.bit(bit("F7.0")) && codes.last() != Some(&code) {
+                codes.push(code);
+            }
+            begun |= simulation.cnc.run_state() == RunState::Run;
+        }
+        assert!(begun && simulation.cnc.run_state() == RunState::Reset);
+        assert_eq!(codes, [1, 2, 30], "lock: {lock}");
+        assert_eq!(decoded, [true, false], "lock: {lock}");
+    }
+}
+
 #[test]
 fn a_loaded_ladder_runs_from_the_next_power_on() {
     let mut simulation = Simulation::new(Setup::default());
@@ -267,9 +315,9 @@ fn a_cut_waits_for_the_speed_arrival_signal() {
 #[test]
 fn one_percent_rapid_and_the_override_table() {
     use gsk_core::operation::FromPlc;
-    use gsk_core::plc::Memory;
+    use gsk_core::plc::PlcMemory;
     let decoded = |writes: &[(u16, u8)]| {
-        let mut memory = Memory::new();
+        let mut memory = PlcMemory::new();
         for (byte, value) in writes {
             memory.set_g(*byte, *value);
         }

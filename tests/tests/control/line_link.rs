@@ -8,7 +8,7 @@ use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::line::LineLink;
 use gsk_link::{Backend, Difference, Event, Input, LinkConfig, LinkState, RunTime, Sample, Stop};
-use gsk_twins::grbl::{GrblTwin, Settings, Variant};
+use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 use gsk_twins::wire::Damage;
 
 const ALL: [Variant; 3] = [Variant::Grbl, Variant::GrblHal, Variant::FluidNc];
@@ -32,7 +32,7 @@ impl Bench {
         for number in [17, 18] {
             parameters.set(number, 5).unwrap();
         }
-        let twin = GrblTwin::new(variant, Settings::default());
+        let twin = GrblTwin::new(variant, GrblSettings::default());
         let config = LinkConfig {
             flush_keep_speed: 10_000,
             ..LinkConfig::default()
@@ -315,7 +315,7 @@ fn a_reset_that_is_lost_on_the_way_is_sent_again() {
             for k in 1..=300 {
                 assert!(bench.sample(0, -k * 4));
             }
-            let next = bench.twin.to_board.given();
+            let next = bench.twin.to_board.sent_count();
             for byte in next..next + lost {
                 bench.twin.to_board.damage(byte, Damage::Changed(0x01));
             }
@@ -343,11 +343,11 @@ fn the_banners_of_a_reset_that_was_sent_again_are_no_restart() {
         for k in 1..=300 {
             assert!(bench.sample(0, -k * 4));
         }
-        let next = bench.twin.to_host.given();
+        let next = bench.twin.to_host.sent_count();
         bench
             .twin
             .to_host
-            .damage(next, Damage::HeldUp(held_up * MS));
+            .damage(next, Damage::Delayed(held_up * MS));
         bench.link.stop(Stop::Kill);
         bench.pass(3000);
         assert_eq!(bench.link.state(), LinkState::Locked);
@@ -498,7 +498,7 @@ fn a_board_off_the_path_is_stopped() {
             }
             // Somewhere in the next lines: a digit turns into another one, a letter is
             // refused by the board.
-            let from = bench.twin.to_board.given();
+            let from = bench.twin.to_board.sent_count();
             bench
                 .twin
                 .to_board
@@ -536,19 +536,22 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
             Damage::Lost,
             Damage::Changed(0x15),
             Damage::Doubled,
-            Damage::HeldUp(100 * MS),
+            Damage::Delayed(100 * MS),
             Damage::Cut,
         ];
         let ready = Bench::ready(variant);
         let clean = {
             let mut bench = ready.clone();
             assert!(bench.job() && bench.ends_ready());
-            (bench.twin.to_board.given(), bench.twin.to_host.given())
+            (
+                bench.twin.to_board.sent_count(),
+                bench.twin.to_host.sent_count(),
+            )
         };
         let (mut proved, mut stopped) = (0, 0);
         for (to_board, first, last) in [
-            (true, ready.twin.to_board.given(), clean.0),
-            (false, ready.twin.to_host.given(), clean.1),
+            (true, ready.twin.to_board.sent_count(), clean.0),
+            (false, ready.twin.to_host.sent_count(), clean.1),
         ] {
             for (index, byte) in (first..last).step_by(step).enumerate() {
                 let one = index % damages.len();
@@ -699,7 +702,7 @@ fn a_state_nobody_asked_for_is_607() {
         }
         let said = format!("<{state}|MPos:0.000,0.000,-4.000|Bf:90,1000|FS:0,0>\r\n");
         let now = bench.twin.now();
-        bench.twin.to_host.give(said.as_bytes(), now);
+        bench.twin.to_host.send(said.as_bytes(), now);
         bench.pass(2000);
         assert_eq!(bench.alarms(), [607], "{state}: {:?}", bench.events);
         assert_eq!(bench.link.state(), LinkState::Fault, "{state}");
@@ -725,7 +728,7 @@ fn a_figure_damaged_on_the_way_is_stopped_within_millimetres() {
                 for k in 1..=300 {
                     assert!(bench.sample(k, -4 * k));
                 }
-                let from = bench.twin.to_board.given();
+                let from = bench.twin.to_board.sent_count();
                 bench.twin.to_board.damage(from + byte, damage);
                 let (mut k, mut farthest) = (300, 0);
                 for _ in 0..1500 {

@@ -6,7 +6,7 @@ use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
 use gsk_link::line::{LineLink, Required};
 use gsk_link::{Backend, Event, LinkConfig, LinkState};
-use gsk_twins::grbl::{GrblTwin, Settings, Variant};
+use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 
 /// What another firmware says when it is spoken to; alarm and text that come of it.
 fn alarm_of(answers: impl Fn(&str) -> String, banner: &str) -> (u16, String, LinkState) {
@@ -35,9 +35,9 @@ fn alarm_of(answers: impl Fn(&str) -> String, banner: &str) -> (u16, String, Lin
 
 /// A link and a FluidNC board, side by side; what the link has to say.
 fn fluid(changes: &[(&str, &str)]) -> (LineLink, GrblTwin) {
-    let mut twin = GrblTwin::new(Variant::FluidNc, Settings::default());
+    let mut twin = GrblTwin::new(Variant::FluidNc, GrblSettings::default());
     for (path, value) in changes {
-        twin.set_item(path, value).unwrap();
+        twin.set_config_item(path, value).unwrap();
     }
     let (config, parameters) = (LinkConfig::default(), Parameters::default());
     (
@@ -79,8 +79,8 @@ fn a_fluidnc_board_is_known_and_told_its_settings_by_name() {
     link.write_settings();
     let events = pass(&mut link, &mut twin, 3000);
     assert_eq!(link.state(), LinkState::Locked, "{events:?}");
-    assert_eq!(twin.item("start/must_home"), Some("true"));
-    assert_eq!(twin.macros_run, 0);
+    assert_eq!(twin.config_item("start/must_home"), Some("true"));
+    assert_eq!(twin.macro_count, 0);
     // What was written is forgotten with the power.
     twin.press_reset();
     let events = pass(&mut link, &mut twin, 4000);
@@ -119,8 +119,8 @@ fn what_only_the_file_of_the_board_can_say_is_named_and_not_written() {
             text.contains("config.yaml") && text.contains(path),
             "{text}"
         );
-        assert_eq!(twin.item(path), Some(value));
-        assert_eq!(twin.item("axes/x/steps_per_mm"), Some("80.000000"));
+        assert_eq!(twin.config_item(path), Some(value));
+        assert_eq!(twin.config_item("axes/x/steps_per_mm"), Some("80.000000"));
     }
 }
 
@@ -148,7 +148,8 @@ fn the_example_of_a_config_yaml_fits_its_machine_file() {
             sections.truncate((line.len() - line.trim_start().len()) / 2);
             sections.push(name);
             if !value.is_empty() {
-                twin.set_item(&sections.join("/"), value.trim()).unwrap();
+                twin.set_config_item(&sections.join("/"), value.trim())
+                    .unwrap();
             }
         }
         let mut link = LineLink::open(config.clone(), &drives(&parameters), Duration::ZERO);
@@ -253,7 +254,7 @@ fn a_board_that_greets_and_then_is_silent_is_reset_once_and_called_silent() {
 #[test]
 fn a_setting_that_is_never_answered_is_named() {
     for (variant, hint) in [(Variant::Grbl, false), (Variant::GrblHal, true)] {
-        let mut twin = GrblTwin::new(variant, Settings::default());
+        let mut twin = GrblTwin::new(variant, GrblSettings::default());
         let (config, parameters) = (LinkConfig::default(), Parameters::default());
         let mut link = LineLink::open(config, &drives(&parameters), Duration::ZERO);
         let events = pass(&mut link, &mut twin, 5000);

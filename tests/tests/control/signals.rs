@@ -13,7 +13,7 @@
 use gsk_core::memory::Parameters;
 use gsk_core::operation::{FromPlc, Handshake, Mode, Strobe, ToPlc};
 use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
-use gsk_core::plc::{Memory, Subject};
+use gsk_core::plc::{PlcAddress, PlcMemory};
 use gsk_core::setup::standard_ladder;
 use gsk_core::units::PerAxis;
 
@@ -33,17 +33,17 @@ const DIRECT: [&str; 10] = [
     "G54.0",
 ];
 
-fn subject(text: &str) -> Subject {
+fn subject(text: &str) -> PlcAddress {
     match text.parse() {
-        Ok(bit) => Subject::Bit(bit),
-        Err(_) => Subject::Byte(text.parse().unwrap()),
+        Ok(bit) => PlcAddress::Bit(bit),
+        Err(_) => PlcAddress::Byte(text.parse().unwrap()),
     }
 }
 
 /// Whether a bit of G changes what the control decodes, in any surroundings.
 fn control_reads(bit: BitAddress) -> bool {
     [0u8, 0x80, 0xff].into_iter().any(|others| {
-        let mut memory = Memory::new();
+        let mut memory = PlcMemory::new();
         for byte in 0..=255 {
             memory.set_g(byte, others & if byte == 96 { 0xff } else { 0 });
         }
@@ -64,7 +64,7 @@ fn control_reads(bit: BitAddress) -> bool {
 }
 
 /// F as the control writes it, everything off or on.
-fn written(on: bool, mode: Mode) -> Memory {
+fn written(on: bool, mode: Mode) -> PlcMemory {
     let mut parameters = Parameters::default();
     for number in [1, 4, 9, 11, 164, 168, 172, 173, 175] {
         for bit in 0..8 {
@@ -83,13 +83,11 @@ fn written(on: bool, mode: Mode) -> Memory {
         handshake.s = u32::MAX;
     }
     let axes = PerAxis::new(on, on);
-    let mut g = Memory::new();
+    let mut g = PlcMemory::new();
     for byte in [5, 44, 46] {
         g.set_g(byte, if on { 0xff } else { 0 });
     }
-    // COVL: the feed override is 0 %.
-    g.set_g(12, if on { 15 } else { 5 });
-    let mut memory = Memory::new();
+    let mut memory = PlcMemory::new();
     ToPlc {
         mode,
         started: on,
@@ -103,8 +101,7 @@ fn written(on: bool, mode: Mode) -> Memory {
         cutting: on,
         dwelling: on,
         tapping: on,
-        decoded_m00: on,
-        decoded_m30: on,
+        decoded: on.then_some([0, 1, 2, 30][mode as usize % 4]),
         handshake: &handshake,
         gear: if on { 4 } else { 1 },
         at_reference: axes,
@@ -116,6 +113,7 @@ fn written(on: bool, mode: Mode) -> Memory {
         sending: on,
         receiving: on,
         reading_in: on,
+        stopped_by_override: on,
         checking: on,
         soft_switches: if on { 0b11_1110 } else { 0 },
         ready: on,
@@ -143,13 +141,13 @@ fn control_writes(bit: BitAddress) -> bool {
 /// Who acts on a signal, as the program has it.
 fn actors(address: &str) -> Vec<&'static str> {
     let control = match subject(address) {
-        Subject::Bit(bit) if bit.area == Area::G => {
+        PlcAddress::Bit(bit) if bit.area == Area::G => {
             control_reads(bit) || matches!(bit.byte, 54 | 55)
         }
-        Subject::Bit(bit) if bit.area == Area::F => control_writes(bit),
-        Subject::Bit(bit) => bit.area == Area::A || DIRECT.contains(&address),
-        Subject::Byte(ByteAddress { area: Area::Dt, .. }) => true,
-        Subject::Byte(_) => DIRECT.contains(&address),
+        PlcAddress::Bit(bit) if bit.area == Area::F => control_writes(bit),
+        PlcAddress::Bit(bit) => bit.area == Area::A || DIRECT.contains(&address),
+        PlcAddress::Byte(ByteAddress { area: Area::Dt, .. }) => true,
+        PlcAddress::Byte(_) => DIRECT.contains(&address),
     };
     let used = !standard_ladder().references(subject(address)).is_empty();
     let mut actors = Vec::new();

@@ -11,8 +11,8 @@ use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Axis;
 use gsk_link::{LinkConfig, LinkState};
-use gsk_twins::grbl::{GrblTwin, Settings, Variant};
-use gsk_twins::klipper::{self, KlipperTwin, Make};
+use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
+use gsk_twins::klipper::{self, KlipperHardware, KlipperTwin};
 use gsk_twins::wire::Wire;
 
 use super::keys::{AUTO, CYCLE_START, MDI, RESET, X_PLUS, Z_PLUS, ZERO};
@@ -31,7 +31,7 @@ pub trait Board: Clone {
     /// Pulses at the pins.
     fn pulses(&self) -> [i64; 2];
     /// The board counts wrong from here on.
-    fn miscount(&mut self, pulses: [i64; 2]);
+    fn add_position_error(&mut self, pulses: [i64; 2]);
     /// Power or the reset line.
     fn press_reset(&mut self);
     /// Its firmware gives up by itself.
@@ -59,14 +59,14 @@ impl Board for GrblTwin {
     fn pulses(&self) -> [i64; 2] {
         self.pulses()
     }
-    fn miscount(&mut self, pulses: [i64; 2]) {
-        self.miscount(pulses);
+    fn add_position_error(&mut self, pulses: [i64; 2]) {
+        self.add_position_error(pulses);
     }
     fn press_reset(&mut self) {
         self.press_reset();
     }
     fn fail(&mut self) {
-        self.give_up(5);
+        self.raise_alarm(5);
     }
     fn press_limit(&mut self, operated: bool) {
         self.pins.limit_z = operated;
@@ -106,15 +106,15 @@ impl Board for Timed {
     fn pulses(&self) -> [i64; 2] {
         self.0.pulses()
     }
-    fn miscount(&mut self, pulses: [i64; 2]) {
-        self.0.miscount(pulses);
+    fn add_position_error(&mut self, pulses: [i64; 2]) {
+        self.0.add_position_error(pulses);
     }
     fn press_reset(&mut self) {
         self.0.press_reset();
     }
     fn fail(&mut self) {
-        if self.0.state() == klipper::State::Runs {
-            self.0.shut_down_for("Command parser error");
+        if self.0.state() == klipper::KlipperState::Running {
+            self.0.force_shutdown("Command parser error");
         }
     }
     fn press_limit(&mut self, operated: bool) {
@@ -152,6 +152,8 @@ pub struct Machine<T = GrblTwin> {
     /// Ticks of the kernel between two pulses that belong together.
     pub moving_ticks: u64,
     last_pulse: u64,
+    /// The port takes no more bytes a millisecond than so.
+    pub takes_at_most: Option<usize>,
     /// Looked at after every millisecond.
     pub watch: Option<fn(&Self)>,
 }
@@ -166,7 +168,7 @@ impl Machine {
             flush_keep_speed,
             ..LinkConfig::default()
         };
-        let twin = GrblTwin::new(variant, Settings::default());
+        let twin = GrblTwin::new(variant, GrblSettings::default());
         Self::wired(twin, config, &[(17, divide), (18, divide)])
     }
 
@@ -207,7 +209,7 @@ impl Machine {
 
     /// A lathe with grblHAL behind an encoder; machine file and settings of the board
     /// as given, and parameters besides the gear 1/5.
-    pub fn threading(config: LinkConfig, settings: Settings, changes: &[(u16, i32)]) -> Self {
+    pub fn threading(config: LinkConfig, settings: GrblSettings, changes: &[(u16, i32)]) -> Self {
         let gear = [(17, 5), (18, 5)];
         let changes = [&gear[..], changes].concat();
         Self::wired(GrblTwin::new(Variant::GrblHal, settings), config, &changes)
@@ -230,7 +232,7 @@ impl Machine<Timed> {
             )"#,
         )
         .unwrap();
-        let mut twin = KlipperTwin::new(Make::default());
+        let mut twin = KlipperTwin::new(KlipperHardware::default());
         twin.set_pin("PC2", true);
         let config = LinkConfig {
             flush_keep_speed,
@@ -290,6 +292,7 @@ impl<T: Board> Machine<T> {
             sent: Vec::new(),
             moving_ticks: 0,
             last_pulse: 0,
+            takes_at_most: None,
             watch: None,
         }
     }
@@ -372,7 +375,8 @@ impl<T: Board> Machine<T> {
                 self.note_way();
             }
         }
-        let tx = self.linked.tx().to_vec();
+        let mut tx = self.linked.tx().to_vec();
+        tx.truncate(self.takes_at_most.unwrap_or(usize::MAX));
         self.twin.write(&tx);
         self.linked.consumed(tx.len());
         if self.recording {

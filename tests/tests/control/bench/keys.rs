@@ -12,6 +12,8 @@ pub const JOG: BitAddress = key(20, 5);
 pub const SINGLE_BLOCK: BitAddress = key(20, 6);
 pub const MACHINE_LOCK: BitAddress = key(21, 0);
 pub const DRY_RUN: BitAddress = key(21, 2);
+/// Z turned by the handwheel.
+pub const WHEEL_Z: BitAddress = key(22, 1);
 pub const INCREMENT_100: BitAddress = key(21, 6);
 /// Arrows up and down: X-, X+.
 pub const X_MINUS: BitAddress = key(22, 3);

@@ -126,7 +126,7 @@ fn common<T: Board>(opened: &Machine<T>, connected: &Machine<T>, ready: &Machine
 
     // 611: the counts differ.
     let mut machine = ready.clone();
-    machine.twin.miscount([3, 0]);
+    machine.twin.add_position_error([3, 0]);
     stops(&mut machine, 611);
     goes_on(machine);
 
@@ -195,7 +195,7 @@ fn alarms_of_the_firmware_are_those_of_the_table() {
         (22, vec![608]),
     ] {
         let mut machine: Machine<GrblTwin> = working(&ready);
-        machine.twin.give_up(said);
+        machine.twin.raise_alarm(said);
         machine.pass(500);
         let mut alarms = machine.alarms();
         alarms.sort_unstable();
@@ -220,7 +220,7 @@ fn tells(ready: &Machine<Timed>, breaks: impl Fn(&mut Timed), number: u16) {
 #[test]
 fn a_board_of_timed_steps_tells_its_own_faults() {
     let ready = Machine::timed_referenced();
-    let shut_down = |text: &'static str| move |board: &mut Timed| board.0.shut_down_for(text);
+    let shut_down = |text: &'static str| move |board: &mut Timed| board.0.force_shutdown(text);
     tells(
         &ready,
         shut_down("Scheduled digital out event will exceed max_duration"),
@@ -290,7 +290,7 @@ fn what_a_board_dropped_is_shown_as_off() {
     }
     let line = Machine::referenced(Variant::Grbl);
     drops(&line, |machine| machine.twin.press_reset(), 606);
-    drops(&line, |machine| machine.twin.give_up(5), 608);
+    drops(&line, |machine| machine.twin.raise_alarm(5), 608);
     let timed = Machine::timed_referenced();
     drops(&timed, |machine| machine.twin.press_reset(), 606);
     drops(&timed, |machine| machine.twin.fail(), 608);

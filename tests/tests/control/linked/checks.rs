@@ -20,7 +20,7 @@ fn cutting<T: Board>(ready: &Machine<T>, text: &str) -> Machine<T> {
     machine.load(text, None);
     machine.start();
     assert!(machine.wait(3000, |machine| machine.simulation.cnc.feed_actual() > 500.0));
-    machine.twin.miscount([0, 1]);
+    machine.twin.add_position_error([0, 1]);
     machine
 }
 
@@ -65,7 +65,7 @@ fn every_standstill<T: Board>(ready: &Machine<T>) {
     is_found_out(machine, 1500, "hold");
     // Before it goes anywhere.
     let mut machine = ready.clone();
-    machine.twin.miscount([0, 1]);
+    machine.twin.add_position_error([0, 1]);
     is_found_out(machine.clone(), 1500, "standing");
     machine.pass(1100);
     machine.press(ZERO);
@@ -106,7 +106,7 @@ fn on_demand<T: Board>(ready: &Machine<T>) {
     machine.pass(5);
     assert_eq!(checks(&machine), [true, true]);
     machine.notes.clear();
-    machine.twin.miscount([0, 1]);
+    machine.twin.add_position_error([0, 1]);
     machine.pass(1500);
     machine.linked.check();
     machine.pass(300);

@@ -94,9 +94,9 @@ fn a_damaged_byte_at_any_place_ends_known_or_stopped() {
         let wires = |machine: &Machine| {
             let twin = &machine.twin;
             if to_board {
-                twin.to_board.given()
+                twin.to_board.sent_count()
             } else {
-                twin.to_host.given()
+                twin.to_host.sent_count()
             }
         };
         let (from, to) = (wires(&machine), wires(&clean));

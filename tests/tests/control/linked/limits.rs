@@ -3,7 +3,7 @@
 
 use gsk_core::plc::address::BitAddress;
 use gsk_link::{LinkConfig, LinkState};
-use gsk_twins::grbl::{GrblTwin, Settings, Variant};
+use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 
 use crate::bench::board::{Board, Machine};
 use crate::bench::keys::{JOG, RESET, X_PLUS, Z_MINUS, Z_PLUS, ZERO};
@@ -176,7 +176,7 @@ fn grbl_does_not_seek_a_switch_that_014_says_is_not_there() {
         flush_keep_speed: 10_000,
         ..LinkConfig::default()
     };
-    let twin = GrblTwin::new(Variant::Grbl, Settings::default());
+    let twin = GrblTwin::new(Variant::Grbl, GrblSettings::default());
     let mut machine = Machine::wired(twin, config, &[(17, 5), (18, 5), (14, 2)]).open();
     machine.twin.place_switches([900.0, 40.0]);
     let stood = machine.twin.pulses();
@@ -192,7 +192,7 @@ fn grbl_does_not_seek_a_switch_that_014_says_is_not_there() {
 /// A board that can seeks that of Z alone.
 #[test]
 fn a_board_that_seeks_single_switches_needs_that_of_its_axis_only() {
-    let mut settings = Settings::default();
+    let mut settings = GrblSettings::default();
     settings.set(22, 3.0).unwrap();
     let twin = GrblTwin::new(Variant::GrblHal, settings);
     let changes = [(17, 5), (18, 5), (14, 2)];

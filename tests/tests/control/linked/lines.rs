@@ -16,14 +16,14 @@ const MS: u64 = 1_000_000;
 type Trouble = fn(&mut GrblTwin);
 
 fn again_and_again(wire: &mut Wire, every: u64, damage: Damage) {
-    let from = wire.given();
+    let from = wire.sent_count();
     for count in 1..400 {
         wire.damage(from + count * every, damage);
     }
 }
 
 fn once(wire: &mut Wire, damage: Damage) {
-    let byte = wire.given() + 1500;
+    let byte = wire.sent_count() + 1500;
     wire.damage(byte, damage);
 }
 
@@ -49,19 +49,19 @@ const LINES: [(&str, f64, Trouble, bool); 11] = [
     (
         "it becomes slow, to the board",
         1.0,
-        |twin| once(&mut twin.to_board, Damage::HeldUp(50 * MS)),
+        |twin| once(&mut twin.to_board, Damage::Delayed(50 * MS)),
         true,
     ),
     (
         "it becomes slow, to the host",
         1.0,
-        |twin| once(&mut twin.to_host, Damage::HeldUp(100 * MS)),
+        |twin| once(&mut twin.to_host, Damage::Delayed(100 * MS)),
         true,
     ),
     (
         "it becomes very slow, to the board",
         1.0,
-        |twin| once(&mut twin.to_board, Damage::HeldUp(100 * MS)),
+        |twin| once(&mut twin.to_board, Damage::Delayed(100 * MS)),
         true,
     ),
     (

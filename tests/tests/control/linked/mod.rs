@@ -1,6 +1,7 @@
 //! The whole control with a board in place of its simulated slides, in virtual time:
 //! what the kernel commands is what the board makes, and every stop is a defined one.
 
+mod absence;
 mod alarms;
 mod checks;
 mod faults;

@@ -4,6 +4,7 @@ use core::time::Duration;
 
 use gsk_core::cnc::Request;
 use gsk_core::operation::RunState;
+use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::units::Axis;
 use gsk_link::LinkState;
 use gsk_twins::grbl::Variant;
@@ -47,6 +48,23 @@ fn overrides_act<T: Board>(ready: &Machine<T>) {
 fn the_feed_override_slows_the_board_down() {
     overrides_act(&Machine::referenced(Variant::Grbl));
     overrides_act(&Machine::timed_referenced());
+}
+
+/// CINP, F212.3: 1 while the board has still to make what a program has commanded.
+#[test]
+fn the_ladder_is_told_while_the_board_is_behind() {
+    const CINP: BitAddress = BitAddress::new(Area::F, 212, 3);
+    let mut machine = Machine::referenced(Variant::Grbl);
+    let is_set = |machine: &mut Machine<_>| machine.simulation.cnc.plc().memory().bit(CINP);
+    assert!(!is_set(&mut machine));
+    machine.load(CUT, None);
+    machine.start();
+    machine.wait(5000, |machine| machine.simulation.cnc.feed_actual() > 590.0);
+    machine.pass(100);
+    assert!(is_set(&mut machine));
+    machine.run_to_end(60_000);
+    machine.pass(100);
+    assert!(!is_set(&mut machine));
 }
 
 fn another_mode<T: Board>(ready: &Machine<T>) {

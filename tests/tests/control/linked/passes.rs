@@ -3,7 +3,7 @@
 use gsk_core::linked::Note;
 use gsk_core::operation::RunState;
 use gsk_link::{LinkConfig, LinkState};
-use gsk_twins::grbl::{Settings, State};
+use gsk_twins::grbl::{GrblSettings, GrblState};
 use gsk_twins::wire::Damage;
 
 use super::assert_together;
@@ -25,8 +25,8 @@ fn proved() -> LinkConfig {
 }
 
 /// An encoder of 1024 pulses, gains 0.
-fn tuned() -> Settings {
-    let mut settings = Settings::with_encoder(1024);
+fn tuned() -> GrblSettings {
+    let mut settings = GrblSettings::with_encoder(1024);
     for number in [90, 91, 92] {
         settings.set(number, 0.0).unwrap();
     }
@@ -155,13 +155,13 @@ fn play_of_the_screw_is_made_up_for_before_the_pass() {
 
 #[test]
 fn what_is_lacking_is_named_before_anything_moves() {
-    let delivered = Settings::with_encoder(1024);
+    let delivered = GrblSettings::with_encoder(1024);
     for (config, settings, named) in [
-        (proved(), Settings::default(), &["no SS"][..]),
+        (proved(), GrblSettings::default(), &["no SS"][..]),
         (LinkConfig::default(), tuned(), &["line.thread_proved"]),
         (
             LinkConfig::default(),
-            Settings::default(),
+            GrblSettings::default(),
             &["no SS", "line.thread_proved"],
         ),
         (proved(), delivered, &["$90, $91 and $92"]),
@@ -240,7 +240,7 @@ fn the_pages_follow_the_board_and_a_hold_comes_behind_the_pass() {
     machine.load(CYCLE, None);
     machine.start();
     assert!(machine.wait(20_000, |machine| {
-        machine.twin.state() == State::Run
+        machine.twin.state() == GrblState::Run
             && machine
                 .twin
                 .passes()
@@ -253,7 +253,7 @@ fn the_pages_follow_the_board_and_a_hold_comes_behind_the_pass() {
         machine.ms();
         let shown = machine.simulation.cnc.pulses().z.0;
         worst = worst.max((shown - machine.made()[1]).abs() as f64 / 200.0);
-        if machine.twin.state() != State::Run {
+        if machine.twin.state() != GrblState::Run {
             break;
         }
     }
@@ -317,7 +317,7 @@ fn reset_and_emergency_stop_act_in_the_pass_and_the_place_is_unknown() {
         (1000, true, true),
     ] {
         let mut machine = in_pass(&ready, ms);
-        let next = machine.twin.to_board.given();
+        let next = machine.twin.to_board.sent_count();
         for byte in next..next + 2 * u64::from(lost) {
             // A question, perhaps, and the order.
             machine.twin.to_board.damage(byte, Damage::Lost);
@@ -398,7 +398,7 @@ fn a_spindle_that_does_not_turn_is_an_alarm_and_nothing_hangs() {
 
     // Too slow for the board's patience.
     let mut machine = ready();
-    machine.twin.spindle_mut().full_speed = 500.0;
+    machine.twin.spindle_mut().full_speed_rpm = 500.0;
     machine.load(CYCLE, None);
     machine.start();
     machine.pass(20_000);
@@ -426,7 +426,7 @@ fn a_spindle_that_stops_behind_the_order_is_alarm_14_of_the_board() {
     // was begun with, and the control sees it come to its end.
     let mut machine = in_pass(&ready(), 1000);
     machine.twin.spindle_mut().blocked = true;
-    machine.wait(20_000, |machine| machine.twin.state() != State::Run);
+    machine.wait(20_000, |machine| machine.twin.state() != GrblState::Run);
     machine.pass(20_000);
     assert_eq!(machine.alarms(), [94], "the next pass is not begun");
     assert_eq!(machine.twin.passes().len(), 1);
@@ -458,7 +458,7 @@ fn wires_of_a_pass(ready: &Machine) -> ([u64; 2], [u64; 2]) {
     machine.start();
     let given = |machine: &Machine| {
         let twin = &machine.twin;
-        [twin.to_board.given(), twin.to_host.given()]
+        [twin.to_board.sent_count(), twin.to_host.sent_count()]
     };
     machine.wait(20_000, |machine| !machine.twin.passes().is_empty());
     let begun = given(&machine);

@@ -98,9 +98,9 @@ fn a_stopped_line_board_is_shown_where_it_stands() {
     let ready = Machine::referenced(Variant::Grbl);
     let breaks = |machine: &mut Machine| machine.twin.press_limit(true);
     shows_the_made(&ready, breaks, (622, 0, DEAD));
-    let breaks = |machine: &mut Machine| machine.twin.give_up(5);
+    let breaks = |machine: &mut Machine| machine.twin.raise_alarm(5);
     shows_the_made(&ready, breaks, (608, 0, DEAD));
-    let breaks = |machine: &mut Machine| machine.twin.give_up(16);
+    let breaks = |machine: &mut Machine| machine.twin.raise_alarm(16);
     shows_the_made(&ready, breaks, (607, 0, DEAD));
     let breaks = |machine: &mut Machine| machine.simulation.lathe.set_emergency_button(true);
     shows_the_made(&ready, breaks, (207, 0, DEAD));
@@ -135,7 +135,7 @@ fn a_board_that_goes_on_behind_its_reset_is_shown_where_it_stands() {
     };
     shows_the_made(&ready, breaks, (608, 0, sure));
     // A count that jumps off the path and stays so.
-    let off = |machine: &mut Machine<GrblTwin>| machine.twin.miscount([400, 0]);
+    let off = |machine: &mut Machine<GrblTwin>| machine.twin.add_position_error([400, 0]);
     let (machine, ..) = broken(&ready, off);
     assert_eq!(machine.alarms(), [611]);
     assert_eq!(shown(&machine), machine.made()[1]);
@@ -149,7 +149,7 @@ fn a_board_that_was_told_too_late_is_shown_no_farther_than_it_was_told() {
     for ms in [130, 160, 190, 220] {
         let breaks = |machine: &mut Machine<Timed>| {
             let [to_board, _] = machine.twin.wires();
-            let next = to_board.given();
+            let next = to_board.sent_count();
             to_board.damage(next, Damage::Stalled(ms * 1_000_000));
         };
         let (machine, ..) = broken(&ready, breaks);
@@ -216,7 +216,7 @@ fn behind_reset_no_picture_shows_more_than_was_made() {
 /// Counts that differ: the board's is the place.
 fn differs<T: Board>(ready: &Machine<T>) {
     let mut machine = ready.clone();
-    machine.twin.miscount([0, 7]);
+    machine.twin.add_position_error([0, 7]);
     machine.pass(1500);
     assert_eq!(machine.alarms(), [611]);
     let made = machine.made()[1];

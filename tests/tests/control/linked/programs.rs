@@ -3,7 +3,7 @@
 use gsk_core::linked::Note;
 use gsk_core::operation::RunState;
 use gsk_link::LinkState;
-use gsk_twins::grbl::{State, Variant};
+use gsk_twins::grbl::{GrblState, Variant};
 
 use super::{BUSHING, GROOVE, LINES, PIN, SHAFT, SHORT, assert_together};
 use crate::bench::board::{Board, Machine};
@@ -119,7 +119,8 @@ fn the_spindle_turns_before_the_cut_and_stops_with_reset() {
     machine.load(SHORT, None);
     machine.start();
     machine.watch = Some(|machine| {
-        let cuts = machine.simulation.cnc.modal().motion == 1 && machine.twin.state() == State::Run;
+        let cuts =
+            machine.simulation.cnc.modal().motion == 1 && machine.twin.state() == GrblState::Run;
         let (way, speed, coolant) = machine.twin.outputs();
         // 500 of 9999 r/min at 10 V.
         assert!(

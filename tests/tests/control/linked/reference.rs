@@ -1,7 +1,7 @@
 //! Nothing runs before the reference return, which the board makes by itself.
 
 use gsk_link::{LinkConfig, LinkState};
-use gsk_twins::grbl::{Settings, Variant};
+use gsk_twins::grbl::{GrblSettings, Variant};
 
 use super::SHAFT;
 use crate::bench::board::Machine;
@@ -100,7 +100,10 @@ fn fluidnc_returns_when_it_says_so() {
     machine.pass(500);
     assert!(machine.twin.pulses()[0] < x);
     // The place is set, nothing moves.
-    machine.twin.set_item("axes/z/homing/cycle", "-1").unwrap();
+    machine
+        .twin
+        .set_config_item("axes/z/homing/cycle", "-1")
+        .unwrap();
     let stood = machine.twin.pulses();
     machine.press(ZERO);
     machine.press(Z_PLUS);
@@ -142,7 +145,7 @@ fn a_return_that_breaks_off_leaves_no_reference() {
         }),
     ];
     let alone = {
-        let mut settings = Settings::default();
+        let mut settings = GrblSettings::default();
         settings.set(22, 3.0).unwrap();
         Machine::threading(LinkConfig::default(), settings, &[])
     };

@@ -7,7 +7,7 @@ use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::step_queue::StepLink;
 use gsk_link::{Backend, Event, FINE, LinkConfig, LinkState, Refused, RunTime, Sample};
-use gsk_twins::klipper::{KlipperTwin, Make};
+use gsk_twins::klipper::{KlipperHardware, KlipperTwin};
 
 /// One millisecond of both.
 pub const MS: u64 = 1_000_000;
@@ -45,12 +45,12 @@ pub fn parameters() -> Parameters {
 
 impl Bench {
     /// A board that has just got power, on a control with electronic gear 1/5.
-    pub fn new(make: Make) -> Self {
+    pub fn new(make: KlipperHardware) -> Self {
         Self::wired(config(), make)
     }
 
     /// The same with other wires.
-    pub fn wired(config: LinkConfig, make: Make) -> Self {
+    pub fn wired(config: LinkConfig, make: KlipperHardware) -> Self {
         let mut twin = KlipperTwin::new(make);
         twin.set_pin("PC2", true);
         Self {
@@ -64,11 +64,11 @@ impl Bench {
 
     /// Set up, position confirmed.
     pub fn ready() -> Self {
-        Self::ready_with(Make::default())
+        Self::ready_with(KlipperHardware::default())
     }
 
     /// The same with another board.
-    pub fn ready_with(make: Make) -> Self {
+    pub fn ready_with(make: KlipperHardware) -> Self {
         let mut bench = Self::new(make);
         assert!(bench.gets(LinkState::Locked, 5000), "{:?}", bench.events);
         bench.set_position();

@@ -7,20 +7,20 @@ use gsk_core::plc::address::{Area, BitAddress};
 use gsk_link::step_queue::StepLink;
 use gsk_link::{Backend, Event, Input, LinkConfig, LinkState, Output, Refused, SpindleView, Stop};
 use gsk_messages::say;
-use gsk_twins::klipper::{Make, State};
+use gsk_twins::klipper::{KlipperHardware, KlipperState};
 
 use super::bench::{Bench, config, parameters};
 use super::machine::Machine;
 
 #[test]
 fn a_board_is_identified_set_up_and_locked() {
-    let mut bench = Bench::new(Make::default());
+    let mut bench = Bench::new(KlipperHardware::default());
     assert!(bench.gets(LinkState::Locked, 3000), "{:?}", bench.events);
     assert_eq!(bench.alarms(), [0_u16; 0]);
     let board = bench.link.board();
     assert_eq!(board.firmware, "atmega2560 v0.13.0-730");
     assert_eq!((board.blocks, board.receive_bytes), (657, 192));
-    assert_eq!(bench.twin.figures().identify, 91);
+    assert_eq!(bench.twin.statistics().identify_count, 91);
     assert_eq!(bench.made(), (0, 0), "knowing each other moves nothing");
     bench.pass(200);
     assert_eq!(bench.link.input(Input::EmergencyStop), Some(false));
@@ -33,19 +33,19 @@ fn a_board_is_identified_set_up_and_locked() {
 
 #[test]
 fn a_board_keeps_its_configuration_over_a_new_port_and_not_over_another_machine_file() {
-    let mut bench = Bench::new(Make::default());
+    let mut bench = Bench::new(KlipperHardware::default());
     assert!(bench.gets(LinkState::Locked, 3000));
     let now = Duration::from_nanos(bench.twin.now());
     bench.link = StepLink::open(config(), &drives(&parameters()), now);
     assert!(bench.gets(LinkState::Locked, 3000), "{:?}", bench.events);
-    assert_eq!(bench.twin.state(), State::Runs);
+    assert_eq!(bench.twin.state(), KlipperState::Running);
     // The deceleration switch of Z was moved: the board is reset and set up anew.
     let mut other = config();
     other.z.dec = "PC7".to_owned();
     let now = Duration::from_nanos(bench.twin.now());
     bench.link = StepLink::open(other, &drives(&parameters()), now);
     assert!(bench.gets(LinkState::Configure, 3000));
-    assert!(bench.wait(1000, |bench| bench.twin.state() == State::Boots));
+    assert!(bench.wait(1000, |bench| bench.twin.state() == KlipperState::Booting));
     assert!(bench.gets(LinkState::Locked, 3000), "{:?}", bench.events);
     assert_eq!(bench.alarms(), [0_u16; 0]);
 }
@@ -54,7 +54,7 @@ fn a_board_keeps_its_configuration_over_a_new_port_and_not_over_another_machine_
 fn refused(change: impl Fn(&mut LinkConfig)) -> Vec<(u16, String)> {
     let mut wrong = config();
     change(&mut wrong);
-    let mut bench = Bench::wired(wrong, Make::default());
+    let mut bench = Bench::wired(wrong, KlipperHardware::default());
     assert!(bench.gets(LinkState::Fault, 5000), "{:?}", bench.events);
     let told = bench.events.iter().filter_map(|event| match event {
         Event::Alarm { number, detail } => Some((*number, detail.to_string())),
@@ -86,7 +86,7 @@ fn a_pin_that_the_board_needs_for_itself_is_named() {
 fn a_board_that_gave_up_at_its_pins_takes_the_right_ones_behind_it() {
     let mut wrong = config();
     wrong.io.spindle_pwm = "PB6".into();
-    let mut bench = Bench::wired(wrong, Make::default());
+    let mut bench = Bench::wired(wrong, KlipperHardware::default());
     assert!(bench.gets(LinkState::Fault, 5000), "{:?}", bench.events);
     bench.open_again();
     assert!(bench.gets(LinkState::Locked, 5000), "{:?}", bench.events);
@@ -97,7 +97,7 @@ fn a_board_that_gave_up_at_its_pins_takes_the_right_ones_behind_it() {
 fn a_pin_the_board_has_not_is_named() {
     let mut wrong = config();
     wrong.z.limit = "^PQ1".to_owned();
-    let mut bench = Bench::new(Make::default());
+    let mut bench = Bench::new(KlipperHardware::default());
     bench.link = StepLink::open(wrong, &drives(&parameters()), Duration::ZERO);
     assert!(bench.gets(LinkState::Fault, 3000));
     let alarm = Event::Alarm {
@@ -168,13 +168,13 @@ fn outputs_switch_with_the_motion() {
 fn the_index_tells_the_speed_of_the_spindle() {
     let mut bench = Bench::ready();
     assert_eq!(bench.link.spindle(None), Some(SpindleView::default()));
-    bench.twin.turn_spindle("PC3", 600.0);
+    bench.twin.run_spindle("PC3", 600.0);
     bench.pass(3000);
     let view = bench.link.spindle(None).unwrap();
     assert!((view.rpm - 600.0).abs() < 0.5, "{view:?}");
     assert!((view.now - view.before - 0.01).abs() < 1e-5, "{view:?}");
     assert!(view.variation.unwrap() < 0.001, "{view:?}");
-    bench.twin.lose_index(true);
+    bench.twin.set_index_lost(true);
     bench.pass(600);
     let view = bench.link.spindle(None).unwrap();
     assert!(view.rpm == 0.0 && view.now == view.before, "{view:?}");

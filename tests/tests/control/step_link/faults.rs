@@ -6,7 +6,7 @@ use gsk_core::linked::drives;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::step_queue::StepLink;
 use gsk_link::{Backend, Event, LinkState, Stop};
-use gsk_twins::klipper::State;
+use gsk_twins::klipper::KlipperState;
 use gsk_twins::wire::Damage;
 
 use super::bench::{Bench, MS, config, parameters};
@@ -29,9 +29,11 @@ fn a_dead_host_stops_the_axes_within_250_ms() {
     assert!(bench.feed(-4.0, 800));
     let died = bench.twin.now();
     bench.twin.advance(2000 * MS);
-    let stood = bench.twin.last_pulse() - died;
+    let stood = bench.twin.last_pulse_ns() - died;
     assert!(stood <= 250 * MS, "{stood}");
-    assert!(matches!(bench.twin.state(), State::Shutdown(text) if text.starts_with("Missed")));
+    assert!(
+        matches!(bench.twin.state(), KlipperState::Shutdown(text) if text.starts_with("Missed"))
+    );
     let made = bench.made();
     // It comes back and finds all it needs to know.
     bench.host();
@@ -57,7 +59,10 @@ fn a_host_that_pauses_is_not_noticed_or_ends_in_the_defined_stop() {
         bench.host();
         whole &= bench.feed(-4.0, 500);
         assert_eq!(whole, !noticed, "{pause}: {:?}", bench.events);
-        assert!(bench.twin.figures().lead > 0, "{pause}: a step came late");
+        assert!(
+            bench.twin.statistics().min_lead_ns > 0,
+            "{pause}: a step came late"
+        );
         if noticed {
             bench.pass(1000);
             let known = [605, 612];
@@ -69,7 +74,7 @@ fn a_host_that_pauses_is_not_noticed_or_ends_in_the_defined_stop() {
             assert!(!bench.alarms().is_empty());
             assert_eq!(bench.link.position(), None, "{pause}: it was stopped fast");
             assert!(!bench.link.state().takes_motion());
-            if bench.twin.state() == State::Runs {
+            if bench.twin.state() == KlipperState::Running {
                 let (x, z) = bench.made();
                 let stood = Event::Position(PerAxis::new(Pulses(x), Pulses(z)));
                 assert!(bench.events.contains(&stood), "{pause}: {:?}", bench.events);
@@ -174,7 +179,7 @@ fn ends_defined(mut bench: Bench, place: &str) -> (bool, i64) {
         state => panic!("{place}: {state:?} {:?}", bench.events),
     };
     bench.stands(500);
-    (proved, bench.twin.figures().lead)
+    (proved, bench.twin.statistics().min_lead_ns)
 }
 
 /// A fault at every byte of a short job, either way.
@@ -187,21 +192,24 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
         Damage::Lost,
         Damage::Changed(0x15),
         Damage::Doubled,
-        Damage::HeldUp(100 * MS),
+        Damage::Delayed(100 * MS),
         Damage::Cut,
     ];
     let ready = Bench::ready();
     let clean = {
         let mut bench = ready.clone();
         assert!(bench.job() && bench.gets(LinkState::Ready, 1000));
-        (bench.twin.to_board.given(), bench.twin.to_host.given())
+        (
+            bench.twin.to_board.sent_count(),
+            bench.twin.to_host.sent_count(),
+        )
     };
     let (mut proved, mut stopped) = (0, 0);
     // Jobs on a line that becomes slow at this byte, and those that broke off.
     let (mut slow, mut too_slow) = (0, 0);
     for (to_board, first, last) in [
-        (true, ready.twin.to_board.given(), clean.0),
-        (false, ready.twin.to_host.given(), clean.1),
+        (true, ready.twin.to_board.sent_count(), clean.0),
+        (false, ready.twin.to_host.sent_count(), clean.1),
     ] {
         for (index, byte) in (first..last).step_by(step).enumerate() {
             let one = index % damages.len();
@@ -220,8 +228,8 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
                 let place = format!("{damage:?} at {byte}, to the board: {to_board}");
                 let (proves, lead) = ends_defined(bench, &place);
                 assert!(lead > 0, "{place}: a step came late");
-                slow += i32::from(damage == Damage::HeldUp(100 * MS));
-                too_slow += i32::from(damage == Damage::HeldUp(100 * MS) && !proves);
+                slow += i32::from(damage == Damage::Delayed(100 * MS));
+                too_slow += i32::from(damage == Damage::Delayed(100 * MS) && !proves);
                 if proves {
                     proved += 1;
                     assert_ne!(damage, Damage::Cut);
@@ -271,7 +279,10 @@ fn a_reset_at_any_moment_of_a_job_is_606() {
 #[test]
 fn a_bad_line_is_survived() {
     let mut bench = Bench::ready();
-    let (out, back) = (bench.twin.to_board.given(), bench.twin.to_host.given());
+    let (out, back) = (
+        bench.twin.to_board.sent_count(),
+        bench.twin.to_host.sent_count(),
+    );
     for k in 1..200 {
         bench.twin.to_board.damage(out + k * 601, Damage::Lost);
         bench
@@ -309,7 +320,7 @@ fn a_heartbeat_lost_at_rest_leaves_the_board_running() {
             bench.twin.advance(430 * MS);
             bench.pass(500);
             let place = format!("{lookahead} {phase}: {:?}", bench.events);
-            assert_eq!(bench.twin.state(), State::Runs, "{place}");
+            assert_eq!(bench.twin.state(), KlipperState::Running, "{place}");
             assert_eq!(bench.link.state(), LinkState::Tripped, "{place}");
             assert_eq!(bench.alarms(), [605], "{place}");
             assert!(bench.link.position().is_some(), "{place}");

@@ -2,7 +2,7 @@
 
 use gsk_core::setup::Setup;
 use gsk_link::LinkConfig;
-use gsk_twins::klipper::{Make, SpindleMake};
+use gsk_twins::klipper::{KlipperHardware, SpindleWiring};
 
 use super::bench::WIRED;
 use super::machine::Machine;
@@ -21,26 +21,26 @@ fn wires(index: bool) -> LinkConfig {
 
 /// Referenced; gear 1/5: a pulse of Z is 5 µm. Its steps are recorded.
 pub fn turning(index: bool, parameters: &[(u16, i32)]) -> Machine {
-    turning_with(Make::default(), index, parameters)
+    turning_with(KlipperHardware::default(), index, parameters)
 }
 
 /// The same with another board.
-pub fn turning_with(make: Make, index: bool, parameters: &[(u16, i32)]) -> Machine {
+pub fn turning_with(make: KlipperHardware, index: bool, parameters: &[(u16, i32)]) -> Machine {
     let mut setup = Setup::delivered();
     setup.memory.parameters.set(37, 2000).unwrap();
     for (number, value) in parameters {
         setup.memory.parameters.set(*number, *value).unwrap();
     }
     let mut machine = Machine::one_switch(make, wires(index), setup);
-    machine.twin.fit_spindle(SpindleMake {
-        index: "PC3",
-        forward: "PB4",
-        reverse: "PB5",
-        speed: "PH6",
-        top: 2000.0,
-        inertia: 0.2,
+    machine.twin.attach_spindle(SpindleWiring {
+        index_pin: "PC3",
+        forward_pin: "PB4",
+        reverse_pin: "PB5",
+        speed_pin: "PH6",
+        full_speed_rpm: 2000.0,
+        time_constant_s: 0.2,
     });
     machine.return_axes();
-    machine.twin.record_steps();
+    machine.twin.start_recording_steps();
     machine
 }

@@ -5,7 +5,7 @@ use core::f64::consts::TAU;
 use core::time::Duration;
 
 use gsk_link::{Backend, LinkState};
-use gsk_twins::klipper::{KlipperTwin, Make};
+use gsk_twins::klipper::{KlipperHardware, KlipperTwin};
 use gsk_twins::wire::{Damage, Wire};
 
 use super::bench::{Bench, MS};
@@ -14,7 +14,7 @@ use super::bench::{Bench, MS};
 type Trouble = fn(&mut KlipperTwin);
 
 fn again_and_again(wire: &mut Wire, every: u64, damage: Damage) {
-    let from = wire.given();
+    let from = wire.sent_count();
     for count in 1..400 {
         wire.damage(from + count * every, damage);
     }
@@ -47,22 +47,22 @@ const LINES: [(&str, i32, Trouble); 13] = [
         again_and_again(&mut twin.to_host, 1700, Damage::Stalled(40 * MS));
     }),
     ("it becomes slow, to the board", 0, |twin| {
-        let byte = twin.to_board.given() + 700;
-        twin.to_board.damage(byte, Damage::HeldUp(50 * MS));
+        let byte = twin.to_board.sent_count() + 700;
+        twin.to_board.damage(byte, Damage::Delayed(50 * MS));
     }),
     ("it becomes very slow, to the board", 0, |twin| {
-        let byte = twin.to_board.given() + 700;
-        twin.to_board.damage(byte, Damage::HeldUp(100 * MS));
+        let byte = twin.to_board.sent_count() + 700;
+        twin.to_board.damage(byte, Damage::Delayed(100 * MS));
     }),
     ("it becomes very slow, to the host", 0, |twin| {
-        let byte = twin.to_host.given() + 700;
-        twin.to_host.damage(byte, Damage::HeldUp(100 * MS));
+        let byte = twin.to_host.sent_count() + 700;
+        twin.to_host.damage(byte, Damage::Delayed(100 * MS));
     }),
     ("it becomes slow both ways", -100, |twin| {
-        let byte = twin.to_board.given() + 700;
-        twin.to_board.damage(byte, Damage::HeldUp(50 * MS));
-        let byte = twin.to_host.given() + 900;
-        twin.to_host.damage(byte, Damage::HeldUp(50 * MS));
+        let byte = twin.to_board.sent_count() + 700;
+        twin.to_board.damage(byte, Damage::Delayed(50 * MS));
+        let byte = twin.to_host.sent_count() + 900;
+        twin.to_host.damage(byte, Damage::Delayed(50 * MS));
     }),
 ];
 
@@ -70,9 +70,9 @@ const LINES: [(&str, i32, Trouble); 13] = [
 #[test]
 fn lines_as_they_are_are_survived() {
     for (name, ppm, trouble) in LINES {
-        let mut bench = Bench::new(Make {
-            ppm,
-            ..Make::default()
+        let mut bench = Bench::new(KlipperHardware {
+            clock_error_ppm: ppm,
+            ..KlipperHardware::default()
         });
         assert!(bench.gets(LinkState::Locked, 3000), "{name}");
         bench.set_position();
@@ -89,15 +89,21 @@ fn lines_as_they_are_are_survived() {
             assert_eq!(bench.made(), (0, -100 * count), "{name}");
         }
         assert_eq!(bench.alarms(), [0_u16; 0], "{name}");
-        let figures = bench.twin.figures();
-        assert!(figures.lead > 0, "{name}: a step came late, {figures:?}");
-        assert!(figures.busiest <= 800 && figures.queue <= 625, "{name}");
+        let figures = bench.twin.statistics();
+        assert!(
+            figures.min_lead_ns > 0,
+            "{name}: a step came late, {figures:?}"
+        );
+        assert!(
+            figures.max_commands_per_s <= 800 && figures.max_queue_entries <= 625,
+            "{name}"
+        );
         // The kernel's time is kept.
         let took = Duration::from_nanos(bench.twin.now() - began);
         let more = took.as_secs_f64() / (bench.run - run).as_secs_f64();
         println!(
             "{name}: {more:.3} of the time, lead {} ms",
-            figures.lead / 1_000_000
+            figures.min_lead_ns / 1_000_000
         );
         assert!(more < 1.8, "{name}: {more}");
     }
@@ -157,10 +163,10 @@ fn tell(path: impl Fn(f64) -> (f64, f64), (ends, slower): (bool, bool), name: &s
     let from = bench.twin.now();
     let whole = bench.follow(4000, path);
     let took = (bench.twin.now() - from) / MS;
-    let figures = bench.twin.figures();
+    let figures = bench.twin.statistics();
     println!(
         "{name}: {whole}, 4000 ms in {took}, {} messages/s",
-        figures.busiest
+        figures.max_commands_per_s
     );
     assert_eq!(whole, ends, "{name}: {:?}", bench.events);
     if ends {
@@ -177,8 +183,8 @@ fn tell(path: impl Fn(f64) -> (f64, f64), (ends, slower): (bool, bool), name: &s
         assert_eq!(bench.alarms(), [604], "{name}");
         assert_eq!(bench.link.state(), LinkState::Fault, "{name}");
     }
-    let figures = bench.twin.figures();
-    assert!(figures.busiest <= 700, "{name}: {figures:?}");
-    assert!(figures.lead > 15_000_000, "{name}: {figures:?}");
+    let figures = bench.twin.statistics();
+    assert!(figures.max_commands_per_s <= 700, "{name}: {figures:?}");
+    assert!(figures.min_lead_ns > 15_000_000, "{name}: {figures:?}");
     bench.stands(500);
 }

@@ -40,7 +40,7 @@ fn reference_return_and_the_samples_end_on_the_pulse_of_the_kernel() {
         assert!(machine.alarms().is_empty(), "{:?}", machine.alarms());
         assert_eq!(machine.simulation.cnc.run_state(), RunState::Reset);
         machine.agrees();
-        assert!(machine.twin.figures().steps > 20_000);
+        assert!(machine.twin.statistics().step_count > 20_000);
         assert!(machine.worst_queue <= 625);
         assert_eq!(machine.linked.state(), LinkState::Ready);
     }

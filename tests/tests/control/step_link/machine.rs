@@ -11,7 +11,7 @@ use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Axis;
 use gsk_link::{LinkConfig, LinkState};
-use gsk_twins::klipper::{KlipperTwin, Make, Travel};
+use gsk_twins::klipper::{KlipperHardware, KlipperTwin, TravelSwitch};
 
 use super::bench::{MS, config};
 use crate::bench::keys::{AUTO, CYCLE_START, RESET, X_PLUS, Z_PLUS, ZERO};
@@ -55,30 +55,30 @@ impl Machine {
                 .set_bit(*number, *bit, *value)
                 .unwrap();
         }
-        Self::one_switch(Make::default(), config, setup)
+        Self::one_switch(KlipperHardware::default(), config, setup)
     }
 
     /// The same with another board and control.
-    pub fn one_switch(make: Make, config: LinkConfig, mut setup: Setup) -> Self {
+    pub fn one_switch(make: KlipperHardware, config: LinkConfig, mut setup: Setup) -> Self {
         for bit in [0, 1] {
             setup.memory.parameters.set_bit(7, bit, true).unwrap();
         }
         let mut machine = Self::wired(make, config, setup);
         for (pin, axis, from, to) in [("PC4", 0, 800, 4800), ("PC6", 1, 400, 2400)] {
             let turn = None;
-            let travel = Travel {
-                axis,
-                from,
-                to,
-                turn,
+            let travel = TravelSwitch {
+                stepper: axis,
+                first_pulse: from,
+                last_pulse: to,
+                pulses_per_turn: turn,
             };
-            machine.twin.put_switch(pin, travel);
+            machine.twin.place_switch(pin, travel);
         }
         machine
     }
 
     /// Electronic gear 1/5; no switches yet.
-    pub fn wired(make: Make, config: LinkConfig, mut setup: Setup) -> Self {
+    pub fn wired(make: KlipperHardware, config: LinkConfig, mut setup: Setup) -> Self {
         for number in [17, 18] {
             setup.memory.parameters.set(number, 5).unwrap();
         }
@@ -110,11 +110,11 @@ impl Machine {
     fn board_ms(&mut self) {
         self.twin.advance(MS);
         let [x, _] = self.twin.pulses();
-        for step in self.twin.recorded_steps() {
-            if step.axis == 1 {
+        for step in self.twin.take_recorded_steps() {
+            if step.stepper == 1 {
                 self.cuts.push(Cut {
-                    place: step.place - self.origin[1],
-                    turns: self.twin.spindle_turns(step.at),
+                    place: step.position - self.origin[1],
+                    turns: self.twin.spindle_turns(step.at_ns),
                     x: x - self.origin[0],
                 });
             }
@@ -135,7 +135,9 @@ impl Machine {
         let tx = self.linked.tx().to_vec();
         self.twin.write(&tx);
         self.linked.consumed(tx.len());
-        self.worst_queue = self.worst_queue.max(self.twin.figures().queue);
+        self.worst_queue = self
+            .worst_queue
+            .max(self.twin.statistics().max_queue_entries);
     }
 
     pub fn pass(&mut self, ms: u32) {

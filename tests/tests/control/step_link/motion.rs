@@ -3,16 +3,16 @@
 use core::time::Duration;
 
 use gsk_link::{Backend, Event, LinkState, Refused};
-use gsk_twins::klipper::Make;
+use gsk_twins::klipper::KlipperHardware;
 
 use super::bench::{Bench, MS, config};
 
 #[test]
 fn a_job_ends_on_the_commanded_pulse() {
     for ppm in [-100, 0, 100] {
-        let mut bench = Bench::new(Make {
-            ppm,
-            ..Make::default()
+        let mut bench = Bench::new(KlipperHardware {
+            clock_error_ppm: ppm,
+            ..KlipperHardware::default()
         });
         assert!(bench.gets(LinkState::Locked, 3000));
         bench.set_position();
@@ -24,11 +24,11 @@ fn a_job_ends_on_the_commanded_pulse() {
         }
         assert_eq!(bench.alarms(), [0_u16; 0]);
         assert!(bench.events.contains(&Event::Drained));
-        let figures = bench.twin.figures();
-        assert!(figures.queue <= 657 - 32, "{figures:?}");
-        assert!(figures.lead > 15_000_000, "{figures:?}");
+        let figures = bench.twin.statistics();
+        assert!(figures.max_queue_entries <= 657 - 32, "{figures:?}");
+        assert!(figures.min_lead_ns > 15_000_000, "{figures:?}");
         // X 800 there and back; Z 2450 there, 2350 back.
-        assert_eq!(figures.steps, 3 * (1600 + 4800));
+        assert_eq!(figures.step_count, 3 * (1600 + 4800));
     }
 }
 
@@ -105,7 +105,7 @@ fn a_direction_is_turned_over_by_its_pin_or_by_its_axis() {
         config.z.invert_direction = invert;
         config.x.dir = format!("{sign}PA1");
         config.x.invert_direction = invert;
-        let mut bench = Bench::wired(config, Make::default());
+        let mut bench = Bench::wired(config, KlipperHardware::default());
         assert!(bench.gets(LinkState::Locked, 3000));
         bench.set_position();
         assert!(bench.follow(500, |ms| (0.4 * ms, -0.8 * ms)));
@@ -125,7 +125,7 @@ fn steps_of_two_fast_axes_keep_their_times() {
     const APART: f64 = 1e6 / 25_000.0;
     let mut bench = Bench::ready();
     let ramp = |k: u32| TOP * f64::from(k.min(500)) / 500.0;
-    bench.twin.record_steps();
+    bench.twin.start_recording_steps();
     let mut steps = Vec::new();
     for k in 0..2000 {
         let (x, z) = bench.at;
@@ -134,17 +134,20 @@ fn steps_of_two_fast_axes_keep_their_times() {
             "{:?}",
             bench.events
         );
-        steps.extend(bench.twin.recorded_steps());
+        steps.extend(bench.twin.take_recorded_steps());
     }
     for (axis, apart) in [(0, APART), (1, APART / 0.97)] {
         let fast: Vec<_> = steps
             .iter()
-            .filter(|step| step.axis == axis)
+            .filter(|step| step.stepper == axis)
             .skip(10_000)
             .collect();
         assert!(fast.len() > 10_000, "{}", fast.len());
-        let told: Vec<f64> = fast.iter().map(|step| step.due as f64 / 1000.0).collect();
-        let made: Vec<f64> = fast.iter().map(|step| step.at as f64 / 1000.0).collect();
+        let told: Vec<f64> = fast
+            .iter()
+            .map(|step| step.due_ns as f64 / 1000.0)
+            .collect();
+        let made: Vec<f64> = fast.iter().map(|step| step.at_ns as f64 / 1000.0).collect();
         let begin = told[0];
         let off = |times: &[f64]| {
             let off = times

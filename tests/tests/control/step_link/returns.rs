@@ -3,7 +3,7 @@
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::setup::Setup;
 use gsk_link::{LinkConfig, LinkState};
-use gsk_twins::klipper::{Make, Travel};
+use gsk_twins::klipper::{KlipperHardware, TravelSwitch};
 
 use super::bench::config;
 use super::machine::Machine;
@@ -13,20 +13,20 @@ use crate::bench::keys::{FEED_HOLD, JOG, RESET, X_MINUS, X_PLUS, Z_MINUS, Z_PLUS
 /// Switches of the lathe: X closes at -6000 and lets go at -4000 (5 mm at 400
 /// pulses/mm), Z at -3000 and -2000; the motors turn once in 1600 and 1000 pulses. When
 /// the switch of Z lets go its zero signal stands.
-const DOG_X: Travel = travel(0, -6000, -4000, None);
-const DOG_Z: Travel = travel(1, -3000, -2000, None);
-const ZERO_X: Travel = travel(0, 0, 31, Some(1600));
-const ZERO_Z: Travel = travel(1, 0, 19, Some(1000));
+const DOG_X: TravelSwitch = travel(0, -6000, -4000, None);
+const DOG_Z: TravelSwitch = travel(1, -3000, -2000, None);
+const ZERO_X: TravelSwitch = travel(0, 0, 31, Some(1600));
+const ZERO_Z: TravelSwitch = travel(1, 0, 19, Some(1000));
 /// First edges behind the dogs; their own far edges.
 const PLACE_B: [i64; 2] = [-3200, -1980];
 const PLACE_C: [i64; 2] = [-4000, -2000];
 
-const fn travel(axis: usize, from: i64, to: i64, turn: Option<i64>) -> Travel {
-    Travel {
-        axis,
-        from,
-        to,
-        turn,
+const fn travel(axis: usize, from: i64, to: i64, turn: Option<i64>) -> TravelSwitch {
+    TravelSwitch {
+        stepper: axis,
+        first_pulse: from,
+        last_pulse: to,
+        pulses_per_turn: turn,
     }
 }
 
@@ -55,8 +55,8 @@ fn keyed(config: LinkConfig, one: bool, press: bool, slides: [i64; 2]) -> Machin
     for (number, bit, value) in [(7, 0, one), (7, 1, one), (11, 2, press)] {
         setup.memory.parameters.set_bit(number, bit, value).unwrap();
     }
-    let mut machine = Machine::wired(Make::default(), config, setup);
-    machine.twin.put_slides(slides);
+    let mut machine = Machine::wired(KlipperHardware::default(), config, setup);
+    machine.twin.place_slides(slides);
     for (pin, travel) in [
         ("PC4", DOG_X),
         ("PC6", DOG_Z),
@@ -65,7 +65,7 @@ fn keyed(config: LinkConfig, one: bool, press: bool, slides: [i64; 2]) -> Machin
         ("PC0", travel(0, 8000, 1 << 40, None)),
         ("PC1", travel(1, 8000, 1 << 40, None)),
     ] {
-        machine.twin.put_switch(pin, travel);
+        machine.twin.place_switch(pin, travel);
     }
     assert!(machine.wait(3000, |machine| machine.linked.state() == LinkState::Locked));
     machine.press(RESET);
@@ -308,7 +308,7 @@ fn what_is_not_wired_is_named_and_nothing_moves() {
     ] {
         let mut machine = power_on(config.clone(), one, [-7000, -4000]);
         for (pin, travel) in [("PC4", DOG_X), ("PC6", DOG_Z), ("PC5", ZERO_X)] {
-            machine.twin.put_switch(pin, travel);
+            machine.twin.place_switch(pin, travel);
         }
         machine.press(RESET);
         machine.press(ZERO);
@@ -390,10 +390,10 @@ fn a_switch_that_does_not_come_within_the_length_of_the_slide_is_alarm_609() {
         let mut machine = machine(false, start);
         machine
             .twin
-            .put_switch("PC4", travel(0, 1 << 39, 1 << 40, None));
+            .place_switch("PC4", travel(0, 1 << 39, 1 << 40, None));
         machine
             .twin
-            .put_switch("PC6", travel(1, 1 << 39, 1 << 40, None));
+            .place_switch("PC6", travel(1, 1 << 39, 1 << 40, None));
         machine.press(key);
         assert!(machine.wait(60_000, |machine| !machine.alarms().is_empty()));
         machine.pass(2000);
@@ -408,8 +408,8 @@ fn a_switch_that_does_not_come_within_the_length_of_the_slide_is_alarm_609() {
         // The count is good: the next return finds its switch.
         machine.press(RESET);
         assert_eq!(machine.linked.state(), LinkState::Locked);
-        machine.twin.put_switch("PC4", DOG_X);
-        machine.twin.put_switch("PC6", DOG_Z);
+        machine.twin.place_switch("PC4", DOG_X);
+        machine.twin.place_switch("PC6", DOG_Z);
         machine.press(ZERO);
         machine.press(X_PLUS);
         machine.press(Z_PLUS);

@@ -1,7 +1,7 @@
 //! Boards that give up, that are found shut down, or set up for somebody else.
 
 use gsk_link::{Backend, Event, LinkState};
-use gsk_twins::klipper::{Make, State};
+use gsk_twins::klipper::{KlipperHardware, KlipperState};
 
 use super::bench::Bench;
 
@@ -42,10 +42,10 @@ const TEXTS: [(&str, u16, &str); 12] = [
 ];
 
 /// A board that resets itself, and one that only forgets.
-fn makes() -> [Make; 2] {
-    [true, false].map(|resets| Make {
-        resets,
-        ..Make::default()
+fn makes() -> [KlipperHardware; 2] {
+    [true, false].map(|resets| KlipperHardware {
+        has_reset_command: resets,
+        ..KlipperHardware::default()
     })
 }
 
@@ -56,7 +56,7 @@ fn every_reason_has_its_alarm_and_its_way_out() {
         for (text, number, help) in TEXTS {
             let mut bench = ready.clone();
             assert!(bench.feed(-3.0, 300));
-            bench.twin.shut_down_for(text);
+            bench.twin.force_shutdown(text);
             bench.pass(100);
             let place = format!("{text}, {make:?}: {:?}", bench.events);
             assert_eq!(bench.link.state(), LinkState::Fault, "{place}");
@@ -76,7 +76,7 @@ fn every_reason_has_its_alarm_and_its_way_out() {
             // What it is told to do helps.
             bench.link.reset();
             assert!(bench.gets(LinkState::Locked, 3000), "{place}");
-            assert_eq!(bench.twin.state(), State::Runs, "{place}");
+            assert_eq!(bench.twin.state(), KlipperState::Running, "{place}");
             assert_eq!(bench.link.position(), None, "{place}");
             bench.stands(300);
             bench.at = (0.0, 0.0);
@@ -95,7 +95,7 @@ fn a_board_found_shut_down_is_set_up_anew() {
         let ready = Bench::ready_with(make);
         for (text, ..) in TEXTS.into_iter().chain([("Command request", 0, "")]) {
             let mut bench = ready.clone();
-            bench.twin.shut_down_for(text);
+            bench.twin.force_shutdown(text);
             bench.pass(50);
             bench.open_again();
             let place = format!("{text}, {make:?}");
@@ -105,7 +105,7 @@ fn a_board_found_shut_down_is_set_up_anew() {
                 bench.events
             );
             assert_eq!(bench.alarms(), [0_u16; 0], "{place}");
-            assert_eq!(bench.twin.state(), State::Runs, "{place}");
+            assert_eq!(bench.twin.state(), KlipperState::Running, "{place}");
             assert_eq!(bench.link.position(), None, "{place}");
         }
     }
@@ -119,7 +119,7 @@ fn a_board_set_up_for_somebody_else_forgets_that() {
             let mut bench = Bench::new(make);
             bench.twin.configure_for_another_host();
             if shut_down {
-                bench.twin.shut_down_for("Command request");
+                bench.twin.force_shutdown("Command request");
             }
             let place = format!("{make:?}, shut down: {shut_down}");
             assert!(
@@ -150,9 +150,9 @@ fn a_configuration_that_changes_under_way_is_606() {
 
 #[test]
 fn a_board_met_before_is_not_asked_for_its_dictionary() {
-    let mut bench = Bench::new(Make::default());
+    let mut bench = Bench::new(KlipperHardware::default());
     assert!(bench.gets(LinkState::Locked, 5000));
-    assert_eq!(bench.twin.figures().identify, 91);
+    assert_eq!(bench.twin.statistics().identify_count, 91);
     let learned = bench.learned();
     assert_eq!(learned.len(), 1);
     assert_eq!(learned[0].0, "atmega2560 v0.13.0-730");
@@ -174,22 +174,22 @@ fn a_board_met_before_is_not_asked_for_its_dictionary() {
         (vec![damaged], 91, 91),
     ] {
         let mut again = bench.clone();
-        let before = again.twin.figures().identify;
+        let before = again.twin.statistics().identify_count;
         again.open_again();
         let count = known.len();
         again.link.know(known);
         assert!(again.gets(LinkState::Locked, 5000), "{:?}", again.events);
-        let asked = again.twin.figures().identify - before;
+        let asked = again.twin.statistics().identify_count - before;
         assert!((fewest..=most).contains(&asked), "{count} known: {asked}");
         assert_eq!(again.link.board().firmware, "atmega2560 v0.13.0-730");
         assert_eq!(again.learned().len(), usize::from(most > 3));
     }
     // And not by the same link, after RESET.
     let mut bench = Bench::ready();
-    let before = bench.twin.figures().identify;
-    bench.twin.shut_down_for("Invalid command");
+    let before = bench.twin.statistics().identify_count;
+    bench.twin.force_shutdown("Invalid command");
     bench.pass(100);
     bench.link.reset();
     assert!(bench.gets(LinkState::Locked, 3000));
-    assert_eq!(bench.twin.figures().identify - before, 2);
+    assert_eq!(bench.twin.statistics().identify_count - before, 2);
 }

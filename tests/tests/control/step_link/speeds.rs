@@ -41,7 +41,7 @@ fn the_speed_follows_the_slide_and_not_the_kernel() {
         "O1\nG50 X120 Z20\nG50 S3000\nG96 S120 M03\nG98 G00 X64 Z2\nG04 X1\nG01 X20 F1200\nM30\n",
     );
     machine.wait(30_000, |machine| machine.simulation.cnc.cursor().line == 7);
-    let begun = machine.twin.figures().outputs;
+    let begun = machine.twin.statistics().output_command_count;
     let since = machine.twin.now();
     let (mut seen, mut worst) = (0, 0.0_f64);
     run(&mut machine, |machine| {
@@ -63,7 +63,7 @@ fn the_speed_follows_the_slide_and_not_the_kernel() {
     assert!(worst < 2.5, "{worst}");
     // 50 a second, and the enable of the drives every 100 ms.
     let seconds = (machine.twin.now() - since) as f64 * 1e-9;
-    let orders = (machine.twin.figures().outputs - begun) as f64;
+    let orders = (machine.twin.statistics().output_command_count - begun) as f64;
     assert!(orders < 61.0 * seconds + 10.0, "{orders} in {seconds} s");
 }
 

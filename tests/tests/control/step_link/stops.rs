@@ -2,7 +2,7 @@
 
 use gsk_core::units::{Axis, PerAxis, Pulses};
 use gsk_link::{Awaited, Backend, Event, Input, LinkState, Refused, Stop, Until};
-use gsk_twins::klipper::State;
+use gsk_twins::klipper::KlipperState;
 
 use super::bench::Bench;
 
@@ -52,7 +52,10 @@ fn a_kill_loses_the_position_and_reset_sets_the_board_up_again() {
     bench.link.stop(Stop::Kill);
     bench.write();
     bench.pass(20);
-    assert_eq!(bench.twin.state(), State::Shutdown("Command request"));
+    assert_eq!(
+        bench.twin.state(),
+        KlipperState::Shutdown("Command request")
+    );
     assert_eq!(bench.twin.output("PL0"), Some(0));
     assert_eq!(
         (bench.link.state(), bench.alarms()),
@@ -77,7 +80,7 @@ fn a_limit_switch_stops_both_axes_in_the_board() {
             let _ = bench.give(bench.at.0, bench.at.1 - 0.9);
             bench.ms();
         }
-        let ns = bench.twin.last_pulse().saturating_sub(edge);
+        let ns = bench.twin.last_pulse_ns().saturating_sub(edge);
         assert!(ns <= 1_500_000, "{ns}");
         assert!(bench.gets(LinkState::Tripped, 200), "{:?}", bench.events);
         assert_eq!(bench.alarms(), [622]);
@@ -216,14 +219,14 @@ fn the_bytes_that_stop_the_board_do_so_behind_any_broken_block() {
         bench.twin.write(&bench.link.stop_bytes());
         bench.twin.advance(20_000_000);
         let state = bench.twin.state();
-        assert_eq!(state, State::Shutdown("Command request"), "{cut}");
+        assert_eq!(state, KlipperState::Shutdown("Command request"), "{cut}");
         assert_eq!(bench.twin.output("PL0"), Some(0));
     }
 }
 
 #[test]
 fn a_board_that_is_not_known_or_shut_down_is_not_to_be_stopped() {
-    let mut bench = Bench::new(gsk_twins::klipper::Make::default());
+    let mut bench = Bench::new(gsk_twins::klipper::KlipperHardware::default());
     assert!(bench.link.stop_bytes().is_empty());
     assert!(bench.gets(LinkState::Locked, 5000));
     assert!(!bench.link.stop_bytes().is_empty());

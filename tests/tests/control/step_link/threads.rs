@@ -2,7 +2,7 @@
 //! none cut by a spindle that does not keep its speed.
 
 use gsk_link::LinkState;
-use gsk_twins::klipper::Make;
+use gsk_twins::klipper::KlipperHardware;
 
 use super::lathe::{turning, turning_with};
 use super::machine::{Cut, Machine};
@@ -168,7 +168,7 @@ fn g76_g32_and_g34_are_cut_behind_the_index() {
 #[test]
 fn a_spindle_that_does_not_keep_its_speed_cuts_nothing() {
     let mut lathe = turning(true, &[]);
-    lathe.twin.set_ripple(1.0, 0.5);
+    lathe.twin.set_speed_ripple(1.0, 0.5);
     lathe.start(&(head("M03 S600") + FIVE));
     lathe.finish(60_000);
     let alarms = lathe.alarms();
@@ -186,7 +186,7 @@ fn a_spindle_that_begins_to_waver_spoils_one_pass_only() {
     assert!(lathe.wait(60_000, |lathe| {
         lathe.simulation.cnc.position_absolute().z < -10.0
     }));
-    lathe.twin.set_ripple(1.0, 0.5);
+    lathe.twin.set_speed_ripple(1.0, 0.5);
     lathe.finish(60_000);
     let alarms = lathe.alarms();
     assert!(alarms[0].contains("091"), "{alarms:?}");
@@ -200,12 +200,45 @@ fn a_spindle_that_begins_to_waver_spoils_one_pass_only() {
     let deepest = lathe.cuts.iter().map(|cut| cut.x).min().unwrap_or_default();
     assert!((deepest as f64 / 400.0 + x - 14.5).abs() < 0.01);
     // RESET, and the spindle keeps its speed again: the part is made after all.
-    lathe.twin.set_ripple(0.0, 0.5);
+    lathe.twin.set_speed_ripple(0.0, 0.5);
     lathe.press(RESET);
     lathe.start(&(head("M03 S600") + FIVE));
     lathe.finish(300_000);
     assert_eq!(lathe.alarms(), [""; 0]);
     lathe.agrees();
+}
+
+/// How fast the speed may change while a thread is cut: an index then comes beside the angle
+/// that was foreseen from the turns before it.
+#[test]
+fn a_speed_that_drifts_is_followed_or_spoils_the_thread() {
+    /// Slow enough for a change at a steady rate within a pass, 1/s.
+    const SLOW: f64 = 0.01;
+    for (spindle, percent_a_second, spoilt) in [
+        ("M03 S200", 0.3, false),
+        ("M03 S200", 2.5, true),
+        ("M03 S600", 0.5, false),
+        ("M03 S600", 1.5, true),
+        ("M03 S1000", 0.3, false),
+        ("M03 S1000", 1.0, true),
+    ] {
+        let mut lathe = turning(true, &[]);
+        lathe.start(&(head(spindle) + LONG));
+        assert!(lathe.wait(90_000, |lathe| {
+            lathe.simulation.cnc.position_absolute().z < 0.0
+        }));
+        let pi = core::f64::consts::PI;
+        lathe
+            .twin
+            .set_speed_ripple(percent_a_second / (2.0 * pi * SLOW), SLOW);
+        lathe.wait(60_000, |lathe| {
+            lathe.simulation.cnc.position_absolute().z < -79.0
+        });
+        lathe.pass(500);
+        let alarms = lathe.alarms();
+        let said = alarms.iter().any(|alarm| alarm.contains("091"));
+        assert_eq!(said, spoilt, "{spindle} {percent_a_second} %/s: {alarms:?}");
+    }
 }
 
 #[test]
@@ -215,7 +248,7 @@ fn without_an_index_the_thread_ends_where_it_is() {
     assert!(lathe.wait(60_000, |lathe| {
         lathe.simulation.cnc.position_absolute().z < -10.0
     }));
-    lathe.twin.lose_index(true);
+    lathe.twin.set_index_lost(true);
     lathe.finish(60_000);
     let alarms = lathe.alarms();
     assert!(
@@ -328,9 +361,9 @@ fn a_busy_computer_and_a_fast_board_cut_the_same_groove() {
 
 fn busy_and_fast(begin: u32) {
     let mut lathe = turning_with(
-        Make {
-            ppm: 100,
-            ..Make::default()
+        KlipperHardware {
+            clock_error_ppm: 100,
+            ..KlipperHardware::default()
         },
         true,
         &[],
@@ -361,9 +394,9 @@ fn a_spark_on_the_index_is_found() {
     assert!(lathe.wait(60_000, |lathe| {
         lathe.simulation.cnc.position_absolute().z < -10.0
     }));
-    lathe.twin.spark(true);
+    lathe.twin.set_index_stuck_high(true);
     lathe.pass(1);
-    lathe.twin.spark(false);
+    lathe.twin.set_index_stuck_high(false);
     lathe.finish(60_000);
     assert!(lathe.alarms()[0].contains("091"), "{:?}", lathe.alarms());
     lathe.agrees();
