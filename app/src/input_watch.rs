@@ -1,45 +1,45 @@
-//! Proof that what holds a key of the panel still holds it. A release that is lost, or held
-//! up by a display that hangs, moves nothing: a key is held only as long as the display
-//! goes on to answer, and to show it held.
+//! Decides whether the keys that hold a panel key down are still held. A lost release, or
+//! one that a hung display delays, must not move an axis: a held key needs proof from the
+//! display server, renewed several times a second.
 //!
 //! ```text
-//!   window ──holders──► InputWatch ◄──answers── platform ──question──► display server
-//!                           │                                          (a connection of its own)
+//!   window ──holders──► InputWatch ◄──replies── platform ──query──► display server
+//!                           │                                       (separate connection)
 //!   kernel thread ◄──proof──┘
 //! ```
 //!
-//! Painted pictures prove only that the window draws. All times are handed in: those of
+//! Painted frames prove only that the window draws. All times are arguments, taken from
 //! [`crate::platform::time_with_sleep`].
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use web_time::Duration;
 
-/// Between two questions to the display, and between two pictures of the window while
-/// keys are held.
-pub const ASK_EVERY: Duration = Duration::from_millis(50);
-/// Held keys are let go when nothing has proved them held for so long. With the lookahead of
-/// a board and the ramp of a rapid the axis stands within 600 ms.
+/// Interval of the queries to the display, and of the frames of the window while keys are
+/// held.
+pub const QUERY_INTERVAL: Duration = Duration::from_millis(50);
+/// Held keys are released when their last proof is older. Together with the lookahead of a
+/// board and the ramp of a rapid the axis stops within 600 ms.
 const LEASE: Duration = Duration::from_millis(130);
-/// The same of the simulated lathe, which hurts nobody.
+/// The same limit for the simulated lathe, which can hurt no one.
 const LEASE_SIMULATED: Duration = Duration::from_millis(600);
-/// Held keys are let go when the window has said nothing for so long: it draws, which takes
-/// time.
+/// Held keys are released when the last message of the window is older: drawing a frame
+/// takes time.
 const WINDOW_LEASE: Duration = Duration::from_millis(250);
-/// A display that has not answered for so long has hung.
-const HANGS: Duration = Duration::from_millis(350);
-/// A display that has hung hands over what was pressed meanwhile; it is believed again when
-/// it has answered for so long.
-const SETTLES: Duration = Duration::from_millis(300);
+/// A display without a reply for this time has hung.
+const HANG_TIMEOUT: Duration = Duration::from_millis(350);
+/// A display that has hung delivers old key presses first; its input counts again after it
+/// has replied steadily for this time.
+const SETTLE_TIME: Duration = Duration::from_millis(300);
 
-/// What holds keys of the panel.
+/// What holds keys of the panel down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Holders {
-    /// Keys of the PC keyboard.
+    /// Number of keys of the PC keyboard.
     pub keys: usize,
-    /// A button of the mouse.
+    /// A mouse button.
     pub pointer: bool,
-    /// Fingers; a display is not asked for them.
+    /// Number of fingers; display servers do not report them.
     pub fingers: usize,
 }
 
@@ -49,54 +49,54 @@ impl Holders {
         self.keys > 0 || self.pointer || self.fingers > 0
     }
 
-    /// Whether a display that shows so many keys (without Shift, Ctrl and the like), and a
-    /// button of the mouse or none, shows these holders.
-    pub const fn are_shown(self, keys: usize, pointer: bool) -> bool {
+    /// Whether a display with `keys` keys down (modifiers not counted), and a mouse button
+    /// down or not, confirms these holders.
+    const fn are_confirmed_by(self, keys: usize, pointer: bool) -> bool {
         keys >= self.keys && (pointer || !self.pointer)
     }
 }
 
-/// What a display answers.
+/// Reply of a display to a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shown {
-    /// Keys that are down, without Shift, Ctrl and the like, and a button of the mouse.
+pub enum DisplayReply {
+    /// What is down.
     Down {
-        /// Count of keys.
+        /// Number of keys, modifiers not counted.
         keys: usize,
-        /// A button of the mouse is down.
+        /// A mouse button is down.
         pointer: bool,
     },
-    /// It answers, and tells nobody what is down.
-    Untold,
+    /// The display responds but does not report what is down.
+    Alive,
 }
 
-/// Who proves that keys are held.
+/// Source of the proof that keys are held.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Witness {
-    /// The display; as long as it has not answered there is no proof.
+enum ProofSource {
+    /// The display; there is no proof before its first reply.
     #[default]
     Display,
-    /// Nobody but the window: the system has nothing to be asked.
+    /// The frames of the window: this system has no display to query.
     Window,
 }
 
 #[derive(Debug, Default)]
 struct State {
-    witness: Witness,
+    source: ProofSource,
     holders: Holders,
-    /// A board moves slides: the display is asked all the time.
+    /// A board moves slides: the display is queried continuously.
     linked: bool,
-    /// The control is off: nothing more is asked.
-    over: bool,
-    /// When the newest question was asked that has been answered.
-    answered: Option<Duration>,
-    /// The same of a question whose answer showed what is held.
-    proved: Option<Duration>,
-    /// Since when the display has answered without a pause.
-    steady: Option<Duration>,
+    /// The control is off: queries end.
+    ended: bool,
+    /// Time of the newest query with a reply.
+    last_reply: Option<Duration>,
+    /// Time of the newest query whose reply confirmed the holders.
+    last_proof: Option<Duration>,
+    /// Start of the replies without a pause.
+    steady_since: Option<Duration>,
 }
 
-/// Shared by the window, the kernel thread and the thread that asks the display.
+/// Shared by the window, the kernel thread and the thread that queries the display.
 #[derive(Clone, Debug, Default)]
 pub struct InputWatch(Arc<Mutex<State>>);
 
@@ -105,87 +105,87 @@ impl InputWatch {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What holds keys now.
-    pub fn hold(&self, holders: Holders) {
+    /// Stores what holds keys now.
+    pub fn set_holders(&self, holders: Holders) {
         self.state().holders = holders;
     }
 
-    /// Whether a board moves slides.
+    /// Stores whether a board moves slides.
     pub fn set_linked(&self, linked: bool) {
         self.state().linked = linked;
     }
 
-    /// There is nothing to be asked on this system: the pictures of the window count.
+    /// Takes the frames of the window as proof, on systems without a display to query.
     pub fn trust_window(&self) {
-        self.state().witness = Witness::Window;
+        self.state().source = ProofSource::Window;
     }
 
-    /// The control is off.
+    /// Ends the queries: the control is off.
     pub fn end(&self) {
-        self.state().over = true;
+        self.state().ended = true;
     }
 
     /// Whether the control is off.
-    pub fn is_over(&self) -> bool {
-        self.state().over
+    pub fn has_ended(&self) -> bool {
+        self.state().ended
     }
 
-    /// Whether the display is to be asked.
-    pub fn is_wanted(&self) -> bool {
+    /// Whether the display must be queried.
+    pub fn needs_query(&self) -> bool {
         let state = self.state();
         state.linked || state.holders.any()
     }
 
-    /// The display has answered now what it was asked at a moment.
-    pub fn answer(&self, asked: Duration, now: Duration, shown: Shown) {
+    /// Stores the reply to a query made at `queried` that arrived at `now`.
+    pub fn record_reply(&self, queried: Duration, now: Duration, reply: DisplayReply) {
         let mut state = self.state();
-        let pause = state.answered.map(|before| now.saturating_sub(before));
-        if state.steady.is_none() || pause.is_none_or(|pause| pause > HANGS) {
-            state.steady = Some(now);
+        let pause = state.last_reply.map(|before| now.saturating_sub(before));
+        if state.steady_since.is_none() || pause.is_none_or(|pause| pause > HANG_TIMEOUT) {
+            state.steady_since = Some(now);
         }
-        state.answered = Some(asked);
-        let held = match shown {
-            Shown::Down { keys, pointer } => state.holders.are_shown(keys, pointer),
-            Shown::Untold => true,
+        state.last_reply = Some(queried);
+        let confirmed = match reply {
+            DisplayReply::Down { keys, pointer } => state.holders.are_confirmed_by(keys, pointer),
+            DisplayReply::Alive => true,
         };
-        if held {
-            state.proved = Some(asked);
+        if confirmed {
+            state.last_proof = Some(queried);
         }
     }
 
-    /// Whether nothing has proved that the keys are held which went down at a moment.
+    /// Whether keys that went down at `pressed` have been without proof for too long.
     pub fn has_lapsed(&self, pressed: Duration, now: Duration) -> bool {
         let state = self.state();
-        let proved = state.proved.map_or(pressed, |proved| proved.max(pressed));
+        let proof = state.last_proof.map_or(pressed, |proof| proof.max(pressed));
         let lease = if state.linked { LEASE } else { LEASE_SIMULATED };
-        state.witness == Witness::Display && now.saturating_sub(proved) > lease
+        state.source == ProofSource::Display && now.saturating_sub(proof) > lease
     }
 
-    /// Whether the window has said nothing since a moment for so long that what it holds is
-    /// let go.
-    pub fn has_window_lapsed(&self, heard: Duration, now: Duration) -> bool {
+    /// Whether the last message of the window, of time `last_message`, is too old for its
+    /// keys to stay down.
+    pub fn has_window_lapsed(&self, last_message: Duration, now: Duration) -> bool {
         let lease = match self.state().linked {
             true => WINDOW_LEASE,
             false => LEASE_SIMULATED,
         };
-        now.saturating_sub(heard) > lease
+        now.saturating_sub(last_message) > lease
     }
 
-    /// Whether the display answers, and has not hung of late: what is pressed and turned
-    /// was pressed and turned just now.
+    /// Whether the display replies and has not hung recently, so that key presses and
+    /// handwheel turns that arrive now were made now.
     pub fn is_fresh(&self, now: Duration) -> bool {
         let state = self.state();
-        let answers = |at: Option<Duration>| at.map(|at| now.saturating_sub(at));
-        state.witness == Witness::Window
-            || answers(state.answered).is_some_and(|age| age <= HANGS)
-                && answers(state.steady).is_some_and(|age| age >= SETTLES)
+        let age = |at: Option<Duration>| at.map(|at| now.saturating_sub(at));
+        state.source == ProofSource::Window
+            || age(state.last_reply).is_some_and(|age| age <= HANG_TIMEOUT)
+                && age(state.steady_since).is_some_and(|age| age >= SETTLE_TIME)
     }
 
-    /// Whether the display has stopped answering.
+    /// Whether the display has stopped replying.
     pub fn is_silent(&self, now: Duration) -> bool {
         let state = self.state();
-        let old = |at| now.saturating_sub(at) > LEASE;
-        state.witness == Witness::Display && state.answered.is_none_or(old)
+        let is_old = |at| now.saturating_sub(at) > LEASE;
+        state.source == ProofSource::Display && state.last_reply.is_none_or(is_old)
     }
 }
 
@@ -203,39 +203,39 @@ mod tests {
         fingers: 0,
     };
 
-    /// A display that answers within 5 ms, from 0 to this moment.
-    fn answers_until(watch: &InputWatch, end: u64, shown: Shown) {
-        for asked in (0..end).step_by(100) {
-            watch.answer(ms(asked), ms(asked + 5), shown);
+    /// A display that replies within 5 ms, from 0 to `end`.
+    fn reply_until(watch: &InputWatch, end: u64, reply: DisplayReply) {
+        for queried in (0..end).step_by(100) {
+            watch.record_reply(ms(queried), ms(queried + 5), reply);
         }
     }
 
     #[test]
-    fn a_display_that_hangs_proves_nothing() {
+    fn a_hung_display_proves_nothing() {
         let watch = InputWatch::default();
         watch.set_linked(true);
-        watch.hold(ONE_KEY);
-        let down = Shown::Down {
+        watch.set_holders(ONE_KEY);
+        let down = DisplayReply::Down {
             keys: 1,
             pointer: false,
         };
-        answers_until(&watch, 1000, down);
+        reply_until(&watch, 1000, down);
         assert!(!watch.has_lapsed(ms(100), ms(1030)));
         assert!(watch.has_lapsed(ms(100), ms(1031)));
         assert!(!watch.is_silent(ms(1030)) && watch.is_silent(ms(1031)));
         assert!(watch.has_window_lapsed(ms(700), ms(1000)));
-        // An answer that comes late proves the moment of its question.
-        watch.answer(ms(1000), ms(4000), down);
+        // A late reply proves the time of its query.
+        watch.record_reply(ms(1000), ms(4000), down);
         assert!(watch.has_lapsed(ms(100), ms(4000)));
-        assert!(!watch.is_fresh(ms(4010)), "what was pressed meanwhile");
-        for asked in (4000..4400).step_by(100) {
-            watch.answer(ms(asked), ms(asked + 5), down);
+        assert!(!watch.is_fresh(ms(4010)), "presses of the meantime");
+        for queried in (4000..4400).step_by(100) {
+            watch.record_reply(ms(queried), ms(queried + 5), down);
         }
         assert!(watch.is_fresh(ms(4310)));
     }
 
     #[test]
-    fn a_display_that_shows_a_key_up_proves_nothing() {
+    fn a_display_with_the_key_up_proves_nothing() {
         for (holders, keys, pointer, held) in [
             (ONE_KEY, 0, true, false),
             (ONE_KEY, 1, false, true),
@@ -259,23 +259,23 @@ mod tests {
             ),
         ] {
             let watch = InputWatch::default();
-            watch.hold(holders);
-            watch.answer(
+            watch.set_holders(holders);
+            watch.record_reply(
                 ms(10_000),
                 ms(10_001),
-                Shown::Down {
+                DisplayReply::Down {
                     keys: 0,
                     pointer: false,
                 },
             );
-            watch.answer(ms(20_000), ms(20_001), Shown::Down { keys, pointer });
+            watch.record_reply(ms(20_000), ms(20_001), DisplayReply::Down { keys, pointer });
             assert!(watch.has_lapsed(ms(0), ms(20_601)));
             assert_eq!(!watch.has_lapsed(ms(0), ms(20_600)), held, "{holders:?}");
         }
     }
 
     #[test]
-    fn without_a_display_to_ask_the_window_alone_counts() {
+    fn without_a_display_the_window_alone_counts() {
         let watch = InputWatch::default();
         assert!(watch.has_lapsed(ms(0), ms(700)) && !watch.is_fresh(ms(700)));
         watch.trust_window();

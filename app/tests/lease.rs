@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use gsk_app::ending::Ending;
-use gsk_app::input_watch::{Holders, InputWatch, Shown};
+use gsk_app::input_watch::{DisplayReply, Holders, InputWatch};
 use gsk_app::kernel::{Command, Console, Kernel, Outside, start};
 use gsk_app::platform::time_with_sleep;
 use gsk_core::cnc::Request;
@@ -72,7 +72,7 @@ fn a_key_comes_up_when_nobody_says_any_more_that_it_is_held() {
 fn painted_pictures_do_not_hold_a_key() {
     for shown in [None, Some(0)] {
         let alive = |console: &Console| {
-            console.watch.hold(Holders {
+            console.watch.set_holders(Holders {
                 keys: 1,
                 ..Holders::default()
             });
@@ -81,7 +81,7 @@ fn painted_pictures_do_not_hold_a_key() {
                 let (now, pointer) = (time_with_sleep(), false);
                 console
                     .watch
-                    .answer(now, now, Shown::Down { keys, pointer });
+                    .record_reply(now, now, DisplayReply::Down { keys, pointer });
             }
         };
         let (mut thread, console) = held(alive);
@@ -144,7 +144,7 @@ fn moves_on<T: Board>(machine: &mut Machine<T>, hand: Hand, display: Display, fa
         machine.simulation.cnc.set_panel_key(Z_MINUS, true);
     }
     watch.set_linked(true);
-    watch.hold(Holders {
+    watch.set_holders(Holders {
         keys: usize::from(holds),
         ..Holders::default()
     });
@@ -153,7 +153,7 @@ fn moves_on<T: Board>(machine: &mut Machine<T>, hand: Hand, display: Display, fa
     for at in 0..8000 {
         let now = ms(at);
         let keys = usize::from(holds && !(matches!(display, Display::LosesRelease) && at >= fails));
-        let shown = Shown::Down {
+        let shown = DisplayReply::Down {
             keys,
             pointer: false,
         };
@@ -163,7 +163,7 @@ fn moves_on<T: Board>(machine: &mut Machine<T>, hand: Hand, display: Display, fa
             Display::Stalls => at < fails || at >= fails + 3000,
         };
         if at % 50 == 7 && answers {
-            watch.answer(now, now, shown);
+            watch.record_reply(now, now, shown);
         }
         if matches!(hand, Hand::TurnsWheel) && at % 10 == 0 && at < fails {
             machine.simulation.lathe.turn_handwheel(-5);

@@ -11,6 +11,7 @@
 mod alarm_coverage;
 mod board_path;
 mod causes;
+mod code_words;
 mod collisions;
 mod decisions;
 mod dependencies;

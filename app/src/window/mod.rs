@@ -52,7 +52,7 @@ use gsk_panel::keys::Key;
 use gsk_panel::occurrences::Occurrence;
 
 use crate::files::lessons::Lessons;
-use crate::input_watch::ASK_EVERY;
+use crate::input_watch::QUERY_INTERVAL;
 use crate::kernel::{Command, Console, KeysReversed, Snapshot};
 use crate::platform;
 use crate::sound::Sounds;
@@ -266,7 +266,7 @@ impl Window {
         self.pointing.forget();
         self.long_press.forget();
         let changes = self.held.release_all();
-        self.console.watch.hold(self.held.holders());
+        self.console.watch.set_holders(self.held.holders());
         self.send(&changes);
     }
 
@@ -363,12 +363,12 @@ impl Window {
         if !focused {
             self.let_go();
         }
-        self.console.watch.hold(self.held.holders());
+        self.console.watch.set_holders(self.held.holders());
         if self.held.any() {
             // The kernel lets go of keys when it hears nothing of the window, or when the
             // display does not show them held.
             self.console.send(Command::Alive);
-            ui.ctx().request_repaint_after(ASK_EVERY);
+            ui.ctx().request_repaint_after(QUERY_INTERVAL);
         }
     }
 

@@ -195,12 +195,14 @@ impl WordAudit {
         if self.sound.contains(&shape) {
             return Vec::new();
         }
-        let mut differs = |words: &Words| {
+        // A changed value that is refused shows only that the control checks it; a block that
+        // is refused without the word needs it.
+        let mut differs = |words: &Words, change: Change| {
             let mut state = *block.before;
             let mut plan = Plan::new(block.plan.source, block.before.modal);
             match evaluate(words, &mut state, &mut plan) {
                 Ok(()) => state != *block.after || plan != *block.plan,
-                Err(_) => true,
+                Err(_) => matches!(change, Change::Removed),
             }
         };
         let mut idle = Vec::new();
@@ -214,8 +216,9 @@ impl WordAudit {
                 }
                 letter => {
                     let changes = [Change::Removed, Change::By(STEP), Change::By(-STEP)];
-                    let mut variants = changes.map(|change| changed(block.words, letter, change));
-                    if !variants.iter_mut().any(|words| differs(words)) {
+                    let mut is_read =
+                        |change| differs(&changed(block.words, letter, change), change);
+                    if !changes.into_iter().any(&mut is_read) {
                         idle.push((*word, advice(block, word)));
                     }
                 }

@@ -1,5 +1,5 @@
-//! Asks the display server, on a connection of its own, whether it goes on to answer, and
-//! which keys and buttons are down: what hangs hangs here, and neither window nor kernel.
+//! Queries the display server on a separate connection for the keys and buttons that are
+//! down. A hung server blocks only this thread, not the window or the kernel.
 
 use std::io;
 use std::thread;
@@ -14,21 +14,21 @@ use x11rb::protocol::xproto::{ConnectionExt, KeyButMask, Window};
 use x11rb::rust_connection::RustConnection;
 
 use super::clock::time_with_sleep;
-use crate::input_watch::{ASK_EVERY, InputWatch, Shown};
+use crate::input_watch::{DisplayReply, InputWatch, QUERY_INTERVAL};
 
-/// Bytes of a map of keys.
+/// Bytes of a key map of X11.
 const KEY_MAP: usize = 32;
 
-/// Which display server a window is at.
+/// Kind of display server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DisplayServer {
-    /// X.
+    /// An X server.
     X11,
-    /// A compositor.
+    /// A Wayland compositor.
     Wayland,
 }
 
-/// The display server of a window.
+/// Returns the display server of a window.
 pub fn display_server(window: &impl HasDisplayHandle) -> DisplayServer {
     match window.display_handle().map(|handle| handle.as_raw()) {
         Ok(RawDisplayHandle::Wayland(_)) => DisplayServer::Wayland,
@@ -36,30 +36,31 @@ pub fn display_server(window: &impl HasDisplayHandle) -> DisplayServer {
     }
 }
 
-/// Watches a display in a thread of its own. `gone` is called when the display is no more.
+/// Starts the thread that queries a display. It calls `gone` when the display has closed
+/// the connection and refuses another one.
 ///
 /// # Errors
-/// The system gives no thread.
+/// The system starts no thread.
 pub fn watch_display(
     server: DisplayServer,
     watch: InputWatch,
     gone: impl FnOnce() + Send + 'static,
 ) -> io::Result<()> {
-    let asks = move || {
+    let query_loop = move || {
         let mut display = None;
-        while !watch.is_over() {
-            let asked = time_with_sleep();
-            if watch.is_wanted() {
-                match ask(&mut display, server) {
-                    Some(shown) => watch.answer(asked, time_with_sleep(), shown),
+        while !watch.has_ended() {
+            let queried = time_with_sleep();
+            if watch.needs_query() {
+                match query(&mut display, server) {
+                    Some(reply) => watch.record_reply(queried, time_with_sleep(), reply),
                     None => {
                         tracing::error!("the display is gone");
                         return gone();
                     }
                 }
             }
-            let spent = time_with_sleep().saturating_sub(asked);
-            let rest = ASK_EVERY.saturating_sub(spent);
+            let spent = time_with_sleep().saturating_sub(queried);
+            let rest = QUERY_INTERVAL.saturating_sub(spent);
             match &display {
                 Some(display) => display.wait(rest),
                 None => thread::sleep(rest),
@@ -67,27 +68,29 @@ pub fn watch_display(
         }
     };
     let name = "display".to_owned();
-    thread::Builder::new().name(name).spawn(asks).map(drop)
+    thread::Builder::new()
+        .name(name)
+        .spawn(query_loop)
+        .map(drop)
 }
 
-/// The answer of the display; a connection that has broken is opened once more. None: there
-/// is no display any more.
-fn ask(display: &mut Option<Display>, server: DisplayServer) -> Option<Shown> {
-    let answer = display.as_mut().and_then(Display::ask);
-    answer.or_else(|| {
+/// Queries the display; reconnects once if the connection is broken. Returns none if the
+/// display is gone.
+fn query(display: &mut Option<Display>, server: DisplayServer) -> Option<DisplayReply> {
+    let reply = display.as_mut().and_then(Display::query);
+    reply.or_else(|| {
         *display = Display::connect(server);
-        display.as_mut().and_then(Display::ask)
+        display.as_mut().and_then(Display::query)
     })
 }
 
-/// A display server that is asked.
 enum Display {
     X11(Box<X11>),
-    Wayland(EventQueue<Nothing>),
+    Wayland(EventQueue<IgnoredEvents>),
 }
 
-/// Nothing is done with what Wayland reports.
-struct Nothing;
+/// Ignores the events of Wayland.
+struct IgnoredEvents;
 
 impl Display {
     fn connect(server: DisplayServer) -> Option<Self> {
@@ -100,16 +103,19 @@ impl Display {
         }
     }
 
-    /// Asks and waits for the answer, however long that takes.
-    fn ask(&mut self) -> Option<Shown> {
+    /// Sends a query and blocks until the reply arrives.
+    fn query(&mut self) -> Option<DisplayReply> {
         match self {
-            Self::X11(x11) => x11.ask(),
-            // A compositor tells nobody but the window in front what is down.
-            Self::Wayland(queue) => queue.roundtrip(&mut Nothing).ok().map(|_| Shown::Untold),
+            Self::X11(x11) => x11.query(),
+            // A compositor reports keys only to the window that has the focus.
+            Self::Wayland(queue) => queue
+                .roundtrip(&mut IgnoredEvents)
+                .ok()
+                .map(|_| DisplayReply::Alive),
         }
     }
 
-    /// Waits; no longer than until the display is gone.
+    /// Waits for this time, or until the display closes the connection.
     fn wait(&self, time: Duration) {
         match self {
             Self::X11(x11) => x11.wait(time),
@@ -118,11 +124,10 @@ impl Display {
     }
 }
 
-/// An X server.
 struct X11 {
     connection: RustConnection,
     root: Window,
-    /// Keys that are Shift, Ctrl and the like.
+    /// Bits of Shift, Ctrl and the other modifier keys.
     modifiers: [u8; KEY_MAP],
 }
 
@@ -142,7 +147,7 @@ impl X11 {
         })
     }
 
-    fn ask(&self) -> Option<Shown> {
+    fn query(&self) -> Option<DisplayReply> {
         let keys = self.connection.query_keymap().ok()?;
         let pointer = self.connection.query_pointer(self.root).ok()?;
         let keys = keys.reply().ok()?.keys;
@@ -150,24 +155,24 @@ impl X11 {
         let down = keys.iter().zip(self.modifiers);
         let down = down.map(|(keys, modifiers)| (keys & !modifiers).count_ones());
         let buttons = KeyButMask::BUTTON1 | KeyButMask::BUTTON2 | KeyButMask::BUTTON3;
-        Some(Shown::Down {
+        Some(DisplayReply::Down {
             keys: down.sum::<u32>() as usize,
             pointer: mask.intersects(buttons),
         })
     }
 
     fn wait(&self, time: Duration) {
-        // A change of the keyboard is reported to all: it is of no use here.
+        // The server sends keyboard mapping changes to all clients; they are not used here.
         while matches!(self.connection.poll_for_event(), Ok(Some(_))) {}
         let Ok(time) = Timespec::try_from(time) else {
             return;
         };
         let mut look = [PollFd::new(self.connection.stream(), PollFlags::IN)];
-        // When it is gone the next question says so.
+        // A closed connection shows in the next query.
         if let Err(error) = poll(&mut look, Some(&time))
             && error != Errno::INTR
         {
-            thread::sleep(ASK_EVERY);
+            thread::sleep(QUERY_INTERVAL);
         }
     }
 }

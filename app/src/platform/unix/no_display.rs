@@ -1,4 +1,4 @@
-//! macOS is not asked what is held: the pictures of the window count alone.
+//! macOS has no display server to query: the frames of the window alone prove held keys.
 
 use std::io;
 
@@ -6,19 +6,19 @@ use winit::raw_window_handle::HasDisplayHandle;
 
 use crate::input_watch::InputWatch;
 
-/// There is one.
+/// The display of macOS.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DisplayServer;
 
-/// The display server of a window.
+/// Returns the display of macOS.
 pub fn display_server(_window: &impl HasDisplayHandle) -> DisplayServer {
     DisplayServer
 }
 
-/// It is not watched.
+/// Takes the frames of the window as proof.
 ///
 /// # Errors
-/// None here.
+/// Never; other platforms start a thread.
 pub fn watch_display(
     _server: DisplayServer,
     watch: InputWatch,

@@ -1,5 +1,5 @@
-//! What a page knows of its input: whether it is seen and has the focus. Its pictures come
-//! from the browser, which stops them when it hangs or hides the page.
+//! Checks whether the page is visible and has the focus. The browser stops its frames when
+//! it hangs or hides the page.
 
 use std::io;
 
@@ -7,21 +7,21 @@ use web_time::Instant;
 
 use super::clock::time_with_sleep;
 use super::turns;
-use crate::input_watch::{ASK_EVERY, InputWatch, Shown};
+use crate::input_watch::{DisplayReply, InputWatch, QUERY_INTERVAL};
 
-/// There is one.
+/// The display of a page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DisplayServer;
 
-/// The browser of the page.
+/// Returns the display of the page.
 pub const fn display_server<T>(_window: &T) -> DisplayServer {
     DisplayServer
 }
 
-/// Watches the page in turns of its own.
+/// Checks the page in a separate turn of its loop.
 ///
 /// # Errors
-/// None here.
+/// Never; other platforms start a thread.
 pub fn watch_display(
     _server: DisplayServer,
     watch: InputWatch,
@@ -30,19 +30,19 @@ pub fn watch_display(
     let mut next = Instant::now();
     turns::turn("display", move || {
         let now = Instant::now();
-        if now >= next && watch.is_wanted() {
-            next = now + ASK_EVERY;
+        if now >= next && watch.needs_query() {
+            next = now + QUERY_INTERVAL;
             if has_input() {
                 let now = time_with_sleep();
-                watch.answer(now, now, Shown::Untold);
+                watch.record_reply(now, now, DisplayReply::Alive);
             }
         }
-        !watch.is_over()
+        !watch.has_ended()
     })
     .map(drop)
 }
 
-/// Whether keys and fingers reach the page.
+/// Whether the page receives keys and touches.
 fn has_input() -> bool {
     let document = web_sys::window().and_then(|window| window.document());
     document.is_some_and(|document| !document.hidden() && document.has_focus().unwrap_or(false))

@@ -1,5 +1,5 @@
-//! Asks Windows which keys and buttons are down; the pictures of the window prove that its
-//! message loop runs.
+//! Queries Windows for the keys and buttons that are down. The frames of the window prove
+//! that its message loop runs.
 
 use std::io;
 use std::thread;
@@ -8,9 +8,9 @@ use winit::raw_window_handle::HasDisplayHandle;
 use winsafe::{GetAsyncKeyState, co::VK};
 
 use super::clock::time_with_sleep;
-use crate::input_watch::{ASK_EVERY, InputWatch, Shown};
+use crate::input_watch::{DisplayReply, InputWatch, QUERY_INTERVAL};
 
-/// Keys that may hold a key of the panel: all but Shift, Ctrl and the like.
+/// Keys that can hold a panel key: all but the modifiers.
 const KEYS: [VK; 92] = [
     VK::BACK,
     VK::TAB,
@@ -107,40 +107,43 @@ const KEYS: [VK; 92] = [
 ];
 const BUTTONS: [VK; 3] = [VK::LBUTTON, VK::RBUTTON, VK::MBUTTON];
 
-/// There is one.
+/// The display of Windows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DisplayServer;
 
-/// Windows itself.
+/// Returns the display of Windows.
 pub fn display_server(_window: &impl HasDisplayHandle) -> DisplayServer {
     DisplayServer
 }
 
-/// Watches keys and buttons in a thread of its own.
+/// Starts the thread that queries keys and buttons.
 ///
 /// # Errors
-/// The system gives no thread.
+/// The system starts no thread.
 pub fn watch_display(
     _server: DisplayServer,
     watch: InputWatch,
     _gone: impl FnOnce() + Send + 'static,
 ) -> io::Result<()> {
-    let asks = move || {
-        while !watch.is_over() {
-            if watch.is_wanted() {
+    let query_loop = move || {
+        while !watch.has_ended() {
+            if watch.needs_query() {
                 let now = time_with_sleep();
-                watch.answer(now, now, shown());
+                watch.record_reply(now, now, query());
             }
-            thread::sleep(ASK_EVERY);
+            thread::sleep(QUERY_INTERVAL);
         }
     };
     let name = "display".to_owned();
-    thread::Builder::new().name(name).spawn(asks).map(drop)
+    thread::Builder::new()
+        .name(name)
+        .spawn(query_loop)
+        .map(drop)
 }
 
-fn shown() -> Shown {
+fn query() -> DisplayReply {
     let down = |keys: &[VK]| keys.iter().filter(|key| GetAsyncKeyState(**key)).count();
-    Shown::Down {
+    DisplayReply::Down {
         keys: down(&KEYS),
         pointer: down(&BUTTONS) > 0,
     }
