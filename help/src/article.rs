@@ -1,4 +1,4 @@
-//! A topic as it is read: heading, rule, what the tables know, example, source.
+//! Builds the article of a topic: heading, rule, facts of the tables, example and source.
 
 use core::fmt;
 
@@ -8,22 +8,23 @@ use crate::facts::{facts, name};
 use crate::subject::Subject;
 use crate::table::Topic;
 
-/// A topic in one language.
+/// The texts of a topic in one language.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Article {
-    /// How it is asked for, and its name: `No. 022  Rapid speed, X axis`.
+    /// How a user writes the topic, and its name: `No. 022  Rapid speed, X axis`.
     pub heading: String,
-    /// What it is for and what it does.
+    /// What the subject is for and what it does.
     pub rule: &'static str,
-    /// What the tables of the control say of it, a sentence each.
+    /// What the control's tables contain about the subject. Each entry is a sentence.
     pub facts: Vec<String>,
-    /// A worked example; empty where none makes sense.
+    /// A worked example, or empty.
     pub example: &'static str,
-    /// The section of the manual, as a sentence; empty for what only this program has.
+    /// A sentence that names the section of the manual. Empty for features that only this
+    /// program has.
     pub source: String,
 }
 
-/// A topic in a language.
+/// Returns the article of a topic in a language.
 pub fn article(topic: &Topic, language: Language) -> Article {
     let name = name(topic.subject, language);
     let called = called(topic.subject, language);
@@ -42,7 +43,7 @@ pub fn article(topic: &Topic, language: Language) -> Article {
     }
 }
 
-/// A label as the LCD has it in a language.
+/// Returns the label that the LCD shows in a language.
 fn label_in(label: &str, language: Language) -> &str {
     let (zh, en) = label.split_once('|').unwrap_or((label, label));
     match language {
@@ -51,7 +52,7 @@ fn label_in(label: &str, language: Language) -> &str {
     }
 }
 
-/// A subject as a heading calls it; it can be asked for so, too.
+/// Returns the designation of a subject in headings. A search accepts it too.
 pub fn called(subject: Subject<'_>, language: Language) -> String {
     let said = match subject {
         Subject::Alarm(number) => say::help_alarm(format!("{number:03}")),
@@ -70,7 +71,7 @@ pub fn called(subject: Subject<'_>, language: Language) -> String {
     said.text(language)
 }
 
-/// As text, a paragraph a part.
+/// Writes the article as text, one paragraph a line.
 impl fmt::Display for Article {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.heading)?;

@@ -1,4 +1,4 @@
-//! All topics as one page to be printed or put on a shelf: HTML that needs nothing else.
+//! Writes all topics as one self-contained HTML page for reading and printing.
 
 use core::fmt::Write as _;
 
@@ -8,13 +8,13 @@ use crate::article::article;
 use crate::subject::Subject;
 use crate::table::topics;
 
-/// Readable on a screen and on A4; a topic is not torn apart between two sheets.
+/// Suits a screen and A4 paper. A topic is not split between two sheets.
 const STYLE: &str = "body{font:11pt/1.4 sans-serif;max-width:48em;margin:auto;padding:1em}\
 h2{border-bottom:2px solid;margin-top:2em;break-before:page}h3{margin:1em 0 .2em}p{margin:.2em 0}\
 section{break-inside:avoid}.example{border-left:3px solid #888;padding-left:.6em}\
 .source,.fact{color:#555;font-size:90%}";
 
-/// The chapters in their order: what belongs into each, and its heading.
+/// A chapter: selects its subjects and returns its heading.
 type Chapter = (fn(Subject<'_>) -> bool, fn() -> Message);
 
 const CHAPTERS: [Chapter; 7] = [
@@ -45,7 +45,7 @@ const CHAPTERS: [Chapter; 7] = [
     ),
 ];
 
-/// All topics in a language, as HTML.
+/// Returns all topics in a language as an HTML page.
 pub fn document(language: Language) -> String {
     let tag = match language {
         Language::Zh => "zh-CN",

@@ -1,4 +1,4 @@
-//! What the tables of the control know of a subject.
+//! Reads what the control's tables contain about a subject.
 
 use gsk_core::memory::{self, Disk, Effective, ParameterRow};
 use gsk_core::{alarm, alarm::AlarmRow};
@@ -9,8 +9,8 @@ use gsk_panel::signals::{self, Signal};
 
 use crate::subject::Subject;
 
-/// The name of a subject in its table; empty where it has no other than how it is asked
-/// for.
+/// Returns the name of a subject from its table, or an empty text for codes, fields, diagnosis
+/// numbers and notions.
 pub fn name(subject: Subject<'_>, language: Language) -> String {
     let text = |zh: &str, en: &str| by(language, zh, en).to_owned();
     match subject {
@@ -35,7 +35,7 @@ pub fn name(subject: Subject<'_>, language: Language) -> String {
     .unwrap_or_default()
 }
 
-/// What its table says of a subject besides its name, a sentence each.
+/// Returns what the table contains about a subject besides its name, one sentence an entry.
 pub fn facts(subject: Subject<'_>, language: Language) -> Vec<String> {
     match subject {
         Subject::Alarm(number) => alarm::row(number).map(|row| of_alarm(row, language)),
@@ -138,13 +138,13 @@ fn of_signal(row: &Signal, language: Language) -> Vec<String> {
     facts
 }
 
-/// Who says a signal to whom.
+/// Returns the sender and the receiver of a PLC signal: `CNC → PLC`.
 pub fn direction(row: &Signal, language: Language) -> String {
     let ends = row.direction.split('>').map(|end| end_of(end, language));
     ends.collect::<Vec<_>>().join(" → ")
 }
 
-/// One end of a signal, as the table of signals writes it.
+/// Returns the name of a sender or receiver that the signal table lists.
 fn end_of(end: &str, language: Language) -> String {
     let said = match end {
         "machine" => say::help_end_machine(),

@@ -1,4 +1,4 @@
-//! What somebody points at on the LCD.
+//! Finds the topic at a position on the LCD.
 
 mod field;
 mod program;
@@ -14,8 +14,8 @@ use crate::table::{Topic, topic};
 /// Bits of a byte, and digits of a state parameter.
 const BITS: usize = 8;
 
-/// The topic of a model about what a page shows in a row and column; of the page itself where it
-/// shows nothing that has one of its own.
+/// Returns the model's topic about the word or field at a row and column of a page. Where that
+/// has no topic, returns the topic of the page.
 pub fn on_screen(
     model: ModelId,
     page: PageId,
@@ -37,13 +37,13 @@ pub fn on_screen(
         .or_else(|| topic(Subject::Page(page.name())))
 }
 
-/// A word of the screen: where it begins, and its text.
+/// A word on the screen with its first column.
 struct Word {
     at: usize,
     text: String,
 }
 
-/// The words in some columns of a row; a wide character takes two of them.
+/// Returns the words in a range of columns of a row. A wide character takes two columns.
 fn words(screen: &Screen, row: usize, columns: core::ops::Range<usize>) -> Vec<Word> {
     let mut words: Vec<Word> = Vec::new();
     let mut inside = false;
@@ -69,7 +69,7 @@ fn words(screen: &Screen, row: usize, columns: core::ops::Range<usize>) -> Vec<W
     words
 }
 
-/// The half of a list that a column lies in: lists have two.
+/// Returns the columns of the list at a column. A list page has a left and a right list.
 fn half(column: usize) -> core::ops::Range<usize> {
     let middle = COLUMNS / 2;
     match column < middle {
@@ -78,8 +78,8 @@ fn half(column: usize) -> core::ops::Range<usize> {
     }
 }
 
-/// The first word of the entry that is pointed at, and the bit, where one of its eight
-/// digits is.
+/// Returns the first word of the list entry at a column, and the bit if the column is in its
+/// eight binary digits.
 fn entry(screen: &Screen, row: usize, column: usize) -> Option<(String, Option<u8>)> {
     let mut words = words(screen, row, half(column)).into_iter();
     let name = words.next()?;
@@ -92,8 +92,8 @@ fn entry(screen: &Screen, row: usize, column: usize) -> Option<(String, Option<u
     Some((name.text, bit))
 }
 
-/// The bit whose name of the eight in a row is pointed at, with what the line of the
-/// chosen number says that it belongs to.
+/// Returns the selected number, and the bit whose name is at a column of a row with the names
+/// of eight bits.
 fn named_bit(screen: &Screen, row: usize, column: usize) -> Option<(String, u8)> {
     let names = words(screen, row, 0..COLUMNS);
     if names.len() != BITS {
@@ -106,14 +106,14 @@ fn named_bit(screen: &Screen, row: usize, column: usize) -> Option<(String, u8)>
     Some((number, (BITS - 1 - from_left) as u8))
 }
 
-/// Where the number stands that is chosen in a list.
+/// Row that shows the number selected in a list.
 const CHOSEN_ROW: usize = 13;
-/// Where lists stand, and under them what is said of the chosen number.
+/// Rows of the lists and of the description of the selected number.
 const CHOSEN_TEXT: core::ops::RangeInclusive<usize> = 2..=12;
-/// The first row of what is said of the chosen number.
+/// First row of the description of the selected number.
 const CHOSEN_FIRST: usize = 10;
 
-/// The number that is chosen in a list, and its bit where the row names one (`BIT3: …`).
+/// Returns the number selected in a list, and its bit if the row names one (`BIT3: …`).
 fn chosen(screen: &Screen, row: usize) -> Option<(String, Option<u8>)> {
     if row < CHOSEN_FIRST {
         return None;
@@ -159,7 +159,7 @@ fn signal(screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> 
     topic(Subject::Signal(&format!("{area}{number}.{bit}")))
 }
 
-/// The alarm in a row: `P/S 013: …`, `207: …`, `1016 …`.
+/// Returns the topic of the alarm in a row: `P/S 013: …`, `207: …`, `1016 …`.
 fn alarm(screen: &Screen, row: usize) -> Option<&'static Topic> {
     let words = words(screen, row, 0..COLUMNS);
     let number = words.iter().take(2).find_map(|word| {

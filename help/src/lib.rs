@@ -1,15 +1,15 @@
-//! Help: what every symbol of the control means, in Chinese and English.
+//! Explains every symbol of the control in Chinese and English.
 //!
-//! A *topic* is what a user meets and may ask for: an alarm, a parameter or its bit, a
-//! code, a key or lamp, a page or one of its fields, a signal of the PLC, a notion. What a
-//! table of the control knows of it (range, unit, cause, way out) is taken from there
-//! ([`facts`]); what more there is to say stands in `assets/help/`.
+//! A *topic* is something a user meets and can query: an alarm, a parameter or its bit, a
+//! code, a key or lamp, a page or one of its fields, a PLC signal, a notion. Range, unit,
+//! cause and remedy come from the control's tables ([`facts`]). Further texts are in
+//! `assets/help/`.
 //!
 //! ```
 //! use gsk_help::{Subject, ask, topic};
 //! let alarm = topic(Subject::Alarm(7)).unwrap();
 //! assert_eq!(alarm.subject.to_string(), "alarm 007");
-//! // Who asks for a number means whatever has it.
+//! // A number matches every subject with that number.
 //! assert!(ask("31").len() >= 2);
 //! ```
 

@@ -1,5 +1,5 @@
-//! The topics of a model: those of the GSK980TD that hold there, and its own codes and
-//! parameters.
+//! Collects the topics of a model: its own codes and parameters, and the GSK980TD's topics that
+//! are valid for it.
 
 use std::sync::LazyLock;
 
@@ -9,7 +9,7 @@ use gsk_messages::{Language, Message, say};
 use crate::subject::Subject;
 use crate::table::{Topic, texts, topics};
 
-/// Texts about codes that only one model has, or that mean something else in it.
+/// Texts about codes that exist in one model only or that mean something else in it.
 const OWN_TEXTS: [(ModelId, &str); 3] = [
     (
         ModelId::Gsk980mdi,
@@ -25,9 +25,9 @@ const OWN_TEXTS: [(ModelId, &str); 3] = [
     ),
 ];
 
-/// All topics of a model by ascending subject.
+/// Returns all topics of a model by ascending subject.
 pub fn topics_of(model: ModelId) -> &'static [Topic] {
-    // Each when it is asked for: a run has one model, as a rule.
+    // Each is collected on first use, because a run usually has one model.
     static MODELS: [LazyLock<Vec<Topic>>; 3] = [
         LazyLock::new(|| collect(ModelId::Gsk980mdi)),
         LazyLock::new(|| collect(ModelId::Hx31)),
@@ -41,7 +41,7 @@ pub fn topics_of(model: ModelId) -> &'static [Topic] {
     }
 }
 
-/// The topic of a model about a subject.
+/// Returns the topic of a model about a subject.
 pub fn topic_of(model: ModelId, subject: Subject<'_>) -> Option<&'static Topic> {
     let all = topics_of(model);
     let at = all.binary_search_by(|topic| topic.subject.cmp(&subject));
@@ -62,13 +62,13 @@ fn collect(model: ModelId) -> Vec<Topic> {
             .filter(|topic| holds(topic, record))
             .copied(),
     );
-    // What has a text of the model stands before what has none, and before the others.
+    // Topics with a text of the model come before those without one, and before the GSK980TD's.
     all.sort_by_key(|topic| topic.subject);
     all.dedup_by_key(|topic| topic.subject);
     all
 }
 
-/// Whether a topic of the GSK980TD says what the model does.
+/// Whether a topic of the GSK980TD is valid for the model.
 fn holds(topic: &Topic, record: &Record) -> bool {
     let Subject::Code(name) = topic.subject else {
         return true;
@@ -91,7 +91,7 @@ fn holds(topic: &Topic, record: &Record) -> bool {
     true
 }
 
-/// The codes of a model that its tables have no text about: what they mean.
+/// Topics for the codes of a model that have no text: the meaning of the code.
 fn codes(record: &'static Record) -> impl Iterator<Item = Topic> {
     let main = ModelId::default().record();
     let g = record
@@ -110,7 +110,7 @@ fn codes(record: &'static Record) -> impl Iterator<Item = Topic> {
     })
 }
 
-/// The parameters that only a model has.
+/// Topics for the parameters that exist in this model only.
 fn parameters(record: &'static Record) -> impl Iterator<Item = Topic> {
     record.parameters.iter().map(|(number, parameter)| {
         let (low, high) = parameter.range;

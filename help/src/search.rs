@@ -1,4 +1,4 @@
-//! From what somebody asks to the topics he may mean.
+//! Searches topics by a user's words.
 
 use gsk_core::model::ModelId;
 use gsk_messages::Language;
@@ -9,20 +9,20 @@ use crate::models::topics_of;
 use crate::subject::Subject;
 use crate::table::{Topic, topics};
 
-/// Topics for a question, the best first: the one that is called so, those that have the
-/// number, those that have all its words in their name, then those that have them in
-/// their text. Capital and small letters are the same, and so are `G1` and `G01`, `31`
-/// and `031`.
+/// Returns the topics that match a query, the best first. An exact designation returns that
+/// topic alone. A number returns the topics with that number. Other words return the topics
+/// with all words in the name, then those with all words in the text. Case is ignored, `G1`
+/// equals `G01`, and `31` equals `031`.
 pub fn ask(question: &str) -> Vec<&'static Topic> {
     ask_among(question, |_| true)
 }
 
-/// The same of a model.
+/// Searches the topics of a model as [`ask`] does.
 pub fn ask_of(model: ModelId, question: &str) -> Vec<&'static Topic> {
     find(topics_of(model), question, |_| true)
 }
 
-/// The same among some subjects.
+/// Searches the topics whose subject `among` accepts, as [`ask`] does.
 pub fn ask_among(question: &str, among: impl Fn(Subject<'_>) -> bool) -> Vec<&'static Topic> {
     find(topics(), question, among)
 }
@@ -43,7 +43,7 @@ fn find(
         .filter(|topic| among(topic.subject))
         .filter_map(|topic| Some((distance(topic, &asked, number, &words)?, topic)))
         .collect();
-    // Who names a topic wants no other.
+    // An exact designation excludes all other topics.
     if found.iter().any(|(distance, _)| *distance == 0) {
         found.retain(|(distance, _)| *distance == 0);
     }
@@ -51,7 +51,7 @@ fn find(
     found.into_iter().map(|(_, topic)| topic).collect()
 }
 
-/// How far a topic is from what was asked; none when it is something else.
+/// Rank of a topic for a query, 0 for an exact match, or `None` if it does not match.
 fn distance(topic: &Topic, asked: &str, number: Option<u16>, words: &[String]) -> Option<u8> {
     let called = folded(&topic.subject.to_string());
     let headed = |language| folded_words(&article::called(topic.subject, language)) == asked;
@@ -77,13 +77,13 @@ fn distance(topic: &Topic, asked: &str, number: Option<u16>, words: &[String]) -
     (texts.iter().any(|text| all(&text.to_lowercase()))).then_some(3)
 }
 
-/// Words of a text, each folded.
+/// Folds each word of a text.
 fn folded_words(text: &str) -> String {
     let words: Vec<String> = text.split_whitespace().map(folded).collect();
     words.join(" ")
 }
 
-/// Small letters; a code or a number as its table writes it.
+/// Returns a word in lower case, with codes and numbers padded as in the tables.
 fn folded(text: &str) -> String {
     let text = text.to_lowercase();
     let letters = text.len()

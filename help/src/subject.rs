@@ -1,4 +1,4 @@
-//! What a topic is about, and how it is written.
+//! Defines the subjects of topics and how they are written.
 
 use core::fmt;
 
@@ -12,14 +12,14 @@ const EVERY_DATA_PARAMETER: &str = "every data parameter";
 /// What a topic is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Subject<'a> {
-    /// An alarm by its number; the first one of a range.
+    /// An alarm by its number. For a range of alarms, the first number.
     Alarm(u16),
-    /// A parameter as a whole.
+    /// A whole parameter.
     Parameter(u16),
-    /// A bit of a state parameter.
+    /// A bit of a state parameter: parameter number and bit, 0 to 7.
     Bit(u16, u8),
-    /// A G or M code, an operation of G65, a statement or function of macros: `G71`,
-    /// `M30`, `G65 H01`, `ATAN`; the words S, T and F.
+    /// A G or M code, an operation of G65, a statement or function of macros: `G71`, `M30`,
+    /// `G65 H01`, `ATAN`. Also the words S, T and F.
     Code(&'a str),
     /// A key by its name in scripts.
     Key(&'a str),
@@ -27,19 +27,19 @@ pub enum Subject<'a> {
     Lamp(&'a str),
     /// A page by its name in scripts.
     Page(&'a str),
-    /// A field of a page: the page, `*` for any, and the label on its screen; Chinese and
-    /// English with `|` between them where they differ: `编程速率|PRG.FEED`.
+    /// A field of a page: the page (`*` for any page) and the label on its screen. A label that
+    /// differs by language is Chinese, `|` and English: `编程速率|PRG.FEED`.
     Field(&'a str, &'a str),
-    /// A signal of the PLC by its address, `X0.5`.
+    /// A PLC signal by its address: `X0.5`.
     Signal(&'a str),
     /// A number of the diagnosis page.
     Diagnosis(u16),
-    /// Anything else that has a name: `dry run`, `mode AUTO`, `address X`.
+    /// Any other named notion: `dry run`, `mode AUTO`, `address X`.
     Notion(&'a str),
 }
 
 impl<'a> Subject<'a> {
-    /// A subject of the panel, as its table writes it: `key RESET`, `page pos-abs`.
+    /// Parses a subject of the panel as its table writes it: `key RESET`, `page pos-abs`.
     pub(crate) fn of_panel(written: &'a str) -> Option<Self> {
         let (family, rest) = written.split_once(' ').unwrap_or((written, ""));
         Some(match family {
@@ -55,12 +55,12 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// An alarm by its number.
+    /// Parses an alarm number.
     pub(crate) fn of_alarm(written: &'a str) -> Option<Self> {
         written.parse().ok().map(Self::Alarm)
     }
 
-    /// A parameter or a bit of one: `022`, `004.3`.
+    /// Parses a parameter or a bit of one: `022`, `004.3`.
     pub(crate) fn of_parameter(written: &'a str) -> Option<Self> {
         let Some((number, bit)) = written.split_once('.') else {
             return written.parse().ok().map(Self::Parameter);
@@ -68,8 +68,8 @@ impl<'a> Subject<'a> {
         Some(Self::Bit(number.parse().ok()?, bit.parse().ok()?))
     }
 
-    /// A code or word of programs: what begins with a capital letter is one, an address
-    /// and all else a notion.
+    /// Parses a code or a word of programs. A capital letter or `#` begins a code, anything
+    /// else a notion.
     pub(crate) fn of_program(written: &'a str) -> Self {
         match written.starts_with(|it: char| it.is_ascii_uppercase() || it == '#') {
             true => Self::Code(written),
@@ -77,8 +77,8 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// The family of subjects that are handled alike, where it belongs to one: what is
-    /// shown of a family is shown of each of them.
+    /// Returns the family of subjects with the same handling, if there is one. What is shown
+    /// about a family is shown about each of its subjects.
     pub fn family(&self) -> Option<&'static str> {
         match *self {
             Self::Parameter(number) => {
@@ -100,7 +100,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// The number that the subject has, where it has one.
+    /// Returns the number of an alarm, a whole parameter or a diagnosis item.
     pub const fn number(&self) -> Option<u16> {
         match *self {
             Self::Alarm(number) | Self::Parameter(number) | Self::Diagnosis(number) => Some(number),
@@ -109,7 +109,8 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// As it is asked for: `alarm 031`, `No. 004.3`, `G71`, `key RESET`, `page pos-abs`.
+/// Writes the subject as a query does: `alarm 031`, `No. 004.3`, `G71`, `key RESET`,
+/// `page pos-abs`.
 impl fmt::Display for Subject<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -1,4 +1,4 @@
-//! The topics: what the tables of the control hold, and the texts about it.
+//! Combines the control's tables and the help texts into the list of topics.
 
 use std::sync::LazyLock;
 
@@ -11,13 +11,13 @@ use gsk_panel::signals;
 
 use crate::subject::Subject;
 
-/// What can be said of a subject in this many fields of a line.
+/// Fields in a line of a help table.
 const FIELDS: usize = 6;
 
-/// How a table of texts writes its subjects.
+/// Parses the subject field of a help table.
 pub(crate) type Read = fn(&'static str) -> Option<Subject<'static>>;
 
-/// The tables of texts.
+/// The help tables, each with the parser of its subjects.
 const TEXTS: [(&str, Read); 6] = [
     (
         include_str!("../../assets/help/alarms.tsv"),
@@ -43,20 +43,20 @@ const TEXTS: [(&str, Read); 6] = [
     }),
 ];
 
-/// Topics by ascending subject: those that have a text, then all of the tables.
+/// All topics by ascending subject.
 static TOPICS: LazyLock<Vec<Topic>> = LazyLock::new(|| {
     let mut topics: Vec<Topic> = TEXTS
         .iter()
         .flat_map(|(table, read)| texts(table, *read))
         .collect();
     topics.extend(of_tables().map(Topic::without_text));
-    // What has a text stands before what has none.
+    // Topics with a text come before those without one.
     topics.sort_by_key(|topic| topic.subject);
     topics.dedup_by_key(|topic| topic.subject);
     topics
 });
 
-/// All that stands in a table of the control.
+/// Returns every subject that the control's tables contain.
 fn of_tables() -> impl Iterator<Item = Subject<'static>> {
     let alarms = alarm::rows().iter().map(|row| Subject::Alarm(row.number));
     let parameters = memory::rows().iter().map(|row| match row.bit {
@@ -76,23 +76,23 @@ fn of_tables() -> impl Iterator<Item = Subject<'static>> {
         .chain(signals)
 }
 
-/// The lines of a table of texts.
+/// Returns the topics of a help table.
 pub(crate) fn texts(table: &'static str, read: Read) -> impl Iterator<Item = Topic> {
     let lines = table.lines().skip(1);
     lines.filter_map(move |line| Topic::read(line, read))
 }
 
-/// One topic.
+/// A help topic: a subject and the texts about it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Topic {
-    /// What it is about.
+    /// The subject of the topic.
     pub subject: Subject<'static>,
     rule: [&'static str; 2],
     example: [&'static str; 2],
-    /// The section of the manual; empty where no text gives one.
+    /// The section of the manual, or empty.
     pub source: &'static str,
-    /// The model whose own it is; none: it is of the GSK980TD, and of others where it
-    /// holds.
+    /// The only model the topic is about. `None` for a topic of the GSK980TD, which other
+    /// models can share.
     pub model: Option<ModelId>,
 }
 
@@ -107,7 +107,7 @@ impl Topic {
         }
     }
 
-    /// A topic with a rule in Chinese and English.
+    /// Creates a topic with a rule in Chinese and English.
     pub(crate) const fn of_text(subject: Subject<'static>, rule: [&'static str; 2]) -> Self {
         Self {
             rule,
@@ -115,7 +115,7 @@ impl Topic {
         }
     }
 
-    /// The same as one that is a model's own.
+    /// Returns the topic as one that only `model` has.
     pub(crate) const fn of(self, model: ModelId) -> Self {
         Self {
             model: Some(model),
@@ -137,13 +137,13 @@ impl Topic {
         })
     }
 
-    /// What it is for, what it does, what surprises people; empty where the tables say
-    /// all there is.
+    /// Returns what the subject is for, what it does and what surprises users. Empty where the
+    /// tables contain everything.
     pub const fn rule(&self, language: Language) -> &'static str {
         self.rule[column(language)]
     }
 
-    /// A worked example; empty where there is none.
+    /// Returns a worked example, or an empty text.
     pub const fn example(&self, language: Language) -> &'static str {
         self.example[column(language)]
     }
@@ -156,12 +156,12 @@ const fn column(language: Language) -> usize {
     }
 }
 
-/// All topics by ascending subject.
+/// Returns all topics of the GSK980TD by ascending subject.
 pub fn topics() -> &'static [Topic] {
     &TOPICS
 }
 
-/// The topic about a subject.
+/// Returns the GSK980TD's topic about a subject.
 pub fn topic(subject: Subject<'_>) -> Option<&'static Topic> {
     let at = TOPICS
         .binary_search_by(|topic| topic.subject.cmp(&subject))

@@ -1,8 +1,8 @@
-//! What a keystroke costs in a long program.
+//! Measures the cost of a keystroke in a long program.
 //!
 //! `cargo bench -p gsk980td-language --bench keystroke` prints criterion's figures for a
-//! program of 100 000 blocks: the change of the text, a look through it, and what is asked
-//! when symbols or folds are shown.
+//! program of 100 000 blocks: the change of the text, its analysis, and the requests for its
+//! symbols and folds.
 
 use std::fmt::Write as _;
 use std::hint::black_box;
@@ -17,7 +17,7 @@ use gsk_messages::Language;
 /// Blocks of the program.
 const BLOCKS: u32 = 100_000;
 
-/// A program of short cuts with a tool change now and then.
+/// A program of short cuts with a tool change every 5000 blocks.
 fn program() -> String {
     let mut text = String::from("O0001 (long)\nM03 S800 T0101\nG00 X100 Z2\nG98 F300\n");
     for block in 0..BLOCKS {

@@ -1,5 +1,5 @@
-//! What may follow at the cursor: codes of the model, words of the code in work, blocks,
-//! programs and tools that are there.
+//! Proposes completions at the cursor: codes of the model, letters of the code in force, and
+//! existing blocks, programs and tools.
 
 use std::collections::BTreeSet;
 
@@ -14,44 +14,45 @@ use crate::structure::Structure;
 use crate::text::{Place, Position, Text};
 use crate::words::{Kind, Span, spans, word_of};
 
-/// What is proposed.
+/// What a completion inserts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CompletionKind {
     /// A G or M code.
     Code,
     /// The letter of a word.
     Letter,
-    /// The number of a block or a program that is there.
+    /// The number of an existing block or program.
     Target,
     /// A tool that the program calls elsewhere.
     Tool,
     /// A statement of macro B.
     Statement,
-    /// The blocks of a cycle, with places to be filled in.
+    /// The blocks of a cycle, with fields to fill in.
     Snippet,
 }
 
-/// A proposal.
+/// A completion proposal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Completion {
-    /// As it is listed.
+    /// The text in the list of proposals.
     pub label: String,
-    /// What it is.
+    /// What the proposal inserts.
     pub kind: CompletionKind,
-    /// What it means, a line.
+    /// The meaning in one line.
     pub detail: String,
-    /// More on it, as Markdown; may be empty.
+    /// A longer explanation in Markdown, or empty.
     pub about: String,
-    /// What is put in, in the place of `place`; of a snippet in the form of editors.
+    /// The text that replaces `place`. A snippet has the `${1:…}` form of editors.
     pub insert: String,
-    /// What gives way to it.
+    /// The text that the proposal replaces.
     pub place: Place,
 }
 
-/// Lines above that are looked at for the code in force.
+/// Lines searched upwards for the code in force.
 const MOST_ABOVE: u32 = 2000;
 
-/// Proposals at a position. `programs`: numbers of programs that can be called.
+/// Returns the proposals at a position. `programs` contains the numbers of programs that can be
+/// called.
 pub fn complete(
     text: &Text,
     structure: &Structure,
@@ -110,7 +111,7 @@ pub fn complete(
     site.found
 }
 
-/// Where something is proposed.
+/// The line, block and range that a proposal applies to.
 struct Site<'a> {
     line: &'a str,
     block: Vec<Span>,
@@ -119,7 +120,7 @@ struct Site<'a> {
     found: Vec<Completion>,
 }
 
-/// The pieces of the block around a byte of its line.
+/// The spans of the block around a byte of its line.
 fn block_at(spans: &[Span], line: &str, byte: usize) -> Vec<Span> {
     let ends = |it: &Span| {
         it.kind == Kind::Mark && matches!(line.get(it.range.clone()), Some(";" | "*" | "%"))
@@ -142,7 +143,7 @@ impl Site<'_> {
         });
     }
 
-    /// The G or M codes of the model.
+    /// Proposes the G or M codes of the model.
     fn codes(&mut self, address: char) {
         let record = self.reader.model.record();
         let numbers: Vec<u8> = match address {
@@ -205,7 +206,7 @@ impl Site<'_> {
         }
     }
 
-    /// P and Q of what leads somewhere: the blocks or programs that are there.
+    /// Proposes existing blocks or programs for P and Q.
     fn targets(
         &mut self,
         structure: &Structure,
@@ -214,7 +215,7 @@ impl Site<'_> {
         programs: &BTreeSet<u16>,
     ) {
         self.letter(address);
-        // What the word leads to with any number, the block says.
+        // The block determines the target of the word with any number, so try it with 1.
         let mut with_number = String::from(self.line.get(..self.place.from as usize).unwrap_or(""));
         let from = with_number.len();
         with_number.push(address);
@@ -273,7 +274,7 @@ impl Site<'_> {
         }
     }
 
-    /// Statements of macro B that begin with a letter.
+    /// Proposes statements of macro B that begin with a letter.
     fn statements(&mut self, first: char) {
         const STATEMENTS: [&str; 4] = [
             "IF [${1:#1 GT 0}] GOTO ${2:10}",
@@ -295,7 +296,7 @@ impl Site<'_> {
         }
     }
 
-    /// The G code whose words follow: that of the block, or the motion in force.
+    /// Returns the G code whose words follow: that of the block, or else the motion in force.
     fn code_in_force(&self, text: &Text, at: Position) -> Option<GCode> {
         let record = self.reader.model.record();
         let code = |line: &str, spans: &[Span]| {
@@ -314,7 +315,7 @@ impl Site<'_> {
     }
 }
 
-/// Whether a code holds for the blocks after it (group 01).
+/// Whether a code remains in force in the next blocks (group 01).
 const fn stays(code: GCode) -> bool {
     matches!(
         code,

@@ -1,5 +1,4 @@
-//! What is wrong with a program, and how long it takes: one look through it, as `check`
-//! looks.
+//! Analyses a program as `check` does: alarms, warnings, machine time and extents.
 
 use gsk_core::alarm::Alarm;
 use gsk_core::command::{ExecutedMove, ProgramId, Source};
@@ -13,61 +12,61 @@ use gsk_runner::report::AlarmReport;
 use crate::line_times::LineTimes;
 use crate::locate::{Located, bytes_at, locate, whole};
 
-/// How bad it is.
+/// The severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
     /// The program does not run.
     Error,
-    /// It runs, and is likely not what was meant.
+    /// The program runs, but probably not as intended.
     Warning,
 }
 
-/// Something wrong.
+/// An alarm or a warning about a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
-    /// The program it stands in; the text itself is [`ProgramId::External`].
+    /// The program that contains the cause. The analysed text is [`ProgramId::External`].
     pub program: ProgramId,
-    /// Where; its line counts from 1 as in all places of the control. None where no block
-    /// is to blame.
+    /// The cause, with its line from 1 as elsewhere in the control. `None` if no block is the
+    /// cause.
     pub at: Option<Located>,
-    /// How bad it is.
+    /// The severity.
     pub level: Level,
     /// The number of the alarm, or the name of the warning.
     pub code: String,
-    /// What it is, and what helps.
+    /// The message with its cause and remedy.
     pub text: String,
 }
 
-/// The box around a path.
+/// The bounding box of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Extents {
-    /// Of a lathe; X is a radius.
+    /// Bounds of a lathe path. X is a radius.
     Lathe(Bounds),
-    /// Of a mill: X, Y, Z.
+    /// Bounds of a mill path in X, Y and Z, with the further axes.
     Mill(gsk_milling::Bounds, gsk_milling::Axes),
 }
 
-/// A look through a program.
+/// The result of analysing a program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analysis {
-    /// What is wrong, in the order of execution.
+    /// Alarms and warnings in the order of execution.
     pub findings: Vec<Finding>,
-    /// How it ended.
+    /// How the preview ended.
     pub end: End,
-    /// Machine time up to there, s.
+    /// Machine time up to the end of the preview, s.
     pub time_s: f64,
-    /// Part of it with the tool in the material, s.
+    /// Part of the machine time with the tool in the material, s.
     pub cutting_s: f64,
-    /// The box around the path, work coordinates.
+    /// The bounding box of the path, work coordinates, mm.
     pub extents: Option<Extents>,
-    /// Tools called, as their words are written.
+    /// Tools that the program calls, as T words: `T0101`.
     pub tools: Vec<String>,
-    /// Machine time by the lines of the text.
+    /// Machine time by line of the text.
     pub line_times: LineTimes,
 }
 
-/// Looks the selected program of a set-up through, behind its alarms too, as long as
-/// `goes_on` says so.
+/// Analyses the selected program of a setup, including the blocks after an alarm. Stops early
+/// when `goes_on` returns false.
 pub fn analyse(
     setup: &Setup,
     language: Language,
@@ -100,7 +99,7 @@ pub fn analyse(
     }
 }
 
-/// Looks the selected program of a mill through as long as `goes_on` says so.
+/// Analyses the selected program of a mill. Stops early when `goes_on` returns false.
 pub fn analyse_mill(
     setup: &MillSetup,
     programs: &ProgramMemory,
@@ -136,7 +135,7 @@ pub fn analyse_mill(
     }
 }
 
-/// What is said of a look that was given up.
+/// The warning that the preview reached its limit.
 fn given_up(end: End, language: Language) -> Option<Finding> {
     (end == End::Limit).then(|| Finding {
         program: ProgramId::External,

@@ -1,9 +1,9 @@
-//! What can be folded away: profiles of cycles, loops, the work of each tool, programs.
+//! Finds foldable ranges: profiles of cycles, loops, the blocks of each tool, and programs.
 
 use crate::structure::Structure;
 use crate::text::{Place, Text};
 
-/// The lines that fold, first and last, in the order of their first lines.
+/// Returns the first and last line of each fold, sorted by first line.
 pub fn folds(text: &Text, structure: &Structure) -> Vec<(u32, u32)> {
     let mut folds = Vec::new();
     for (index, part) in structure.parts.iter().enumerate() {
@@ -38,7 +38,7 @@ pub fn folds(text: &Text, structure: &Structure) -> Vec<(u32, u32)> {
     folds
 }
 
-/// The last line before another one that has something in it.
+/// The last line with text before line `before`.
 fn last_line(text: &Text, from: u32, before: u32) -> u32 {
     let mut lines = (from..before).rev();
     lines

@@ -1,5 +1,5 @@
-//! How a program is written: numbers of blocks, blanks between words, capital letters.
-//! What it does stays: where that is not sure the numbers stay as they are.
+//! Formats a program: block numbers, blanks between words, upper case. The meaning does not
+//! change. Where that is uncertain, the numbers remain.
 
 use std::collections::BTreeMap;
 
@@ -12,24 +12,24 @@ use crate::structure::Structure;
 use crate::text::{Edit, Place, Text};
 use crate::words::{Kind, Span, spans};
 
-/// Which blocks get numbers.
+/// Which blocks get sequence numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Numbering {
-    /// As they stand.
+    /// Keep all numbers.
     #[default]
     AsTheyAre,
-    /// Those that have one are counted anew.
+    /// Renumber blocks that have a number.
     Present {
-        /// The first one.
+        /// First number.
         start: u16,
-        /// From one to the next.
+        /// Increment between numbers.
         step: u16,
     },
-    /// All blocks.
+    /// Number all blocks.
     All {
-        /// The first one.
+        /// First number.
         start: u16,
-        /// From one to the next.
+        /// Increment between numbers.
         step: u16,
     },
 }
@@ -37,54 +37,54 @@ pub enum Numbering {
 /// Blanks between words.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Spacing {
-    /// As they stand.
+    /// Keep all blanks.
     AsTheyAre,
-    /// One, and none around a line.
+    /// One blank between words, none at the ends of a line.
     #[default]
     One,
-    /// None.
+    /// No blanks.
     None,
 }
 
-/// Letters of words.
+/// Case of letters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Casing {
-    /// As they stand.
+    /// Keep the case.
     AsTheyAre,
-    /// Capital letters.
+    /// Upper case.
     #[default]
     Upper,
 }
 
-/// How a program is to be written.
+/// The options for formatting a program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Style {
-    /// Numbers of blocks.
+    /// Numbering of blocks.
     pub numbering: Numbering,
-    /// Blanks.
+    /// Blanks between words.
     pub spacing: Spacing,
-    /// Letters.
+    /// Case of letters.
     pub casing: Casing,
 }
 
-/// The changes that write a program so.
+/// The edits that format a program.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Formatted {
-    /// The changes; they do not overlap.
+    /// The edits, which do not overlap.
     pub edits: Vec<Edit>,
-    /// Why the numbers stay as they are, where they were to be changed.
+    /// Why the numbers remain unchanged, if renumbering was requested.
     pub refused: Option<Message>,
 }
 
-/// More changes than these are made as one: an editor makes each for itself.
+/// More edits than this are merged into one, because an editor applies each separately.
 const MOST_EDITS: usize = 1000;
 
 /// Greatest sequence number.
 const GREATEST: u32 = 9999;
 
-/// The changes that write lines of a program in a style. Numbers change in whole programs
-/// only, when `lines` are all of them. `outside`: numbers that P of M99 in programs of
-/// other files leads to.
+/// Returns the edits that format `lines` of a program. Numbers change only if `lines` covers
+/// the whole program. `outside` lists block numbers that P of M99 in programs of other files
+/// refers to.
 pub fn format(
     text: &Text,
     structure: &Structure,
@@ -121,7 +121,7 @@ pub fn format(
     }
 }
 
-/// Many changes as one from the first line to the last.
+/// Merges many edits into one that spans the first to the last line.
 fn few(text: &Text, edits: Vec<Edit>) -> Vec<Edit> {
     let (Some(first), Some(last)) = (edits.first(), edits.last()) else {
         return edits;
@@ -145,12 +145,12 @@ fn few(text: &Text, edits: Vec<Edit>) -> Vec<Edit> {
     }]
 }
 
-/// New numbers: of digits that stand there, and of blocks that have none.
+/// New numbers: replaced digits, and numbers for blocks without one.
 #[derive(Default)]
 struct Numbers {
-    /// By line and first byte of the digits.
+    /// New digits by line and first byte of the old digits.
     changed: BTreeMap<(u32, u32), String>,
-    /// By line and byte of the first word of the block.
+    /// New numbers by line and first byte of the first word of the block.
     added: BTreeMap<(u32, u32), String>,
 }
 
@@ -166,7 +166,7 @@ fn renumbered(
         return Err(say::numbers_are_read());
     }
     let mut numbers = Numbers::default();
-    // Of each block with a number the new one, by its digits.
+    // New number of each numbered block, by the range of its digits.
     let mut anew: BTreeMap<&Place, u32> = BTreeMap::new();
     let width = width(text, structure);
     let mut blocks = structure.blocks.iter().peekable();
@@ -184,7 +184,7 @@ fn renumbered(
                     place.line == index && from <= at && at < to
                 };
                 let own = blocks.next_if(|it| here(&it.digits));
-                // An N elsewhere in its block is its number, too; O, or `:` of other controls,
+                // An N elsewhere in its block is its number, too. O, or `:` of other controls,
                 // names a program.
                 let named =
                     block.iter().any(|it| it.kind == Kind::Name) || line[word..].starts_with(':');
@@ -213,7 +213,7 @@ fn renumbered(
         }
         let line = lead.digits.line + 1;
         let callers = structure.callers(lead.part).len();
-        // P of M99 where no program of the text calls: who calls it nobody knows.
+        // P of M99 where no program of the text calls this one: the caller is unknown.
         if matches!(lead.aim, Aim::Caller(_)) && callers != 1 {
             return Err(say::lead_to_several(line));
         }
@@ -230,7 +230,8 @@ fn renumbered(
     Ok(numbers)
 }
 
-/// Digits of the numbers: four where the first one that is there has them.
+/// Digits of a number: those of the first number in the text if it has leading zeros, else 0
+/// for no padding.
 fn width(text: &Text, structure: &Structure) -> usize {
     let first = structure.blocks.first().map(|block| &block.digits);
     let digits = first.and_then(|it| text.line(it.line).get(it.from as usize..it.to as usize));
@@ -257,7 +258,7 @@ fn is_mark(line: &str, span: &Span, marks: &[&str]) -> bool {
     span.kind == Kind::Mark && marks.contains(&text)
 }
 
-/// The byte of the first piece of a block after its skip mark; none of a block without
+/// The first byte of the first word of a block, after its skip mark. `None` if the block has no
 /// words.
 fn first_word(block: &[Span]) -> Option<usize> {
     let mut pieces = block.iter();
@@ -265,7 +266,7 @@ fn first_word(block: &[Span]) -> Option<usize> {
     Some(word.range.start)
 }
 
-/// A line as it is to be written.
+/// A line in the style with its new numbers.
 fn rewritten(index: u32, line: &str, style: Style, numbers: &Numbers) -> String {
     let mut out = String::with_capacity(line.len() + 8);
     let mut before: Option<(&Span, usize)> = None;
@@ -274,7 +275,7 @@ fn rewritten(index: u32, line: &str, style: Style, numbers: &Numbers) -> String 
         let from = before.map_or(0, |(_, end)| end);
         let gap = line.get(from..span.range.start).unwrap_or("");
         let added = numbers.added.get(&(index, span.range.start as u32));
-        // What is no word may be part of the one beside it, but not of a number.
+        // An invalid character may belong to the word beside it, but not to a number.
         let foreign = |it: &Span| it.kind == Kind::Foreign;
         let stays = style.spacing == Spacing::AsTheyAre || (added.is_none() && foreign(span));
         out.push_str(match before {
@@ -301,7 +302,7 @@ fn rewritten(index: u32, line: &str, style: Style, numbers: &Numbers) -> String 
     out
 }
 
-/// What stands between two pieces that the control reads.
+/// The separator between two spans.
 fn between(line: &str, before: &Span, span: &Span, spacing: Spacing) -> &'static str {
     if is_mark(line, span, &[";", "*", "%"]) || is_mark(line, before, &["/"]) {
         return "";
@@ -312,7 +313,7 @@ fn between(line: &str, before: &Span, span: &Span, spacing: Spacing) -> &'static
     }
 }
 
-/// A piece as it is to be written.
+/// Appends a span in the style with its new number.
 fn piece(index: u32, line: &str, span: &Span, style: Style, numbers: &Numbers, out: &mut String) {
     let text = line.get(span.range.clone()).unwrap_or("");
     if matches!(span.kind, Kind::Comment | Kind::Mark | Kind::Foreign) {
@@ -320,7 +321,7 @@ fn piece(index: u32, line: &str, span: &Span, style: Style, numbers: &Numbers, o
         return;
     }
     let begin = out.len();
-    // Digits that change stand at the end of the piece.
+    // Digits that change are at the end of the span.
     let from = (index, span.range.start as u32)..(index, span.range.end as u32);
     match numbers.changed.range(from).next() {
         Some(((_, at), number)) => {
@@ -344,7 +345,7 @@ fn piece(index: u32, line: &str, span: &Span, style: Style, numbers: &Numbers, o
 }
 
 impl Style {
-    /// Whether it changes nothing.
+    /// Whether the style leaves every program unchanged.
     pub fn is_as_it_is(&self) -> bool {
         self.numbering == Numbering::AsTheyAre
             && self.spacing == Spacing::AsTheyAre

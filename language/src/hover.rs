@@ -1,4 +1,4 @@
-//! What is said of the word under the pointer.
+//! Describes the word under the pointer.
 
 use gsk_core::memory::Variables;
 use gsk_core::model::ModelId;
@@ -14,20 +14,20 @@ use crate::structure::Structure;
 use crate::text::{Place, Position, Text};
 use crate::words::{Kind, Span, Word, spans, word_of};
 
-/// Lines of a program or a profile that are shown.
+/// Greatest number of program or profile lines shown.
 const MOST_LINES: usize = 16;
 
-/// What is said of a word.
+/// The description of a word.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hover {
     /// The word.
     pub place: Place,
-    /// As Markdown.
+    /// The description in Markdown.
     pub markdown: String,
 }
 
-/// What is said of the word at a position; none for blanks and comments. `program` gives
-/// the text of programs that stand elsewhere.
+/// Describes the word at a position. Returns `None` for blanks and comments. `program` returns
+/// the text of programs in other files.
 pub fn hover(
     text: &Text,
     structure: &Structure,
@@ -55,7 +55,7 @@ pub fn hover(
     })
 }
 
-/// The article of a word, or a line on it and its range.
+/// The article of a word, or one line with its meaning and range.
 fn of_word(line: &str, spans: &[Span], word: &Word<'_>, reader: Reader) -> Option<String> {
     let language = reader.language;
     let number = word.number();
@@ -116,18 +116,18 @@ fn has(line: &str, spans: &[Span], address: char, number: u32) -> bool {
     words.any(|word| word.address == address && word.number() == Some(number))
 }
 
-/// The topic of a G or M code of a model.
+/// Returns the help topic of a G or M code of a model.
 pub(crate) fn code_topic(model: ModelId, address: char, number: u32) -> Option<&'static Topic> {
     topic_of(model, Subject::Code(&format!("{address}{number:02}")))
 }
 
-/// The range of a letter's numbers.
+/// Returns the range of an address's numbers as a sentence in Markdown.
 pub(crate) fn range(address: char, language: Language) -> String {
     let (low, high) = limits(address as u8);
     escaped(&say::help_range(format!("{low} … {high}")).text(language))
 }
 
-/// An article as Markdown; `said` stands in its heading, where it says more than that.
+/// The article of a topic in Markdown, with `said` as its heading where that says more.
 fn shown(topic: &Topic, said: Option<&str>, language: Language) -> String {
     let article = article(topic, language);
     let heading = said.unwrap_or(&article.heading);
@@ -150,7 +150,7 @@ fn shown(topic: &Topic, said: Option<&str>, language: Language) -> String {
     parts.join("\n\n")
 }
 
-/// Text that Markdown shows as it is.
+/// Escapes the characters that Markdown interprets.
 pub(crate) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {
@@ -165,7 +165,7 @@ pub(crate) fn escaped(text: &str) -> String {
     out
 }
 
-/// What this module says as Markdown, for an editor that does not show it.
+/// Removes the Markdown that [`hover`] writes, for an editor that does not display it.
 pub fn without_markup(markdown: &str) -> String {
     let mut out = String::with_capacity(markdown.len());
     let mut listed = false;
@@ -192,10 +192,10 @@ pub fn without_markup(markdown: &str) -> String {
     out
 }
 
-/// The marks around lines of a program.
+/// The marks around program lines.
 const FENCE: &str = "````";
 
-/// What the variable under the pointer is for.
+/// Describes the variable under the pointer.
 fn variable(line: &str, span: &Span, byte: usize, reader: Reader) -> Option<String> {
     let text = line.get(span.range.clone())?;
     let within = byte.checked_sub(span.range.start)?;
@@ -219,7 +219,7 @@ fn variable(line: &str, span: &Span, byte: usize, reader: Reader) -> Option<Stri
     Some(escaped(&said.text(reader.language)))
 }
 
-/// What a word leads to, or what leads to a block.
+/// Shows the blocks that a word refers to, or the blocks that refer to a numbered block.
 fn of_lead(
     text: &Text,
     structure: &Structure,
@@ -267,14 +267,14 @@ fn of_lead(
     }
 }
 
-/// Lines as a block of code; none of none.
+/// Program lines as a Markdown code block, or `None` if there are none.
 fn listing<'a>(lines: impl Iterator<Item = &'a str>) -> Option<String> {
     let mut lines = lines.map(str::trim_end).filter(|line| !line.is_empty());
     let mut shown: Vec<&str> = lines.by_ref().take(MOST_LINES).collect();
     if lines.next().is_some() {
         shown.push("…");
     }
-    // A fence of its own length, whatever stands in a comment.
+    // The fence is longer than any in a comment.
     (!shown.is_empty()).then(|| format!("{FENCE}gsk980td\n{}\n{FENCE}", shown.join("\n")))
 }
 

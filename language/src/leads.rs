@@ -1,27 +1,26 @@
-//! Where the words of a block lead to (manual I-2.4, I-3.2.6, I-3.3.1, I-3.7.3, and the
-//! jumps of macro B).
+//! Finds the block or program that a word refers to (manual I-2.4, I-3.2.6, I-3.3.1, I-3.7.3,
+//! and the jumps of macro B).
 
 use std::ops::Range;
 
 use crate::words::{Kind, Span, Word, word_of};
 
-/// What is aimed at.
+/// The target of a reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Aim {
-    /// A block of the same program by its N: P and Q of G70 to G73, P of G65 H80 to H86,
-    /// GOTO.
+    /// A block of the same program by its N: P and Q of G70 to G73, P of G65 H80 to H86, GOTO.
     Block(u16),
-    /// P of M99: a block of the program that called this one, or of this one where
-    /// nobody did.
+    /// P of M99: a block of the calling program by its N, or of this program if it is the main
+    /// program.
     Caller(u16),
     /// A program by its O: P of M98, of G65 and of G66.
     Program(u16),
-    /// A block of the same program whose number is worked out when it runs.
+    /// A block of the same program whose number is computed at run time.
     Computed,
 }
 
-/// Where a word or a statement of a block leads to, and the bytes of the number that says
-/// so. `block`: the pieces of the block, out of `line`.
+/// Returns the target of a word or statement and the bytes of its number. `block` contains the
+/// spans of the block in `line`.
 pub fn aim_of(line: &str, block: &[Span], span: &Span) -> Option<(Aim, Range<usize>)> {
     if span.kind == Kind::Statement {
         return goto(line, span);
@@ -77,7 +76,7 @@ fn program(line: &str, span: &Span, word: &Word<'_>) -> Option<(Aim, Range<usize
     Some((Aim::Program(number), from..digits.end))
 }
 
-/// A jump may have a sign: it says where the search begins.
+/// Parses the target block of a jump. A sign only sets where the search starts.
 fn sequence(
     line: &str,
     span: &Span,
@@ -88,7 +87,7 @@ fn sequence(
     let number = digits.bytes().all(|byte| byte.is_ascii_digit());
     match number.then(|| digits.parse().ok()) {
         Some(Some(number)) => Some((aim(number), digits_at_end(line, &span.range))),
-        // No block has such a number.
+        // No block can have this number.
         Some(None) => None,
         None => Some((Aim::Computed, span.range.clone())),
     }
@@ -107,7 +106,7 @@ fn goto(line: &str, span: &Span) -> Option<(Aim, Range<usize>)> {
     }
 }
 
-/// The digits that a word ends with, full-width ones among them.
+/// Returns the bytes of the digits at the end of a word, full-width digits included.
 pub(crate) fn digits_at_end(line: &str, word: &Range<usize>) -> Range<usize> {
     let text = line.get(word.clone()).unwrap_or("");
     let is_digit = |it: char| crate::words::narrow(it).is_ascii_digit();

@@ -1,5 +1,5 @@
-//! What is told above a program, a tool and a cycle: time, how far it reaches, what is
-//! left for finishing.
+//! Summarises programs, tools and cycles in lines above them: time, extents, finishing
+//! allowance.
 
 use gsk_messages::{Language, say};
 use gsk_milling::Axis;
@@ -10,16 +10,16 @@ use crate::diagnose::{Analysis, Extents};
 use crate::structure::{Cycle, Structure};
 use crate::text::Place;
 
-/// A sentence above a line.
+/// A summary shown above a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Lens {
-    /// What it belongs to.
+    /// The word that the summary belongs to.
     pub place: Place,
-    /// The sentence.
+    /// The summary in one line.
     pub text: String,
 }
 
-/// The lenses of a text that was looked through.
+/// Returns the summaries of an analysed program.
 pub fn lenses(structure: &Structure, analysis: &Analysis, language: Language) -> Vec<Lens> {
     let mut lenses = Vec::new();
     if let Some(part) = structure.parts.first() {
@@ -35,7 +35,7 @@ pub fn lenses(structure: &Structure, analysis: &Analysis, language: Language) ->
     }
     let times = analysis.line_times.by_tool(structure);
     for (tool, seconds) in structure.tools.iter().zip(times) {
-        // A tool that nothing was done with, or a word of a program that is not run.
+        // A tool without machining time, or a word of a program that does not run.
         if seconds > 0.0 {
             lenses.push(Lens {
                 place: tool.place.clone(),
@@ -80,7 +80,7 @@ fn whole(analysis: &Analysis, language: Language) -> String {
     parts.join(" | ")
 }
 
-/// The profile of a cycle and what is left on it.
+/// The profile of a cycle and its finishing allowance.
 fn of_cycle(cycle: &Cycle, structure: &Structure, language: Language) -> Option<Lens> {
     let (p, q) = cycle.profile;
     let line = |number| {

@@ -1,9 +1,10 @@
-//! A part program as an editor sees it: what is wrong with it, what its words mean and
-//! where they lead, what may follow, how it is written, how long it takes. Plain functions
-//! from a text and a place in it to plain data; who speaks with an editor, and where files
-//! come from, is somebody else's business.
+//! Analyses part programs for editors: errors, meanings of words, references, completions,
+//! formatting and machine time.
 //!
-//! Lines and bytes of a line count from 0 here, as editors count them.
+//! The functions take a text and a position and return plain data. The caller handles the
+//! editor protocol and the files.
+//!
+//! Lines and bytes of a line count from 0 here, as in editors.
 //!
 //! ```
 //! use gsk_language::{Position, Structure, Text, definition};
@@ -53,18 +54,18 @@ pub use text::{Edit, Place, Position, Text};
 use gsk_core::model::ModelId;
 use gsk_messages::Language;
 
-/// Whose programs are read, and in which language it is told.
+/// The settings that a program is read with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reader {
     /// The control model.
     pub model: ModelId,
-    /// Whether macro B is on.
+    /// Whether the control accepts macro B.
     pub macro_b: bool,
-    /// The language of texts.
+    /// The language of messages.
     pub language: Language,
 }
 
-/// The reader of most tests.
+/// The settings of most tests.
 #[cfg(test)]
 const READER: Reader = Reader {
     model: ModelId::Gsk980td,

@@ -1,26 +1,26 @@
-//! Machine time by the lines of a text, from which that of each tool is added up.
+//! Adds up machine time by the lines of a text and by tool.
 
 use gsk_core::command::{ProgramId, Source};
 
 use crate::structure::Structure;
 
-/// Machine time by the lines of a text. What lies between two moves belongs to the second
-/// one, what is done in a subprogram to the line of the text that was met last.
+/// Machine time by the lines of a text. Time between two moves counts for the second move. Time
+/// in a subprogram counts for the last executed line of the text.
 ///
-/// It needs no [`Structure`]: the look through a program and the reading of its structure
-/// can go on side by side.
+/// It does not need a [`Structure`], so that a thread can run the preview while another reads
+/// the structure.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LineTimes {
-    /// Of each line that was met, s.
+    /// Time of each executed line, s.
     seconds: Vec<f64>,
-    /// The line in work, from 0.
+    /// Index of the current line.
     current: Option<usize>,
-    /// Machine time up to which the sums reach, s.
+    /// Machine time already counted, s.
     until_s: f64,
 }
 
 impl LineTimes {
-    /// A move or dwell that ends at a machine time, s.
+    /// Adds a move or dwell that ends at machine time `end_s`.
     pub(crate) fn take(&mut self, source: Source, end_s: f64) {
         if source.program == ProgramId::External {
             let line = source.line.saturating_sub(1) as usize;
@@ -32,7 +32,7 @@ impl LineTimes {
         self.wait_until(end_s);
     }
 
-    /// Time passes without a move.
+    /// Adds time without a move, up to machine time `time_s`.
     pub(crate) fn wait_until(&mut self, time_s: f64) {
         let passed = time_s - self.until_s;
         if passed <= 0.0 {
@@ -44,7 +44,7 @@ impl LineTimes {
         }
     }
 
-    /// From each T word of the text on to the next one, s, in the order of
+    /// Returns the time from each T word of the text to the next one, s, in the order of
     /// [`Structure::tools`].
     pub fn by_tool(&self, structure: &Structure) -> Vec<f64> {
         let begins = structure.tools.iter().map(|tool| tool.place.line as usize);

@@ -1,4 +1,4 @@
-//! Where in a text an alarm stands: its line, and the characters that raise it.
+//! Locates the cause of an alarm in a text: its line and the characters that raise it.
 
 use std::ops::Range;
 
@@ -9,18 +9,18 @@ use crate::words::spans;
 /// The message of an alarm that a cycle raises in a block of its profile.
 const IN_PROFILE: &str = "in_profile";
 
-/// A place of a program.
+/// A range of bytes in a line of a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Located {
-    /// Line of its file, from 1.
+    /// Line of the file, from 1.
     pub line: u32,
     /// Bytes of the line.
     pub bytes: Range<usize>,
 }
 
-/// The place of an alarm: the word at its column, where it knows that, else its block
-/// without blanks around it. A cycle reads its profile: what is wrong stands there.
-/// `line_of` gives the lines of the program it comes from. None without a line.
+/// Returns the cause of an alarm: the word at its column if the alarm has one, else its block
+/// without surrounding blanks. An error in a cycle's profile is located in the profile.
+/// `line_of` returns a line of the alarm's program. `None` for an alarm without a source line.
 pub fn locate<'a>(alarm: &Alarm, line_of: impl Fn(u32) -> &'a str) -> Option<Located> {
     let source = alarm.source?;
     let detail = alarm.detail.as_ref();
@@ -35,8 +35,8 @@ pub fn locate<'a>(alarm: &Alarm, line_of: impl Fn(u32) -> &'a str) -> Option<Loc
     })
 }
 
-/// The bytes of a line that raise an alarm: the word at a column (in characters, from 1),
-/// or the whole line without blanks around it.
+/// Returns the bytes of the word at a column (characters from 1), or of the whole line without
+/// surrounding blanks.
 pub(crate) fn bytes_at(line: &str, column: Option<usize>) -> Range<usize> {
     let pieces = spans(line);
     let Some(column) = column else {
@@ -44,7 +44,7 @@ pub(crate) fn bytes_at(line: &str, column: Option<usize>) -> Range<usize> {
     };
     let mut characters = line.char_indices().skip(column.saturating_sub(1));
     let Some((at, character)) = characters.next() else {
-        // What is missing at the end of a line is told at its last piece.
+        // Something missing at the end of a line is shown at its last span.
         let last = pieces.last();
         return last.map_or(0..line.len(), |span| span.range.clone());
     };
@@ -54,7 +54,7 @@ pub(crate) fn bytes_at(line: &str, column: Option<usize>) -> Range<usize> {
     word.map_or(at..at + character.len_utf8(), |span| span.range)
 }
 
-/// A line without the blanks around it.
+/// Returns the bytes of a line without surrounding blanks.
 pub(crate) fn whole(line: &str) -> Range<usize> {
     let from = line.len() - line.trim_start().len();
     let to = line.trim_end().len();

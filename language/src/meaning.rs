@@ -1,11 +1,12 @@
-//! What words and codes mean on this control, a line each (manual I-2, I-3, I-4).
+//! Describes words and codes of the control in one line each (manual I-2, I-3, I-4).
 
 use gsk_core::model::ModelId;
 use gsk_messages::{Message, say};
 
 use crate::words::Word;
 
-/// What a word means: its code, where the control has it, else its letter.
+/// Returns the meaning of a word: of its code if it is a G or M word, else of its address.
+/// `None` if the GSK980TD does not have it.
 pub fn meaning(word: &Word<'_>) -> Option<Message> {
     match (word.address, word.number()) {
         ('G', Some(number)) => code(number),
@@ -14,7 +15,7 @@ pub fn meaning(word: &Word<'_>) -> Option<Message> {
     }
 }
 
-/// What a G or M code means on a control model; none where it does not have it.
+/// Returns the meaning of a G or M code on a model. `None` if the model does not have the code.
 pub fn of_model(address: char, number: u32, model: ModelId) -> Option<Message> {
     let record = model.record();
     let said = match address {
@@ -25,7 +26,7 @@ pub fn of_model(address: char, number: u32, model: ModelId) -> Option<Message> {
         }
         _ => return None,
     };
-    // The lines written for this control say more than those for all models.
+    // The texts about the GSK980TD say more than those for all models.
     let own = match (model, address) {
         (ModelId::Gsk980td, 'G') => code(number),
         (ModelId::Gsk980td, _) => function(number),
@@ -93,7 +94,7 @@ fn function(number: u32) -> Option<Message> {
     })
 }
 
-/// What the word of a letter means on a control model.
+/// Returns the meaning of a word by its address on a model.
 pub fn letter(address: char, model: ModelId) -> Option<Message> {
     if model.is_mill()
         && let Some(said) = letter_of_mill(address)
@@ -122,7 +123,7 @@ pub fn letter(address: char, model: ModelId) -> Option<Message> {
     })
 }
 
-/// Words that are others on a mill, or only there.
+/// Words with a different meaning on a mill, or that only a mill has.
 fn letter_of_mill(address: char) -> Option<Message> {
     Some(match address {
         'D' => say::mill_word_d(),

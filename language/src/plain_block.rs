@@ -1,10 +1,11 @@
-//! Blocks of a long program that need no taking apart.
+//! Recognises simple blocks of long programs without splitting them into words.
 
 use std::ops::Range;
 
-/// The number, with its digits, of a block that has nothing else to be shown: most blocks
-/// of a long program are moves, and most of the time goes into them. None for a line that
-/// must be taken apart.
+/// Returns the number of a plain block with the range of its digits. The inner `None` is a
+/// plain block without a number. The outer `None` is a line that must be split into words.
+///
+/// Most blocks of a long program are plain moves, and most of the reading time goes into them.
 pub(crate) fn plain(line: &str) -> Option<Option<(u16, Range<usize>)>> {
     let bytes = line.as_bytes();
     let named = bytes.first() == Some(&b'N');
@@ -15,7 +16,8 @@ pub(crate) fn plain(line: &str) -> Option<Option<(u16, Range<usize>)>> {
     } else {
         bytes
     };
-    // No letter of a statement, and none that leads anywhere or is looked for.
+    // No letter of a statement, and no address that refers to a block or that the structure
+    // lists.
     let shows_nothing = |it: &u8| {
         matches!(
             it,

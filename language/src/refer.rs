@@ -1,4 +1,4 @@
-//! From a word to what it leads to, and back to all that lead there.
+//! Finds the target of a reference, and all references to a target.
 
 use std::collections::BTreeSet;
 
@@ -6,35 +6,35 @@ use crate::leads::Aim;
 use crate::structure::{Lead, Loop, Numbered, Part, Structure};
 use crate::text::{Place, Position};
 
-/// What stands under a cursor.
+/// The symbol under the cursor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Under<'a> {
     /// The number of a block.
     Block(&'a Numbered),
-    /// A word that leads somewhere.
+    /// A word that refers to a block or program.
     Lead(&'a Lead),
     /// The name of a program.
     Program(&'a Part),
-    /// An end of a loop.
+    /// The begin or end of a loop.
     Loop(&'a Loop),
 }
 
-/// Where a word leads to.
+/// The targets of a reference.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Led {
-    /// Places of the text: numbers of blocks, the name of a program, an end of a loop.
+    /// Ranges in the text: numbers of blocks, the name of a program, an end of a loop.
     pub blocks: Vec<Place>,
-    /// A program that is not in the text.
+    /// The number of a program that the text does not contain.
     pub program: Option<u16>,
 }
 
-/// What stands under a position, if it is part of what leads somewhere.
+/// Returns the symbol at a position, if it refers to something or can be referred to.
 pub fn under(structure: &Structure, at: Position) -> Option<Under<'_>> {
     let block = structure.blocks.iter().find(|it| it.word.touches(at));
     let lead = || structure.leads.iter().find(|it| it.word.touches(at));
     let named = |part: &&Part| {
         let name = part.name.as_ref().filter(|name| name.line == at.line);
-        // The letter and blanks stand before the digits.
+        // The position may also be on the letter or on blanks before the digits.
         name.is_some_and(|name| at.byte <= name.to)
     };
     let program = || structure.parts.iter().find(named);
@@ -46,7 +46,7 @@ pub fn under(structure: &Structure, at: Position) -> Option<Under<'_>> {
         .or_else(|| looped().map(Under::Loop))
 }
 
-/// Where the word under a position leads to.
+/// Returns the targets of the word at a position.
 pub fn definition(structure: &Structure, at: Position) -> Led {
     let mut led = Led::default();
     match under(structure, at) {
@@ -78,9 +78,9 @@ pub fn definition(structure: &Structure, at: Position) -> Led {
     led
 }
 
-/// All that lead to what the word under a position is, or leads to, and the number of the
-/// program where that is one: it may be called from other files, too. `itself`: with the
-/// block or name itself.
+/// Returns all references to the symbol at a position, or to its target. Also returns the
+/// number if the target is a program, because other files may call it. `itself` includes the
+/// block number or program name.
 pub fn references(structure: &Structure, at: Position, itself: bool) -> (Vec<Place>, Option<u16>) {
     let mut places = Vec::new();
     let mut program = None;
@@ -118,7 +118,7 @@ pub fn references(structure: &Structure, at: Position, itself: bool) -> (Vec<Pla
     (places, program)
 }
 
-/// What leads to a block.
+/// Returns the references to a block.
 pub(crate) fn leading_to<'a>(
     structure: &'a Structure,
     block: &'a Numbered,
@@ -127,7 +127,7 @@ pub(crate) fn leading_to<'a>(
     leads.filter(move |lead| structure.aimed_at(lead).contains(&block))
 }
 
-/// The programs that a text calls.
+/// Returns the numbers of the programs that a text calls.
 pub fn programs_called(structure: &Structure) -> BTreeSet<u16> {
     let leads = structure.leads.iter();
     let programs = leads.filter_map(|lead| match lead.aim {

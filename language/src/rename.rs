@@ -1,4 +1,4 @@
-//! Another number for a block, and for all that leads to it.
+//! Renumbers a block and all references to it.
 
 use gsk_core::model::{GCode, ModelId};
 use gsk_messages::{Message, say};
@@ -8,8 +8,8 @@ use crate::refer::{Under, leading_to, under};
 use crate::structure::{Numbered, Structure};
 use crate::text::{Edit, Place, Position, Text};
 
-/// The number that a rename at a position changes: that of a block, or of what leads to
-/// one.
+/// Returns the range of the number that a rename at a position would change: of a block, or of
+/// a reference to one.
 pub fn renamable(structure: &Structure, at: Position) -> Option<Place> {
     match under(structure, at)? {
         Under::Block(block) => Some(block.digits.clone()),
@@ -21,12 +21,13 @@ pub fn renamable(structure: &Structure, at: Position) -> Option<Place> {
     }
 }
 
-/// Gives the block under a position, or that the word there leads to, another number, and
-/// so all that lead to it. `outside`: numbers that P of M99 in programs of other files
-/// leads to.
+/// Returns the edits that renumber the block at a position, or the block that the word there
+/// refers to, with all references. `outside` lists block numbers that P of M99 in programs of
+/// other files refers to.
 ///
 /// # Errors
-/// Why it cannot be done without changing what the program does.
+///
+/// Returns a message if the change is impossible or could alter what the program does.
 pub fn rename(
     text: &Text,
     structure: &Structure,
@@ -59,7 +60,7 @@ pub fn rename(
         .collect())
 }
 
-/// The block under a position, or the one that the word there leads to.
+/// The block at a position, or the target of the word there.
 fn block_at(structure: &Structure, at: Position) -> Result<&Numbered, Message> {
     match under(structure, at) {
         Some(Under::Block(block)) => Ok(block),
@@ -72,7 +73,7 @@ fn block_at(structure: &Structure, at: Position) -> Result<&Numbered, Message> {
     }
 }
 
-/// `N100`, `n 100`, `100`.
+/// Parses `N100`, `n 100` or `100`.
 fn new_number(name: &str) -> Option<u16> {
     let name = name.trim().trim_start_matches(['N', 'n']).trim();
     let digits = !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_digit());
@@ -80,7 +81,7 @@ fn new_number(name: &str) -> Option<u16> {
     number.filter(|number| *number <= 9999)
 }
 
-/// A number as it stands in a place: with zeros in front where there were some.
+/// Returns a number with as many leading zeros as the number at `place`.
 pub(crate) fn written(number: u16, text: &Text, place: &Place) -> String {
     let line = text.line(place.line);
     let before = line
@@ -92,16 +93,17 @@ pub(crate) fn written(number: u16, text: &Text, place: &Place) -> String {
     }
 }
 
-/// Whether the text says where everything in it leads.
+/// Checks that the text determines the target of every reference.
 ///
 /// # Errors
-/// What says otherwise.
+///
+/// Returns a message about the reference whose target is uncertain.
 pub(crate) fn settled(
     structure: &Structure,
     outside: &[u16],
     model: ModelId,
 ) -> Result<(), Message> {
-    // Huaxing: N after a code is a block, a subprogram or a count.
+    // Huaxing: N after a code is a block, a subprogram or a repeat count.
     let counted = model.record().g.values();
     if counted
         .into_iter()

@@ -1,9 +1,9 @@
-//! The blocks of a cycle with places to be filled in, and the words that codes take.
+//! Contains the snippets of cycles and the addresses that each code takes.
 
 use gsk_core::model::GCode;
 
-/// The blocks of a cycle as a snippet of editors: `${1:2}` is the first place, with 2 in
-/// it. None for codes of one word.
+/// Returns the blocks of a cycle as an editor snippet. `${1:2}` is the first field with the
+/// default 2. `None` for codes with one word.
 pub(crate) const fn snippet(code: GCode, of_mill: bool) -> Option<&'static str> {
     if of_mill {
         return of_the_mill(code);
@@ -45,7 +45,7 @@ pub(crate) const fn snippet(code: GCode, of_mill: bool) -> Option<&'static str> 
     })
 }
 
-/// The same of a mill.
+/// The snippets of a mill.
 const fn of_the_mill(code: GCode) -> Option<&'static str> {
     Some(match code {
         GCode::HighSpeedPeck => "G73 X${1} Y${2} Z${3:-20.} R${4:2.} Q${5:4.} F${6:100}",
@@ -62,7 +62,7 @@ const fn of_the_mill(code: GCode) -> Option<&'static str> {
     })
 }
 
-/// Whether a code is one of a mill's holes, which stays for the blocks after it.
+/// Returns whether a code is a hole cycle of a mill, which remains in force in the next blocks.
 pub(crate) const fn is_hole(code: GCode) -> bool {
     matches!(
         code,
@@ -81,7 +81,7 @@ pub(crate) const fn is_hole(code: GCode) -> bool {
     )
 }
 
-/// The letters that a code takes besides M, S and T (manual I-3.2).
+/// Returns the addresses that a code takes besides M, S and T (manual I-3.2).
 pub(crate) const fn letters(code: GCode, of_mill: bool) -> &'static str {
     if !of_mill {
         return of_a_lathe(code);
@@ -103,7 +103,7 @@ pub(crate) const fn letters(code: GCode, of_mill: bool) -> &'static str {
     }
 }
 
-/// The same of a lathe.
+/// The addresses of a lathe.
 const fn of_a_lathe(code: GCode) -> &'static str {
     match code {
         GCode::Rapid

@@ -1,5 +1,5 @@
-//! What a text consists of: programs, numbered blocks and what leads to them, tools,
-//! cycles, loops, titles. Read in one pass.
+//! Reads the structure of a text in one pass: programs, numbered blocks and references to them,
+//! tools, cycles, loops, titles.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,9 +11,9 @@ use crate::words::{Kind, Span, Word, spans, word_of};
 /// A program of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Part {
-    /// Its number, where it has an O word.
+    /// Its number, if it has an O word.
     pub number: Option<u16>,
-    /// The digits of that word.
+    /// The digits of the O word.
     pub name: Option<Place>,
     /// Its first line.
     pub from: u32,
@@ -24,44 +24,44 @@ pub struct Part {
 /// A block with a sequence number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Numbered {
-    /// The number.
+    /// The sequence number.
     pub number: u16,
-    /// Its digits.
+    /// The digits of the number.
     pub digits: Place,
-    /// The whole word.
+    /// The whole N word.
     pub word: Place,
-    /// The program it stands in, as an index.
+    /// Index of the program that contains it.
     pub part: usize,
 }
 
-/// A word that leads somewhere.
+/// A word that refers to a block or program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Lead {
-    /// Where to.
+    /// The target.
     pub aim: Aim,
-    /// The digits that say so.
+    /// The digits that name the target.
     pub digits: Place,
     /// The whole word, or the whole statement.
     pub word: Place,
-    /// The program it stands in, as an index.
+    /// Index of the program that contains it.
     pub part: usize,
 }
 
 /// A T word.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ToolWord {
-    /// Its digits as they are written.
+    /// Its digits as written.
     pub value: String,
     /// The word.
     pub place: Place,
-    /// The program it stands in, as an index.
+    /// Index of the program that contains it.
     pub part: usize,
 }
 
-/// A comment that stands alone on its line.
+/// A comment alone on its line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Title {
-    /// What stands in the parentheses.
+    /// The text between the parentheses.
     pub text: String,
     /// The comment.
     pub place: Place,
@@ -70,15 +70,15 @@ pub struct Title {
 /// A cycle with a profile: G70 to G73 with P and Q.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Cycle {
-    /// 70 to 73.
+    /// Number of the G code, 70 to 73.
     pub code: u8,
-    /// The word G.
+    /// The G word.
     pub place: Place,
-    /// The numbers of P and Q.
+    /// The sequence numbers P and Q, the first and last block of the profile.
     pub profile: (u16, u16),
-    /// What U and W leave for finishing, as they are written.
+    /// The finishing allowances U and W as written.
     pub leaves: (Option<String>, Option<String>),
-    /// The program it stands in, as an index.
+    /// Index of the program that contains it.
     pub part: usize,
 }
 
@@ -91,14 +91,14 @@ pub struct Loop {
     pub end: Place,
 }
 
-/// A text by its parts.
+/// The programs, blocks and words of a text that an editor shows.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Structure {
-    /// Its programs.
+    /// Programs in the order of the text.
     pub parts: Vec<Part>,
-    /// Its numbered blocks.
+    /// Numbered blocks in the order of the text.
     pub blocks: Vec<Numbered>,
-    /// What leads somewhere.
+    /// Words that refer to blocks or programs.
     pub leads: Vec<Lead>,
     /// T words.
     pub tools: Vec<ToolWord>,
@@ -108,30 +108,30 @@ pub struct Structure {
     pub cycles: Vec<Cycle>,
     /// Loops of macro B.
     pub loops: Vec<Loop>,
-    /// Lines whose blocks are read: what stands before the mark `%` at the beginning and
-    /// after the one at the end is not.
+    /// First line with blocks, and the line after the last one. The control ignores the text
+    /// before the `%` at the start and after the `%` at the end.
     pub read: (u32, u32),
-    /// The numbered blocks by program and number, as indices.
+    /// Indices of the numbered blocks, sorted by program and number.
     order: Vec<usize>,
-    /// Of each program those of the text that call it.
+    /// For each program, the indices of the programs that call it.
     callers: Vec<Vec<usize>>,
 }
 
-/// So many blocks of one number are looked at: the control takes the first one.
+/// Greatest number of blocks with one number that are read. The control uses the first.
 const MOST_OF_A_NUMBER: usize = 20;
 
-/// The walk over the lines.
+/// State of the pass over the lines.
 #[derive(Default)]
 struct Walk {
     structure: Structure,
-    /// DO statements without their END yet, with the number of the loop.
+    /// DO statements still without END, with the number of the loop.
     open: Vec<(u16, Place)>,
-    /// Whether a block has been met.
+    /// Whether a block has been read.
     begun: bool,
 }
 
 impl Structure {
-    /// Reads a text.
+    /// Reads the structure of a text.
     pub fn read(text: &Text) -> Self {
         let mut walk = Walk::default();
         walk.structure.read = (0, text.line_count());
@@ -176,14 +176,14 @@ impl Structure {
         self.callers = callers.map(|it| it.into_iter().collect()).collect();
     }
 
-    /// The program of a line, as an index.
+    /// Returns the index of the program that contains a line.
     pub fn part_of(&self, line: u32) -> usize {
         let after = self.parts.partition_point(|part| part.from <= line);
         after.saturating_sub(1)
     }
 
-    /// The blocks that a lead names, where it names blocks of this text; the control takes
-    /// one only, but P of M99 may mean those of several callers.
+    /// Returns the blocks that a reference names in this text. The control uses one of them. P
+    /// of M99 can refer to blocks of several callers.
     pub fn aimed_at(&self, lead: &Lead) -> Vec<&Numbered> {
         match lead.aim {
             Aim::Block(number) => self.in_part(number, lead.part).collect(),
@@ -199,7 +199,7 @@ impl Structure {
         }
     }
 
-    /// The blocks of a number in a program, the first ones.
+    /// Returns the first blocks with a number in a program.
     pub fn in_part(&self, number: u16, part: usize) -> impl Iterator<Item = &Numbered> {
         let key = |at: &usize| self.blocks.get(*at).map(|it| (it.part, it.number));
         let wanted = Some((part, number));
@@ -211,7 +211,7 @@ impl Structure {
             .filter_map(|at| self.blocks.get(*at))
     }
 
-    /// The programs of the text that call one of them, as indices.
+    /// Returns the indices of the programs that call a program.
     pub fn callers(&self, part: usize) -> &[usize] {
         self.callers.get(part).map_or(&[], Vec::as_slice)
     }
@@ -261,7 +261,7 @@ impl Walk {
                 return core::ops::ControlFlow::Break(());
             }
             if percent {
-                // The start of a tape: what follows on its line is a leader.
+                // The start of a tape: the rest of its line is a leader.
                 self.structure.read.0 = index + 1;
                 break;
             }
@@ -314,7 +314,7 @@ impl Walk {
         self.structure.parts.len().saturating_sub(1)
     }
 
-    /// N and O count at the beginning of a block, after the skip mark.
+    /// N and O count only at the start of a block, after the skip mark.
     fn name(&mut self, index: u32, line: &str, block: &[Span], span: &Span) {
         let mut before = block.iter().take_while(|it| *it != span);
         let is_n = |it: &Span| word_of(line, it).is_some_and(|word| word.address == 'N');
@@ -486,7 +486,7 @@ mod tests {
             (structure.loops[0].begin.line, structure.loops[0].end.line),
             (9, 11)
         );
-        // M99 P of a program that another one calls leads to that one.
+        // M99 P of a program that another one calls refers to the caller.
         let back = structure
             .leads
             .iter()

@@ -1,37 +1,37 @@
-//! What a text has to go to: programs, tools, blocks that something leads to, titles.
+//! Lists the outline of a text: programs, tools, referenced blocks, titles.
 
 use crate::structure::Structure;
 use crate::text::{Place, Text};
 
-/// What a symbol is.
+/// The kind of a symbol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SymbolKind {
-    /// O.
+    /// A program with its O word.
     Program,
-    /// T.
+    /// A T word.
     Tool,
-    /// A block that a word leads to.
+    /// A block that a word refers to.
     Block,
     /// A comment alone on its line.
     Title,
 }
 
-/// A symbol with those within it.
+/// A symbol of the outline with its children.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Symbol {
-    /// How it is called: `O0001`, `T0101`, `N10`, the comment.
+    /// The displayed name: `O0001`, `T0101`, `N10`, the comment.
     pub name: String,
-    /// What it is.
+    /// The kind.
     pub kind: SymbolKind,
-    /// Its name in the text.
+    /// The name in the text.
     pub place: Place,
     /// The last line that belongs to it.
     pub last_line: u32,
-    /// What stands within it.
+    /// The symbols inside it.
     pub within: Vec<Symbol>,
 }
 
-/// The symbols of a text; those of a program with an O word stand within it.
+/// Returns the outline of a text. The symbols of a program with an O word are its children.
 pub fn symbols(text: &Text, structure: &Structure) -> Vec<Symbol> {
     let mut all = Vec::new();
     for (index, part) in structure.parts.iter().enumerate() {
@@ -41,7 +41,7 @@ pub fn symbols(text: &Text, structure: &Structure) -> Vec<Symbol> {
             all.extend(within);
             continue;
         };
-        // The name of a program is often said in the comment beside it.
+        // The comment beside the O word often names the program.
         let line = text.line(place.line);
         let comment = line.find('(').and_then(|at| line.get(at..)).unwrap_or("");
         let comment = comment

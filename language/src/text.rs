@@ -1,4 +1,4 @@
-//! The text of a document, its lines and places.
+//! Stores the text of a document with its lines, positions and ranges.
 
 use std::ops::Range;
 
@@ -11,19 +11,19 @@ pub struct Position {
     pub byte: u32,
 }
 
-/// A piece of one line.
+/// A range of bytes in one line.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Place {
     /// Line, from 0.
     pub line: u32,
-    /// Its first byte in the line.
+    /// First byte in the line.
     pub from: u32,
-    /// The byte after its last one.
+    /// The byte after the last one.
     pub to: u32,
 }
 
 impl Place {
-    /// Bytes of a line.
+    /// Creates the range of `bytes` in a line.
     pub fn new(line: u32, bytes: &Range<usize>) -> Self {
         Self {
             line,
@@ -32,12 +32,12 @@ impl Place {
         }
     }
 
-    /// Whether a position is in it or at its end, where a cursor touches it.
+    /// Returns whether a position is inside the range or at its end, where a cursor touches it.
     pub const fn touches(&self, at: Position) -> bool {
         self.line == at.line && self.from <= at.byte && at.byte <= self.to
     }
 
-    /// Where it begins and ends.
+    /// Returns the first position and the position after the last byte.
     pub fn ends(&self) -> (Position, Position) {
         let at = |byte| Position {
             line: self.line,
@@ -47,19 +47,19 @@ impl Place {
     }
 }
 
-/// A change of a text: what stands between two positions gives way to something else.
+/// A change of a text: replaces the text between two positions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edit {
-    /// From.
+    /// Start of the replaced text.
     pub from: Position,
-    /// To.
+    /// End of the replaced text.
     pub to: Position,
-    /// What stands there afterwards.
+    /// The replacement.
     pub text: String,
 }
 
 impl Edit {
-    /// Something else in the place of a piece of a line.
+    /// Replaces a range of a line by `text`.
     pub fn of(place: &Place, text: impl Into<String>) -> Self {
         let (from, to) = place.ends();
         Self {
@@ -70,20 +70,20 @@ impl Edit {
     }
 }
 
-/// A text and where its lines begin. A line ends as the control ends it, at LF, CR LF or
-/// CR, which is also how editors do.
+/// A text and the starts of its lines. A line ends at LF, CR LF or CR, as for the control and
+/// for editors.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Text {
     text: String,
-    /// The byte at which each line begins; the first one at 0.
+    /// First byte of each line. The first entry is 0.
     starts: Vec<u32>,
 }
 
-/// Longer texts are cut here; files end at 256 MB.
+/// Longer texts are cut here. Program files end at 256 MB.
 const MOST_BYTES: usize = u32::MAX as usize - 16;
 
 impl Text {
-    /// Finds the lines of a text.
+    /// Stores a text and finds its lines. Cuts a text over 4 GB.
     pub fn new(text: impl Into<String>) -> Self {
         let mut text = text.into();
         if text.len() > MOST_BYTES {
@@ -98,36 +98,37 @@ impl Text {
         Self { text, starts }
     }
 
-    /// The whole text.
+    /// Returns the whole text.
     pub fn as_str(&self) -> &str {
         &self.text
     }
 
-    /// How many lines it has; the one after the last line end counts.
+    /// Returns the number of lines, including the one after the last line end.
     pub fn line_count(&self) -> u32 {
         narrow(self.starts.len())
     }
 
-    /// A line without its end; empty after the last one.
+    /// Returns a line without its line end, or an empty text beyond the last line.
     pub fn line(&self, line: u32) -> &str {
         let start = self.start(line);
         let text = self.text.get(start..self.start(line.saturating_add(1)));
         text.unwrap_or("").trim_end_matches(['\n', '\r'])
     }
 
-    /// All lines in order.
+    /// Returns all lines with their numbers, from 0.
     pub fn lines(&self) -> impl Iterator<Item = (u32, &str)> {
         (0..self.line_count()).map(|line| (line, self.line(line)))
     }
 
-    /// The byte of the text at a position; the nearest one before it where there is none.
+    /// Returns the byte offset of a position in the text. An invalid position gives the nearest
+    /// offset before it.
     pub fn offset(&self, at: Position) -> usize {
         let (start, line) = (self.start(at.line), self.line(at.line));
         let within = (at.byte as usize).min(line.len());
         start + line.floor_char_boundary(within)
     }
 
-    /// Makes a change; of two positions the wrong way round none is deleted.
+    /// Applies an edit. If `to` is before `from`, only inserts.
     pub fn apply(&mut self, edit: &Edit) {
         let from = self.offset(edit.from);
         let to = self.offset(edit.to).max(from);
@@ -135,7 +136,7 @@ impl Text {
             return;
         }
         self.text.replace_range(from..to, &edit.text);
-        // Whether a line begins at a byte, that byte and the one before it say.
+        // A byte and the one before it determine whether a line begins there.
         let after = from + edit.text.len();
         let tail = self.starts.partition_point(|start| *start as usize <= to);
         let tail = self.starts.split_off(tail);
@@ -151,7 +152,7 @@ impl Text {
         self.starts.extend(moved.map(narrow));
     }
 
-    /// Makes changes that do not overlap, whatever their order.
+    /// Applies edits that do not overlap, in any order.
     pub fn apply_all(&mut self, edits: &[Edit]) {
         let mut order: Vec<&Edit> = edits.iter().collect();
         order.sort_by_key(|edit| edit.from);
@@ -166,7 +167,7 @@ impl Text {
     }
 }
 
-/// Whether a line begins at a byte after the first one.
+/// Whether a line begins at a byte, which is not the first.
 fn begins_line(bytes: &[u8], at: usize) -> bool {
     match bytes.get(at - 1) {
         Some(b'\n') => true,

@@ -1,37 +1,36 @@
-//! A line of a program as its words, for colours, for what the pointer is on, and for
-//! what is changed in it. It takes what the control takes and marks the rest; the control
-//! alone says what is wrong.
+//! Splits a line of a program into words, for highlighting, hover and edits. It accepts what
+//! the control accepts and marks the rest. Only the control reports errors.
 
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// What a piece of a line is.
+/// The kind of a span.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// N and O: where a block or a program begins.
+    /// N or O: names a block or a program.
     Name,
     /// G.
     Code,
     /// M.
     Function,
-    /// S, T, F.
+    /// S, T or F.
     Setting,
-    /// X, Z, U, W.
+    /// X, Z, U or W.
     Axis,
     /// Any other letter with its number.
     Other,
     /// A statement of macro B, up to the end of its block.
     Statement,
-    /// In parentheses.
+    /// A comment in parentheses.
     Comment,
-    /// End of block, block skip, program mark.
+    /// End of block, block skip or program mark.
     Mark,
-    /// No word.
+    /// A character that belongs to no word.
     Foreign,
 }
 
 impl Kind {
-    /// Whether it is a letter with its number.
+    /// Returns whether the span is a letter with its number.
     pub const fn is_word(self) -> bool {
         !matches!(
             self,
@@ -40,27 +39,27 @@ impl Kind {
     }
 }
 
-/// A piece of a line.
+/// A range of a line with its kind.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Span {
     /// Bytes of the line.
     pub range: Range<usize>,
-    /// What it is.
+    /// The kind.
     pub kind: Kind,
 }
 
-/// The letter of a word and its number as it stands there.
+/// A word of a program: its address and the text of its number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Word<'a> {
-    /// Upper case.
+    /// The letter in upper case.
     pub address: char,
-    /// Sign, digits, point, without blanks and in ASCII; a variable begins with `#`, a
-    /// formula with `[`.
+    /// Sign, digits and point in ASCII without blanks. A variable begins with `#`, a formula
+    /// with `[`.
     pub value: Cow<'a, str>,
 }
 
 impl Word<'_> {
-    /// Its number, where it is a whole one without a sign.
+    /// Returns the number if it is an integer without a sign.
     pub fn number(&self) -> Option<u32> {
         let digits = self.value.bytes().all(|byte| byte.is_ascii_digit());
         digits.then(|| self.value.parse().ok())?
@@ -70,7 +69,7 @@ impl Word<'_> {
 /// The words that begin a statement of macro B.
 const STATEMENTS: [&str; 5] = ["IF", "GOTO", "WHILE", "DO", "END"];
 
-/// The pieces of a line in order; blanks between them are none.
+/// Splits a line into spans in order, without the blanks between them.
 pub fn spans(line: &str) -> Vec<Span> {
     let mut spans = Vec::new();
     let mut at = 0;
@@ -105,7 +104,7 @@ pub fn spans(line: &str) -> Vec<Span> {
     spans
 }
 
-/// The word that a span is.
+/// Returns the word in a span, or `None` if the span is not a word.
 pub fn word_of<'a>(line: &'a str, span: &Span) -> Option<Word<'a>> {
     let text = line.get(span.range.clone())?;
     let first = text.chars().next()?;
@@ -114,7 +113,7 @@ pub fn word_of<'a>(line: &'a str, span: &Span) -> Option<Word<'a>> {
     (address.is_ascii_uppercase() && !value.is_empty()).then_some(Word { address, value })
 }
 
-/// The words of a line.
+/// Returns the words of a line.
 pub fn words(line: &str) -> impl Iterator<Item = Word<'_>> {
     let spans = spans(line).into_iter();
     spans
@@ -122,12 +121,12 @@ pub fn words(line: &str) -> impl Iterator<Item = Word<'_>> {
         .filter_map(|span| word_of(line, &span))
 }
 
-/// What the control passes over between words.
+/// Whether the control skips a character between words.
 const fn is_blank(character: char) -> bool {
     matches!(character, ' ' | '\t' | '\u{3000}' | '\u{A0}' | '\u{FEFF}')
 }
 
-/// A full-width character as the control reads it.
+/// Converts a full-width character to ASCII, as the control reads it.
 pub(crate) fn narrow(character: char) -> char {
     match u32::from(character) {
         wide @ 0xFF01..=0xFF5E => char::from_u32(wide - 0xFEE0).unwrap_or(character),
@@ -136,7 +135,7 @@ pub(crate) fn narrow(character: char) -> char {
     }
 }
 
-/// The same in ASCII, without blanks.
+/// The text of a number in ASCII without blanks.
 fn plain(value: &str) -> Cow<'_, str> {
     let is_plain = |byte: u8| byte.is_ascii_graphic();
     if value.bytes().all(is_plain) {
@@ -146,8 +145,8 @@ fn plain(value: &str) -> Cow<'_, str> {
     Cow::Owned(narrowed.filter(|it| !is_blank(*it)).collect())
 }
 
-/// Where the comment that begins here ends; one that was opened by a full-width
-/// parenthesis is closed by either kind.
+/// The end of the comment that starts at `at`. A full-width opening parenthesis accepts either
+/// closing parenthesis.
 fn comment_end(line: &str, at: usize) -> usize {
     let wide = line[at..].starts_with('（');
     let close = line[at..].find(|it| it == ')' || wide && it == '）');
@@ -157,7 +156,7 @@ fn comment_end(line: &str, at: usize) -> usize {
     })
 }
 
-/// Whether a statement of macro B begins here.
+/// Whether a statement of macro B starts here.
 fn begins_statement(rest: &str) -> bool {
     if rest.starts_with('#') {
         return true;
@@ -167,7 +166,7 @@ fn begins_statement(rest: &str) -> bool {
     STATEMENTS.iter().any(|it| word.eq_ignore_ascii_case(it))
 }
 
-/// Where a statement ends: at the end of its block, or before a comment.
+/// The end of a statement: the end of its block or the start of a comment.
 fn statement_end(line: &str, at: usize) -> usize {
     let rest = &line[at..];
     let end = rest
@@ -176,7 +175,7 @@ fn statement_end(line: &str, at: usize) -> usize {
     at + rest[..end].trim_end_matches(is_blank).len()
 }
 
-/// Where a word ends whose letter ends at a byte, and what it is.
+/// The end and the kind of a word whose letter ends at byte `from`.
 fn word(line: &str, from: usize, letter: char) -> (usize, Kind) {
     let rest = &line[from..];
     let blanks = rest.len() - rest.trim_start_matches(is_blank).len();
@@ -201,8 +200,8 @@ fn word(line: &str, from: usize, letter: char) -> (usize, Kind) {
     (from + blanks + length, kind)
 }
 
-/// Bytes of the formula that begins with the bracket here; up to the end of the line
-/// where the bracket is not closed.
+/// Bytes of the formula that starts with a bracket. An unclosed formula reaches to the end of
+/// the line.
 fn formula_length(text: &str) -> usize {
     let mut depth = 0_u32;
     for (at, byte) in text.bytes().enumerate() {

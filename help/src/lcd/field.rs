@@ -1,4 +1,4 @@
-//! The fields of pages: by the label to the left of what is pointed at, or over it.
+//! Finds a field of a page by the label to its left or above it.
 
 use core::ops::{Range, RangeInclusive};
 
@@ -11,14 +11,14 @@ use super::words;
 use crate::subject::Subject;
 use crate::table::{Topic, topic, topics};
 
-/// The rows that every page has: title, input line, state and mode.
+/// Rows that every page has: title, input line, and state with mode.
 const TITLE_ROW: usize = 0;
 const INPUT_ROW: usize = 13;
 const STATE_ROW: usize = 14;
-/// The page of a field that several have.
+/// Page name of fields that several pages share.
 const ANY: &str = "*";
 
-/// Rows whose labels head columns: the page, the row, and the rows below it.
+/// Rows whose labels are column headings: page, heading row, rows below it.
 const HEADINGS: [(PageId, usize, RangeInclusive<usize>); 12] = [
     (PageId::Oft, 1, 2..=9),
     (PageId::Macro, 1, 2..=9),
@@ -34,7 +34,7 @@ const HEADINGS: [(PageId, usize, RangeInclusive<usize>); 12] = [
     (PageId::Dir, 4, 5..=12),
 ];
 
-/// What the state row says of the mode, and what explains it.
+/// Texts of the mode in the state row, and the subjects that explain them.
 const MODES: [(fn() -> Message, Subject<'static>); 12] = [
     (say::lcd_mode_teach_handwheel, Subject::Notion("teach-in")),
     (say::lcd_mode_teach_jog, Subject::Notion("teach-in")),
@@ -49,10 +49,10 @@ const MODES: [(fn() -> Message, Subject<'static>); 12] = [
     (say::lcd_mode_program_zero, Subject::Key("PZRN")),
     (say::lcd_mode_step, Subject::Key("HND")),
 ];
-/// Where the mode begins, and where it ends at the latest.
+/// Columns that contain the mode.
 const MODE_COLUMNS: Range<usize> = 20..30;
 
-/// The topic about the field that is pointed at.
+/// Returns the topic about the field at a row and column.
 pub fn pointed(page: PageId, screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> {
     if row == STATE_ROW && MODE_COLUMNS.contains(&column) {
         let shown = screen.row(row);
@@ -76,10 +76,10 @@ pub fn pointed(page: PageId, screen: &Screen, row: usize, column: usize) -> Opti
         .map(|label| label.topic)
 }
 
-/// Rows between the frame of a page.
+/// Rows inside the frame of a page.
 const INSIDE: RangeInclusive<usize> = 1..=12;
 
-/// The label over a column: the one whose middle is nearest.
+/// Returns the topic of the column heading whose middle is nearest to a column.
 fn headed(page: PageId, screen: &Screen, row: usize, middle: usize) -> Option<&'static Topic> {
     let labels = labels(page, screen, row);
     let nearest = labels.into_iter().min_by_key(|label| {
@@ -95,7 +95,8 @@ struct Label {
     topic: &'static Topic,
 }
 
-/// The labels in a row from left to right: those of the page alone where it has some there.
+/// Returns the labels in a row from left to right. Labels of this page exclude those that
+/// several pages share.
 fn labels(page: PageId, screen: &Screen, row: usize) -> Vec<Label> {
     let cells: Vec<(usize, char)> = (0..COLUMNS)
         .map(|column| (column, screen.cell(row, column).character))
@@ -118,7 +119,7 @@ fn labels(page: PageId, screen: &Screen, row: usize) -> Vec<Label> {
     if labels.is_empty() {
         labels = of(ANY);
     }
-    // 主轴转速 before 转速: the longest of those that begin in one place.
+    // Of labels that begin in one column, the longest wins: 主轴转速 before 转速.
     labels.sort_by_key(|label| {
         let Range { start, end } = label.columns;
         (start, core::cmp::Reverse(end))
@@ -134,8 +135,8 @@ fn labels(page: PageId, screen: &Screen, row: usize) -> Vec<Label> {
     labels
 }
 
-/// Whether a label that several pages have may stand in a row: the letters of the frame in
-/// theirs, those of coordinates inside.
+/// Whether a shared label is possible in a row: O, N, S and T in their rows of the frame,
+/// coordinate letters inside the frame.
 fn may_stand(label: &str, row: usize) -> bool {
     match label {
         "O" | "N" => row == TITLE_ROW,
@@ -146,8 +147,8 @@ fn may_stand(label: &str, row: usize) -> bool {
     }
 }
 
-/// Where a label stands in a row, in any of its languages, blanks aside. A word of letters
-/// is no part of a longer one.
+/// Returns the columns of a label in a row, in each of its languages. Blanks are ignored.
+/// Letters inside a longer word do not match.
 fn in_row<'a>(
     cells: &'a [(usize, char)],
     label: &'a str,

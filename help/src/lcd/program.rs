@@ -1,5 +1,5 @@
-//! Words of programs on the LCD: codes, addresses, statements of macro B; and what the
-//! graphic page teaches.
+//! Finds the topics of program words on the LCD: codes, addresses and macro B statements. Also
+//! handles the teach-in display of the graphic page.
 
 use gsk_core::model::ModelId;
 use gsk_panel::lcd::COLUMNS;
@@ -11,16 +11,17 @@ use crate::models::topic_of;
 use crate::subject::Subject;
 use crate::table::{Topic, topic};
 
-/// Rows between the frame of a page.
+/// Rows inside the frame of a page.
 const INSIDE: core::ops::RangeInclusive<usize> = 1..=12;
-/// Where the text begins on the page that shows the position, too.
+/// First row of the program text on the page that also shows the position.
 const BELOW_POSITION: usize = 5;
-/// Words of macro B.
+/// Words that begin a macro B statement.
 const STATEMENTS: [&str; 6] = ["IF", "WHILE", "GOTO", "THEN", "END", "DO"];
-/// What the graphic page says while it teaches.
+/// Texts of the graphic page during teaching.
 const TEACHING: [&str; 2] = ["示教", "TEACH"];
 
-/// The topic about a word of a program; none where no program stands.
+/// Returns the topic about the program word at a row and column, or `None` where the page shows
+/// no program.
 pub fn word(
     model: ModelId,
     page: PageId,
