@@ -1,23 +1,24 @@
-//! G02 and G03: the centre of a circle from what a block says.
+//! Computes the centre of a G02 or G03 arc from the words of its block.
 
 use gsk_core::alarm::{Alarm, number};
 use gsk_messages::say;
 
 use crate::space::Flat;
 
-/// What a block says of a circle, after scaling and rotation, mm.
+/// The words that define a circle, after scaling and rotation, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Circle {
-    /// R; negative for more than half a turn.
+    /// R, negative for an arc over half a turn.
     Radius(f64),
-    /// From the start to the centre.
+    /// Distance from the start to the centre.
     Center(Flat),
 }
 
-/// What radii may differ by without being told of, mm: half an increment.
+/// Tolerance for differences between radii, mm: half an increment.
 const SAME: f64 = 0.000_5;
 
-/// The centre of an arc whose end may lie off its circle by `tolerance`, mm.
+/// Returns the centre of an arc. The end may be off the circle by up to `tolerance`, mm.
+/// Errors: alarm 013 if no such arc exists.
 pub(crate) fn center(
     from: Flat,
     to: Flat,
@@ -49,7 +50,7 @@ pub(crate) fn center(
         return Err(wrong(say::mill_radius_too_small(radius.abs(), 2.0 * half)));
     }
     let across = libm::sqrt(off.max(0.0)) / (2.0 * half);
-    // Left of the way for the lesser arc counter-clockwise.
+    // Left of the chord for the shorter counter-clockwise arc.
     let left = if clockwise == (radius > 0.0) {
         -across
     } else {

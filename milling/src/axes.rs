@@ -1,5 +1,5 @@
-//! Which axes a machine has besides X, Y and Z, what they are called and how they count:
-//! parameters 1010, 1020, 187, 188, 1026, 1027 and 1260.
+//! Reads which axes a machine has besides X, Y and Z, with their names and units: parameters
+//! 1010, 1020, 187, 188, 1026, 1027 and 1260.
 
 use crate::memory::{MillMemory, parameter};
 use crate::space::{Axis, Length, Position};
@@ -9,20 +9,22 @@ use crate::space::{Axis, Length, Position};
 pub struct Further {
     /// Its address: A, B or C.
     pub letter: char,
-    /// It turns and counts in degrees; else it is a slide and counts in mm.
+    /// Whether the axis is rotary and counts in degrees. A linear axis counts in mm.
     pub rotary: bool,
-    /// A turn, after which its coordinates begin anew (rotary A with 188.0).
+    /// The turn after which its coordinates restart at 0 (rotary A with 188.0).
     turn: Option<Length>,
-    /// The sign of an absolute word says which way round (188.1), else it is the shorter one.
+    /// Whether the sign of an absolute word selects the direction (188.1). Otherwise the axis
+    /// takes the shorter one.
     by_sign: bool,
 }
 
-/// The axes besides X, Y and Z: the fourth and the fifth, where the machine has them.
+/// The fourth and the fifth axis, where the machine has them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Axes([Option<Further>; 2]);
 
 impl Axes {
-    /// Those of a machine. One that runs with X, Y or Z (1026, 1027) has no words of its own.
+    /// Reads the axes of a machine. An axis that follows X, Y or Z (1026, 1027) has no words
+    /// and is left out.
     pub fn of(memory: &MillMemory) -> Self {
         let count = memory.value(parameter::AXES);
         let follows = [parameter::FOURTH_FOLLOWS, parameter::FIFTH_FOLLOWS];
@@ -32,7 +34,7 @@ impl Axes {
             let own = |number| parameter::of(number, axis);
             let letter = u8::try_from(memory.value(own(parameter::NAME))).unwrap_or(b'A');
             let letter = char::from(letter);
-            // Of two axes of one name the word is that of the fourth.
+            // If both axes have the same name, the word moves the fourth.
             let named = axes.axis(letter).is_none();
             if !there || !named {
                 continue;
@@ -52,7 +54,7 @@ impl Axes {
         axes
     }
 
-    /// What an axis is; none of X, Y, Z and where the machine has none.
+    /// Returns a fourth or fifth axis of the machine. `None` for X, Y, Z and missing axes.
     pub const fn further(&self, axis: Axis) -> Option<Further> {
         match axis {
             Axis::Fourth => self.0[0],
@@ -61,20 +63,20 @@ impl Axes {
         }
     }
 
-    /// The further ones that there are, in order.
+    /// Returns the fourth and fifth axis that the machine has, in order.
     pub fn all_further(&self) -> impl Iterator<Item = (Axis, Further)> + use<> {
         let axes = *self;
         let axis = move |axis| Some((axis, axes.further(axis)?));
         Axis::FURTHER.into_iter().filter_map(axis)
     }
 
-    /// All that there are, in order.
+    /// Returns all axes of the machine, in order.
     pub(crate) fn all(&self) -> impl Iterator<Item = Axis> + use<> {
         let further = self.all_further().map(|(axis, _)| axis);
         Axis::BASIC.into_iter().chain(further)
     }
 
-    /// The address of an axis.
+    /// Returns the address of an axis.
     pub(crate) fn letter(&self, axis: Axis) -> char {
         match axis {
             Axis::X => 'X',
@@ -84,18 +86,18 @@ impl Axes {
         }
     }
 
-    /// The further axis of an address.
+    /// Returns the fourth or fifth axis with an address.
     pub(crate) fn axis(&self, letter: char) -> Option<Axis> {
         let mut all = self.all_further();
         all.find_map(|(axis, it)| (it.letter == letter).then_some(axis))
     }
 
-    /// Whether an axis counts in degrees.
+    /// Returns whether an axis counts in degrees.
     pub(crate) fn is_rotary(&self, axis: Axis) -> bool {
         self.further(axis).is_some_and(|it| it.rotary)
     }
 
-    /// Whether the coordinates of an axis begin anew after a turn.
+    /// Returns whether the coordinates of an axis restart after a turn.
     pub(crate) fn rolls(&self, axis: Axis) -> bool {
         self.turn(axis).is_some()
     }
@@ -104,7 +106,7 @@ impl Axes {
         self.further(axis)?.turn
     }
 
-    /// A point with what has gone beyond a turn taken back into it.
+    /// Returns a point with rollover axes wrapped into one turn.
     #[must_use]
     pub(crate) fn rolled(&self, mut point: Position) -> Position {
         for axis in Axis::FURTHER {
@@ -115,7 +117,7 @@ impl Axes {
         point
     }
 
-    /// Where an absolute word leads from a place: as far as the axis has to turn.
+    /// Returns the end of a move from `from` to the absolute word `to`, unwrapped.
     pub(crate) fn towards(&self, axis: Axis, from: Length, to: Length) -> Length {
         match self.further(axis) {
             Some(Further {
@@ -131,7 +133,7 @@ impl Axes {
         }
     }
 
-    /// The same by the shorter way; of both the one in plus.
+    /// Returns the same end by the shorter direction. Plus wins if both are equal.
     pub(crate) fn nearest(&self, axis: Axis, from: Length, to: Length) -> Length {
         let Some(turn) = self.turn(axis) else {
             return to;
@@ -145,7 +147,7 @@ impl Axes {
     }
 }
 
-/// From 0 up to a turn.
+/// Wraps a value into one turn, from 0.
 const fn within(value: Length, turn: Length) -> Length {
     Length::from_nm(value.nm().rem_euclid(turn.nm()))
 }
@@ -175,7 +177,7 @@ mod tests {
         .map(names)
         .into();
         assert_eq!(found, ["", "A", "AC", "C", "A"]);
-        // Bit 1 of 187 alone is no kind.
+        // Bit 1 of 187 alone has no meaning.
         let kinds = [0, 1, 2, 3].map(|kind| machine(&[(1010, 4), (40_187, kind)]));
         let turns = kinds.map(|axes| axes.is_rotary(Axis::Fourth));
         assert_eq!(turns, [false, true, false, true]);

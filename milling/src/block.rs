@@ -1,5 +1,4 @@
-//! A block carried out: what comes into force first, motion, then M and where the run goes
-//! on.
+//! Executes a block: modal words, then motion, then M codes and the flow of the program.
 
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::compensation::cutter::Side;
@@ -16,7 +15,7 @@ use crate::state::{Polar, State};
 use crate::travel::{Scene, Way, holes, motion};
 use crate::words::{OneShot, Switch, Words};
 
-/// Where the run goes on.
+/// Which block runs next.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Flow {
     Next,
@@ -40,11 +39,11 @@ pub(crate) enum Flow {
     Back(Option<i64>),
 }
 
-/// What a block led to.
+/// The result of a block.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Outcome {
     pub(crate) flow: Flow,
-    /// It moved an axis: a modal macro is called.
+    /// The block moved an axis, so that a modal macro is called.
     pub(crate) moved: bool,
 }
 
@@ -52,7 +51,7 @@ fn alarm(number: u16, detail: Message) -> Alarm {
     Alarm::new(number).because(detail)
 }
 
-/// Carries a block out.
+/// Executes a block. Errors: the alarm that refuses it.
 pub(crate) fn carry_out(
     state: &mut State,
     block: &Block,
@@ -105,7 +104,7 @@ fn moves(
     if moved || state.length == length_before {
         return Ok(moved);
     }
-    // The length offset alone: the tool goes by it, or with 003.4 the coordinates do.
+    // Only the length offset changes: the tool moves by it, or the coordinates do with 003.4.
     if scene.memory.bit(parameter::OFFSETS, 4) {
         state.resync(scene.memory);
         return Ok(false);
@@ -146,7 +145,7 @@ fn set_modal(state: &mut State, words: &Words, scene: &mut Scene<'_, '_>) -> Res
         && per_revolution != modal.per_revolution
     {
         modal.per_revolution = per_revolution;
-        // A number of the other unit means nothing.
+        // A feed in the other unit is meaningless.
         modal.feed = 0.0;
     }
     if let Some(motion) = words.motion {
@@ -155,7 +154,7 @@ fn set_modal(state: &mut State, words: &Words, scene: &mut Scene<'_, '_>) -> Res
     }
     if let Some(f) = words.letters.f {
         let f = if modal.inch { f.inches_to_mm() } else { f };
-        // That of a thread is its lead.
+        // F of a thread is its lead.
         let hole = words.hole.unwrap_or(modal.hole).is_some();
         match modal.motion {
             Motion::Thread if !hole => modal.lead = f.value(),
@@ -196,7 +195,7 @@ fn set_cutter(state: &mut State, words: &Words, memory: &MillMemory) -> Result<(
         return Err(alarm(number::BAD_G, say::mill_compensation_off()));
     }
     let letters = &words.letters;
-    // H names the radius where no D does.
+    // H names the radius if there is no D.
     let by_h = letters.h.filter(|_| beside);
     if let Some(d) = letters.d.or(by_h.filter(|_| words.length.is_none())) {
         state.modal.d = offset_number(d)?;
@@ -304,7 +303,7 @@ fn follow_m(state: &mut State, words: &Words, scene: &Scene<'_, '_>) -> Result<(
     Ok(())
 }
 
-/// What an M code does; none for one that calls, and for one of the ladder.
+/// What an M code does. `None` for one that calls a program and for one of the ladder.
 fn does(code: i64, memory: &MillMemory) -> Result<Option<MCode>, Alarm> {
     if memory.model.is_macro_of_m(code) || memory.model.subprogram_of_m(code).is_some() {
         return Ok(None);
@@ -319,7 +318,7 @@ fn does(code: i64, memory: &MillMemory) -> Result<Option<MCode>, Alarm> {
     }
 }
 
-/// Whether only the ladder knows an M code: nothing is known of what it does.
+/// Returns whether only the ladder knows an M code, so that its effect is unknown here.
 pub(crate) fn is_of_ladder(code: i64, memory: &MillMemory) -> bool {
     let record = memory.model.record();
     let Ok(code) = u8::try_from(code) else {
@@ -330,7 +329,7 @@ pub(crate) fn is_of_ladder(code: i64, memory: &MillMemory) -> bool {
     !calls && record.m_function(code).is_none() && record.ladder_m.is_some_and(left)
 }
 
-/// Runs of a call: L, or the digits before the last four of P.
+/// Number of runs of a call: L, or the digits before the last four of P.
 fn runs(words: &Words, by_p: i64) -> Result<u16, Alarm> {
     let runs = words.letters.l.map_or(by_p.max(1), Number::integer);
     match u16::try_from(runs) {
@@ -342,7 +341,7 @@ fn runs(words: &Words, by_p: i64) -> Result<u16, Alarm> {
     }
 }
 
-/// Where a block leads.
+/// Returns the block that runs next.
 pub(crate) fn flow(words: &Words, memory: &MillMemory) -> Result<Flow, Alarm> {
     let Some(code) = words.letters.m.map(Number::integer) else {
         return Ok(Flow::Next);
@@ -389,7 +388,7 @@ pub(crate) fn flow(words: &Words, memory: &MillMemory) -> Result<Flow, Alarm> {
     })
 }
 
-/// The words of a block that a macro gets as arguments.
+/// Returns the words of a block that a macro receives as arguments.
 pub(crate) fn arguments(block: &Block) -> impl Iterator<Item = (u8, f64)> {
     let words = block.words().iter();
     let words = words.filter(|word| !matches!(word.address, b'G' | b'L' | b'M' | b'P'));

@@ -1,9 +1,9 @@
-//! What adds up from moves: path lengths, and the box around the path.
+//! Adds up path lengths and the bounding box of the path.
 
 use crate::moves::{Arc, Move, MoveKind};
 use crate::space::{Axis, Flat, Position};
 
-/// Path lengths, mm; a rapid counts as its chord.
+/// Path lengths, mm. A rapid counts as its chord.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lengths {
     /// Rapids.
@@ -20,19 +20,19 @@ pub struct Lengths {
     pub thread: f64,
 }
 
-/// A box around a path, work coordinates, mm (degrees of axes that turn).
+/// The bounding box of a path in work coordinates, mm, or degrees for rotary axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Least X, Y, Z.
     pub least: [f64; 3],
-    /// Greatest.
+    /// Greatest X, Y, Z.
     pub greatest: [f64; 3],
-    /// Least and greatest of the fourth and the fifth axis.
+    /// Least and greatest position of the fourth and the fifth axis.
     pub further: [(f64, f64); 2],
 }
 
 impl Bounds {
-    /// Widens a box around a move.
+    /// Extends a bounding box by a move.
     pub(crate) fn reach(bounds: &mut Option<Self>, made: &Move) {
         let further = |point: &Position| Axis::FURTHER.map(|axis| point.get(axis).mm());
         let (begin, end) = (further(&made.from), further(&made.to));

@@ -1,5 +1,5 @@
-//! What is taken without an alarm and yet may be a slip: words that no code of their block
-//! uses, and M codes of which only the ladder knows what they do.
+//! Warns about words without effect in their block and about M codes that only the ladder
+//! knows. Neither raises an alarm.
 
 use gsk_core::command::Source;
 use gsk_core::program::Block;
@@ -11,17 +11,17 @@ use crate::modal::{Hole, Motion};
 use crate::state::State;
 use crate::words::{OneShot, Switch, Words};
 
-/// A kind of slip.
+/// A probable mistake that raises no alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slip {
     /// A word that no code of its block uses.
     WordWithoutEffect(char),
-    /// An M code that the ladder carries out.
+    /// An M code that the ladder executes.
     LadderCode(i64),
 }
 
 impl Slip {
-    /// Its name, for tools that sort what is found.
+    /// Returns the name of the warning, for programs that sort findings.
     pub const fn id(self) -> &'static str {
         match self {
             Self::WordWithoutEffect(_) => "word-without-effect",
@@ -29,7 +29,7 @@ impl Slip {
         }
     }
 
-    /// In words.
+    /// Returns the warning as a message.
     pub fn message(self) -> Message {
         match self {
             Self::WordWithoutEffect(letter) => say::caution_mill_word(letter),
@@ -38,24 +38,24 @@ impl Slip {
     }
 }
 
-/// A slip and its block.
+/// A warning and the block that caused it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Caution {
-    /// What.
+    /// The warning.
     pub slip: Slip,
-    /// Where it was met first.
+    /// The first block with this warning.
     pub source: Source,
 }
 
 impl Caution {
-    /// In words, with the line.
+    /// Returns the warning as a message with its line.
     pub fn sentence(&self) -> Message {
         say::in_line(self.source.line, self.slip.message())
     }
 }
 
-/// The slips of a block that was carried out and is no call of a macro; `state` is that
-/// after it.
+/// Returns the warnings about an executed block that is not a macro call. `state` is the state
+/// after the block.
 pub(crate) fn slips<'a>(
     block: &'a Block,
     words: &'a Words,

@@ -1,4 +1,4 @@
-//! Codes that act in their own block, and those of scaling and rotation.
+//! Executes the codes of group 00, scaling and rotation.
 
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::program::{Block, Number};
@@ -16,7 +16,7 @@ fn alarm(number: u16, detail: Message) -> Alarm {
     Alarm::new(number).because(detail)
 }
 
-/// Carries a code out; whether it moves.
+/// Executes a code of group 00. Returns whether it moves an axis.
 pub(crate) fn one_shot(
     code: OneShot,
     state: &mut State,
@@ -70,7 +70,7 @@ pub(crate) fn one_shot(
             to_point(state, words, &end, scene)?;
         }
         OneShot::Skip => {
-            // Without a signal it ends at its point.
+            // Without a signal the move ends at its programmed point.
             settle_rotation(state, scene.memory);
             let programmed = target(state, words);
             let to = state.place(programmed, scene.memory);
@@ -131,7 +131,7 @@ pub(crate) fn one_shot(
     Ok(words.has_axes())
 }
 
-/// At rapid to a point in machine coordinates, in the axes that a block names.
+/// Moves at rapid to a point in machine coordinates, in the axes of the block.
 fn to_point(
     state: &mut State,
     words: &Words,
@@ -191,7 +191,7 @@ fn offset_input(state: &State, words: &Words, scene: &mut Scene<'_, '_>) -> Resu
     scene.memory.set_offset(p, column, value, inch)
 }
 
-/// G28, G30: by the intermediate point to a reference point.
+/// G28, G30: over the intermediate point to a reference point.
 fn reference(
     index: u16,
     state: &mut State,
@@ -217,7 +217,7 @@ fn reference(
     Ok(())
 }
 
-/// After a return and G53 the length offset is cancelled, unless 013.7 keeps it.
+/// A reference return and G53 cancel the length offset, unless 013.7 keeps it.
 fn keep_or_cancel_length(state: &mut State, scene: &Scene<'_, '_>) {
     if !scene.memory.bit(parameter::LENGTHS, 7) {
         state.modal.length = LengthOffset::Off;
@@ -225,8 +225,8 @@ fn keep_or_cancel_length(state: &mut State, scene: &Scene<'_, '_>) {
     }
 }
 
-/// G37: at rapid to a little before the point, then at the feed of 5040. Nobody gives the
-/// signal, which comes at the point.
+/// G37: at rapid to a short distance before the point, then at the feed of 5040. The preview
+/// takes the signal to come at the point.
 fn measure(state: &mut State, words: &Words, scene: &mut Scene<'_, '_>) -> Result<(), Alarm> {
     let mut axes = named(words);
     let (Some(axis), None) = (axes.next(), axes.next()) else {
@@ -243,14 +243,14 @@ fn measure(state: &mut State, words: &Words, scene: &mut Scene<'_, '_>) -> Resul
     scene.go(state, to, Way::CutAt(feed.into()), true)
 }
 
-/// The greatest P of G51, as that of 5411.
+/// The greatest P of G51, and of parameter 5411.
 const SCALE_OF_ALL: i64 = 99_999_999;
-/// The greatest I, J, K: 9.999, or 9.99999 where they count in 0.00001.
+/// The greatest I, J, K: 9.999, or 9.99999 in units of 0.00001.
 const AXIS_SCALE: [i64; 2] = [9999, 999_999];
 /// The greatest angle of G68, degrees.
 const GREATEST_ANGLE: f64 = 360.0;
 
-/// G51.
+/// Executes G51.
 pub(crate) fn scale(
     state: &mut State,
     block: &Block,
@@ -270,7 +270,7 @@ pub(crate) fn scale(
     }
     let fine = scene.memory.bit(parameter::SCALE_UNIT, 7);
     let factor = |units: i64| units as f64 * if fine { 0.000_01 } else { 0.001 };
-    // 562.0 to 562.2: X, Y and Z are scaled.
+    // 562.0 to 562.2: whether X, Y and Z are scaled.
     let is_scaled = |axis: Axis| scene.memory.bit(parameter::TRANSFORM, axis as u8);
     let units = |axis: Axis| {
         let own = || {
@@ -326,7 +326,7 @@ pub(crate) fn scale(
     Ok(())
 }
 
-/// G68.
+/// Executes G68.
 pub(crate) fn rotate(state: &mut State, words: &Words, scene: &Scene<'_, '_>) -> Result<(), Alarm> {
     if state.transform.scaling.is_some() && scene.cutter.is_on() {
         return Err(alarm(number::BAD_G, say::mill_rotation_in_compensation()));
@@ -336,7 +336,7 @@ pub(crate) fn rotate(state: &mut State, words: &Words, scene: &Scene<'_, '_>) ->
     let work = state.work(scene.memory);
     let inch = state.modal.inch;
     let before = state.transform.rotation;
-    // The centre is scaled; where the tool stands is so already.
+    // A programmed centre is scaled. The tool position is scaled already.
     let along = |axis: Axis| match words.letters.axes.get(axis) {
         Some(value) => {
             let mut point = work;

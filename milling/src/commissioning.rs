@@ -1,6 +1,5 @@
-//! What is worked out when a GSK980MDi is set up: the electronic gear (015, 016), how fast
-//! backlash is taken up (010), and what its table of pitch errors (3620 to 3624) makes of a
-//! position.
+//! Computes commissioning values of a GSK980MDi: the electronic gear (015, 016), the rate of
+//! backlash compensation (010), and pitch error compensation (3620 to 3624).
 
 use std::collections::BTreeMap;
 
@@ -11,21 +10,21 @@ use crate::space::Length;
 /// CMR over CMD, parameters 015 and 016.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Gear {
-    /// 015.
+    /// Parameter 015.
     pub multiplier: u32,
-    /// 016.
+    /// Parameter 016.
     pub divider: u32,
 }
 
-/// The greatest of both.
+/// The greatest multiplier and divider.
 const GREATEST: u64 = 32_767;
 
-/// Teeth of the wheels on the screw and on the motor.
+/// Teeth of the gear wheels on the screw and on the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Teeth {
-    /// On the screw, or on the table.
+    /// Teeth of the wheel on the screw, or on the table.
     pub screw: u32,
-    /// On the motor.
+    /// Teeth of the wheel on the motor.
     pub motor: u32,
 }
 
@@ -54,10 +53,12 @@ fn gear(multiplier: u64, divider: u64) -> Result<Gear, Message> {
     }
 }
 
-/// The gear of a linear axis: counts of the encoder a turn, the output increment, the lead.
+/// Returns the gear of a linear axis. `counts`: encoder counts per turn. `increment`: output
+/// increment.
 ///
 /// # Errors
-/// A value of nothing, or a gear beyond 32767.
+///
+/// Returns a message if a value is 0 or the gear is beyond 32767.
 pub fn linear_gear(
     counts: u32,
     increment: Length,
@@ -74,9 +75,11 @@ pub fn linear_gear(
     }
 }
 
-/// The gear of a rotary axis or a spindle: counts of the encoder a turn, pulses a turn.
+/// Returns the gear of a rotary axis or a spindle. `counts`: encoder counts per turn. `pulses`:
+/// pulses per turn.
 ///
 /// # Errors
+///
 /// As for [`linear_gear`].
 pub fn rotary_gear(counts: u32, pulses: u32, teeth: Teeth) -> Result<Gear, Message> {
     let multiplier = u64::from(counts) * u64::from(teeth.screw);
@@ -87,8 +90,8 @@ pub fn rotary_gear(counts: u32, pulses: u32, teeth: Teeth) -> Result<Gear, Messa
     gear(multiplier, divider)
 }
 
-/// Pulses a second with which backlash is taken up in mode A (011.7 = 0): 010 counts
-/// thousands, of which 011.6 leaves an eighth.
+/// Returns the rate of backlash compensation in mode A (011.7 = 0), pulses/s. Parameter 010
+/// counts thousands. 011.6 reduces the rate to an eighth.
 pub const fn backlash_rate(parameter_010: u8, an_eighth: bool) -> u32 {
     let rate = parameter_010 as u32 * 1000;
     if an_eighth { rate / 8 } else { rate }
@@ -103,21 +106,23 @@ pub struct PitchTable {
     interval: i64,
     /// 3621, 3622.
     window: (i64, i64),
-    /// By number, 0.001 mm: of the way between `(N − 1 − origin)` and `(N − origin)`
-    /// intervals.
+    /// Error of each interval by its number N, 0.001 mm: between `(N − 1 − origin)` and
+    /// `(N − origin)` intervals.
     values: BTreeMap<i64, i64>,
 }
 
-/// Numbers of the table, sizes of its values, intervals.
+/// Ranges of the table's numbers, of its values and of its intervals.
 const NUMBERS: core::ops::RangeInclusive<i64> = 0..=1023;
 const VALUES: core::ops::RangeInclusive<i64> = -2550..=2550;
 const INTERVALS: core::ops::RangeInclusive<i64> = 1000..=999_999;
 
 impl PitchTable {
-    /// A table; its values from the number `least` (3621) to `most` (3622) act.
+    /// Creates a table. Only values with numbers from `least` (3621) to `most` (3622) act.
+    /// `interval` and values are in 0.001 mm.
     ///
     /// # Errors
-    /// A number, a value or an interval (0.001 mm) out of its range.
+    ///
+    /// Returns a message if a number, a value or the interval is out of range.
     pub fn new(
         origin: i64,
         interval: i64,
@@ -146,15 +151,15 @@ impl PitchTable {
         })
     }
 
-    /// Whether the negative side of the reference point is compensated. If the reference
-    /// point is the least number of the table, its value has no interval: the interval
-    /// below it lies outside the table (part on installation, 6.6).
+    /// Returns whether the negative side of the reference point is compensated. If the
+    /// reference point is the least number of the table, its value has no interval: the
+    /// interval below it is outside the table (part on installation, 6.6).
     pub const fn has_negative_side(&self) -> bool {
         self.origin > self.window.0
     }
 
-    /// The number of the way that ends at a position, seen from the reference point, 0.001
-    /// mm; none where no way ends.
+    /// Returns the number of the interval that ends at a position, seen from the reference
+    /// point, 0.001 mm. `None` if no interval ends there.
     pub const fn number_at(&self, position: i64) -> Option<i64> {
         if position % self.interval != 0 || (position < 0 && !self.has_negative_side()) {
             return None;
@@ -169,7 +174,8 @@ impl PitchTable {
     /// Adds to the value of a number, 0.001 mm.
     ///
     /// # Errors
-    /// A number outside 3621 to 3622, a sum out of range.
+    ///
+    /// Returns a message if the number is outside 3621 to 3622 or the sum is out of range.
     pub fn add(&mut self, number: i64, value: i64) -> Result<(), Message> {
         let (least, most) = self.window;
         if !(least..=most).contains(&number) {
@@ -183,13 +189,13 @@ impl PitchTable {
         Ok(())
     }
 
-    /// The values that are not 0, by number.
+    /// Returns the values other than 0, by number.
     pub fn values(&self) -> impl Iterator<Item = (i64, i64)> {
         let values = self.values.iter().map(|(number, value)| (*number, *value));
         values.filter(|(_, value)| *value != 0)
     }
 
-    /// The far end of the way of a number, 0.001 mm from the reference point.
+    /// Returns the far end of the interval of a number, 0.001 mm from the reference point.
     pub fn end_of(&self, number: i64) -> i64 {
         let beyond = i64::from(number > self.origin);
         (number - 1 + beyond - self.origin) * self.interval
@@ -199,8 +205,8 @@ impl PitchTable {
         self.values.get(&number).copied().unwrap_or(0)
     }
 
-    /// What is commanded at a position, both in 0.001 mm from the reference point; within
-    /// an interval its share of the error.
+    /// Returns the commanded position that compensates a position, both in 0.001 mm from the
+    /// reference point. Within an interval the error is interpolated.
     pub fn commanded(&self, position: i64) -> i64 {
         if position < 0 && !self.has_negative_side() {
             return position;
@@ -221,11 +227,12 @@ impl PitchTable {
         position + sign * (errors + (share + half) / self.interval)
     }
 
-    /// The number at the positive end of a turn of a rotary axis (1260, 0.001 degrees).
+    /// Returns the number at the positive end of a turn of a rotary axis (1260, 0.001 degrees).
     ///
     /// # Errors
-    /// The turn is no multiple of the interval, the errors of a turn do not add up to
-    /// nothing, or those at both ends differ.
+    ///
+    /// Returns a message if the turn is not a multiple of the interval, if the errors of a turn
+    /// do not add up to 0, or if those at both ends differ.
     pub fn end_of_turn(&self, turn: i64) -> Result<i64, Message> {
         if turn <= 0 || turn % self.interval != 0 {
             return Err(say::mill_pitch_turn(turn, self.interval));
@@ -246,8 +253,8 @@ impl PitchTable {
         Ok(end)
     }
 
-    /// What stands in the place of a number on the page when positions are shown: the far
-    /// end of its way, in whole millimetres.
+    /// Returns the position that the page shows in place of a number: the far end of its
+    /// interval, in whole millimetres.
     pub fn label(&self, number: i64) -> String {
         let position = self.end_of(number) / 1000;
         if position < 0 {
@@ -309,7 +316,7 @@ mod tests {
         let three = table(255, 10_000, (0, 255), &values);
         let found = [-10_000, -20_000, -30_000, -40_000].map(|at| three.commanded(at));
         assert_eq!(found, [-10_002, -20_002, -29_995, -39_998]);
-        // A value at the least number acts nowhere if that is the reference point.
+        // If the reference point is the least number, its value acts nowhere.
         let one = table(0, 10_000, (0, 199), &[(0, 9), (1, 7), (2, -6), (3, 4)]);
         let found = [-10_000, -5000, 0, 10_000].map(|at| one.commanded(at));
         assert_eq!(found, [-10_000, -5000, 0, 10_007]);
@@ -317,7 +324,7 @@ mod tests {
             (one.number_at(-10_000), one.number_at(10_000)),
             (None, Some(1))
         );
-        // Half the way, half the error: 3.5 goes away from zero.
+        // Half the interval has half the error: 3.5 is rounded away from zero.
         assert_eq!(one.commanded(5000), 5004);
     }
 

@@ -1,5 +1,5 @@
-//! Steps on their way through the compensation of the cutter's radius: the core's own,
-//! which knows moves in a plane. What else a step is waits here under its number.
+//! Passes steps through the cutter radius compensation of `core`, which only knows moves in a
+//! plane. The rest of a step waits here under its number.
 
 use std::collections::BTreeMap;
 
@@ -11,17 +11,17 @@ use crate::moves::{Arc, MoveKind};
 use crate::space::{Flat, Plane, Position};
 use crate::tracker::{Step, Tracker};
 
-/// Numbers of steps that are kept: none waits for so many.
+/// Step numbers wrap at this count. Far fewer steps wait at a time.
 const KEPT: u32 = 4096;
 
-/// The compensation, with the steps in it.
+/// The cutter compensation with the steps in it.
 #[derive(Debug, Default)]
 pub(crate) struct Cutter {
     stream: CutterCompensation,
     waiting: BTreeMap<u32, Step>,
     count: u32,
     plane: Plane,
-    /// Where the steps that went in end.
+    /// End of the last step that went in.
     at: Position,
 }
 
@@ -37,7 +37,7 @@ const fn flat(point: Point) -> Flat {
 }
 
 impl Cutter {
-    /// Begins where the tool stands.
+    /// Starts at the position of the tool.
     pub(crate) fn new(start: Position) -> Self {
         Self {
             at: start,
@@ -45,13 +45,13 @@ impl Cutter {
         }
     }
 
-    /// Whether the centre runs beside the contour.
+    /// Returns whether compensation is on.
     pub(crate) const fn is_on(&self) -> bool {
         self.stream.is_on()
     }
 
-    /// Takes a step; `radius` of the cutter, mm. A step apart from the contour (a hole, a
-    /// return to the reference point) is made without compensation.
+    /// Takes a step. `radius` is the cutter's, mm. `apart` marks a step away from the contour
+    /// (a hole, a reference return), which is not compensated.
     pub(crate) fn take(
         &mut self,
         step: &Step,
@@ -100,12 +100,12 @@ impl Cutter {
         self.drain(tracker)
     }
 
-    /// Whether a move ends the compensation: it does so without motion in the plane, too.
+    /// Whether a step cancels the compensation. It does so even without motion in the plane.
     fn cancels(&self, side: Side) -> bool {
         side == Side::On && self.is_on()
     }
 
-    /// A block without any motion.
+    /// Takes a block without motion.
     pub(crate) fn pass_block(
         &mut self,
         side: Side,
@@ -117,7 +117,7 @@ impl Cutter {
         self.drain(tracker)
     }
 
-    /// Nothing more comes.
+    /// Completes the waiting steps at the end of the program.
     pub(crate) fn flush(&mut self, tracker: &mut Tracker<'_>) -> Result<(), Alarm> {
         self.stream.flush();
         self.drain(tracker)
@@ -128,7 +128,7 @@ impl Cutter {
             let ready = match ready {
                 Ok(ready) => ready,
                 Err(mut alarm) => {
-                    // It has the number of the step.
+                    // The alarm has the number of the step in place of its sequence number.
                     let number = alarm.source.and_then(|source| source.sequence);
                     let number = number.map(u32::from);
                     let step = number.and_then(|number| self.waiting.get(&number));
@@ -139,7 +139,7 @@ impl Cutter {
             match ready {
                 Compensated::Other(number) => {
                     if let Some(mut step) = self.waiting.remove(&number) {
-                        // It moves across the plane, where the centre stands.
+                        // The step moves across the plane at the position of the cutter centre.
                         let centre = tracker.machine.flat(self.plane);
                         step.to = step.to.at(self.plane, centre);
                         tracker.make(&step)?;
@@ -153,7 +153,7 @@ impl Cutter {
                     if last {
                         self.waiting.remove(&made.number);
                     } else {
-                        // The corner before it.
+                        // A corner move before the step.
                         let across = self.plane.across();
                         step.to.set(across, tracker.machine.get(across));
                         step.to = step.to.turned_as(&tracker.machine);

@@ -1,9 +1,9 @@
-//! G73 to G89: what a hole is made of.
+//! Splits the hole cycles G73 to G89 into steps.
 //!
 //! ```text
 //!   1 rapid over the hole      initial level ---1---+
 //!   2 rapid to R                                    2
-//!   3 in, as the code says     R level              +--- and back to R (G99) or to the
+//!   3 in, by the code          R level              +--- and back to R (G99) or to the
 //!   4 at the bottom                                 3    initial level (G98)
 //!   5 back                     Z                    4
 //! ```
@@ -15,14 +15,14 @@ use crate::memory::{MillMemory, parameter};
 use crate::modal::{Hole, Spindle};
 use crate::space::{Axis, Length, Plane, Position};
 
-/// What the words of a cycle leave for the next hole.
+/// Values that the words of a cycle keep for the next hole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct HoleData {
     /// Level before the first hole, machine coordinates.
     pub(crate) initial: Length,
-    /// R as programmed: with G91 from the initial level.
+    /// R as programmed. With G91 it counts from the initial level.
     pub(crate) r: Option<Level>,
-    /// Z (of the axis across the plane), with G91 from R.
+    /// The bottom: Z, or the axis across the plane. With G91 it counts from R.
     pub(crate) bottom: Option<Level>,
     /// Q: the depth of a peck, or the shift of G76 and G87.
     pub(crate) q: Option<Length>,
@@ -30,39 +30,39 @@ pub(crate) struct HoleData {
     pub(crate) dwell_s: f64,
 }
 
-/// A level as it is programmed.
+/// A level as programmed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Level {
     pub(crate) value: Length,
     pub(crate) incremental: bool,
 }
 
-/// A part of a hole, machine coordinates.
+/// A step of a hole, machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Part {
-    /// To a point.
+    /// At rapid to a point.
     Rapid(Position),
-    /// The same at the feed.
+    /// At the feed to a point.
     Feed(Position),
-    /// The same, led by the spindle.
+    /// To a point, synchronised with the spindle.
     Tap {
-        /// Its end.
+        /// End of the move.
         to: Position,
-        /// Whether it is the way out.
+        /// Whether the tap moves out of the hole.
         out: bool,
     },
-    /// The slides stand, s.
+    /// Duration of a dwell, s.
     Dwell(f64),
-    /// What the spindle does from here on.
+    /// Spindle state from here on.
     Spindle(Spindle),
 }
 
-/// A hole: where, how deep, and what it is made by.
+/// A hole: its position, depth and cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Drilling<'a> {
     pub(crate) hole: Hole,
     pub(crate) plane: Plane,
-    /// Over the hole, at the level from which it begins.
+    /// Position over the hole, at the level where it starts.
     pub(crate) over: Position,
     pub(crate) initial: Length,
     pub(crate) r: Length,
@@ -71,12 +71,12 @@ pub(crate) struct Drilling<'a> {
     pub(crate) dwell_s: f64,
     pub(crate) to_r: bool,
     pub(crate) spindle: Spindle,
-    /// Taps are rigid: Q is the depth of a peck.
+    /// Whether taps are rigid: then Q is the depth of a peck.
     pub(crate) rigid: bool,
     pub(crate) memory: &'a MillMemory,
 }
 
-/// Pecks in a hole at most.
+/// Greatest number of pecks in a hole.
 const PECKS: i64 = 10_000;
 
 fn too_many_pecks() -> Alarm {
@@ -91,7 +91,7 @@ impl Drilling<'_> {
         point
     }
 
-    /// The same, beside its middle by the shift of G76 and G87.
+    /// The same point shifted sideways by the shift of G76 and G87.
     fn beside(&self, level: Length, shift: Length) -> Position {
         let mut point = self.at(level);
         let bit = |bit| self.memory.bit(parameter::SHIFT, bit);
@@ -102,10 +102,7 @@ impl Drilling<'_> {
         point
     }
 
-    /// Its parts in order.
-    ///
-    /// # Errors
-    /// 062 for a Q that is missing.
+    /// Returns the steps of the hole in order. Errors: alarm 062 if Q is missing.
     pub(crate) fn parts(&self) -> Result<Vec<Part>, Alarm> {
         let mut parts = vec![Part::Rapid(self.over)];
         let (in_r, end) = (self.at(self.r), self.at(self.bottom));
@@ -123,7 +120,7 @@ impl Drilling<'_> {
                 self.tap(&mut parts)?;
                 return Ok(self.finished(parts));
             }
-            // Of G88 somebody draws the tool out by hand.
+            // With G88 the operator withdraws the tool by hand.
             Hole::BoreStop | Hole::BoreByHand => parts.extend([
                 Part::Feed(end),
                 Part::Dwell(self.dwell_s),
@@ -172,12 +169,12 @@ impl Drilling<'_> {
         Ok(self.finished(parts))
     }
 
-    /// The level to which the tool goes back.
+    /// The level that the tool returns to.
     const fn back(&self) -> Length {
         if self.to_r { self.r } else { self.initial }
     }
 
-    /// With the dwell behind every hole (5108).
+    /// Adds the dwell after every hole (5108).
     fn finished(&self, mut parts: Vec<Part>) -> Vec<Part> {
         let dwell = self.memory.value(parameter::HOLE_DWELL);
         if dwell > 0 {
@@ -187,7 +184,7 @@ impl Drilling<'_> {
         parts
     }
 
-    /// Q, which must be more than nothing.
+    /// Q, which must be greater than 0.
     fn shift(&self) -> Result<Length, Alarm> {
         let shift = self.q.map(Length::abs).filter(|it| *it > Length::ZERO);
         shift.ok_or_else(|| {
@@ -196,8 +193,8 @@ impl Drilling<'_> {
         })
     }
 
-    /// G73: back by a little after each peck; G83: back to R, and down again to a little
-    /// before the last depth.
+    /// G73 retracts a little after each peck. G83 retracts to R and returns to just before the
+    /// last depth.
     fn peck(&self, parts: &mut Vec<Part>) -> Result<(), Alarm> {
         let q = self.shift()?;
         let depth = self.bottom - self.r;
@@ -244,8 +241,8 @@ impl Drilling<'_> {
         Ok(())
     }
 
-    /// G74, G84: in, the spindle turns over, out, in pecks under M29 with Q; without an
-    /// encoder a hole is drilled.
+    /// G74, G84: in, spindle reversal, out. Under M29 with Q in pecks. Without an encoder it
+    /// drills.
     fn tap(&self, parts: &mut Vec<Part>) -> Result<(), Alarm> {
         let (in_r, end) = (self.at(self.r), self.at(self.bottom));
         if self.memory.value(parameter::ENCODER) == 0 {
@@ -277,8 +274,8 @@ impl Drilling<'_> {
         Ok(())
     }
 
-    /// Pecks of a rigid tap before the one to the bottom: how deep, and where the tap goes
-    /// back to: by 5213 (588.5 = 1), or to R.
+    /// Pecks of a rigid tap before the last one: the depth and the level of the retraction.
+    /// That is 5213 above (588.5 = 1), or R.
     fn tap_pecks(&self) -> Result<Vec<(Length, Length)>, Alarm> {
         let q = self.q.map_or(Length::ZERO, Length::abs);
         let mut pecks = Vec::new();

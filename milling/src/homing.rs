@@ -1,4 +1,4 @@
-//! How the axes of a GSK980MDi are sent to machine zero, by its parameters.
+//! Describes the reference return of each axis of a GSK980MDi by its parameters.
 
 use std::collections::BTreeMap;
 
@@ -7,35 +7,36 @@ use gsk_messages::{Message, say};
 use crate::memory::parameter;
 use crate::parameter_table::{ParameterRow, parameter_rows};
 
-/// Values of parameters, as they stand in a file: those that are not given are 0.
+/// Parameter values read from a file. Missing ones are 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ParameterValues(BTreeMap<u16, i32>);
 
-/// Switches of the axes, from [`FIRST_SWITCH`] on: 1 acts at +24 V, 0 open.
+/// Switches of the axes, from bit [`FIRST_SWITCH`] on: 1 acts at +24 V, 0 when open.
 const SWITCHES: u16 = 4;
 const FIRST_SWITCH: usize = 3;
-/// Bit 2: the jog key of a return holds itself.
+/// Bit 2: the jog key of a reference return is self-holding.
 const KEY: (u16, usize) = (11, 2);
-/// The axes that go home in minus, from bit 0 on.
+/// The axes that return in minus, from bit 0 on.
 const SENSE: u16 = 13;
-/// Speeds of a return, mm/min.
+/// Speeds of a reference return, mm/min.
 const FAST: u16 = 31;
 const SLOW: u16 = 32;
 /// Bit 0: absolute encoders.
 const ENCODERS: (u16, usize) = (760, 0);
-/// Of a further axis, bit 6: method D.
+/// Bit 6 of a fourth or fifth axis: method D.
 const METHOD_D: (u16, usize) = (parameter::ROLLOVER, 6);
-/// Of an axis: how far machine zero lies from where it stops, 0.001 mm.
+/// Of each axis: distance of machine zero from the stop, 0.001 mm.
 const OFFSET: u16 = 1246;
 /// Letters of X, Y and Z.
 const BASIC: [char; 3] = ['X', 'Y', 'Z'];
 
 impl ParameterValues {
-    /// Takes a line of a file: `13=00001000`, `13.3=1` or `31=3000`; what stands after `#`
-    /// or `;` is no part of it.
+    /// Parses a line of a file: `13=00001000`, `13.3=1` or `31=3000`. A comment starts with `#`
+    /// or `;`.
     ///
     /// # Errors
-    /// What is wrong with it.
+    ///
+    /// Returns a message if the form, the number or the value is wrong.
     pub fn take(&mut self, line: &str) -> Result<(), Message> {
         let text = line.split(['#', ';']).next().unwrap_or_default().trim();
         if text.is_empty() {
@@ -87,7 +88,7 @@ impl ParameterValues {
         self.value(number) >> bit & 1 == 1
     }
 
-    /// A speed, or the parameter that holds it where nobody has said.
+    /// A speed, or the number of its parameter if the file has none.
     fn speed(&self, number: u16) -> String {
         match self.0.get(&number) {
             Some(speed) => format!("{speed} mm/min ({number:03})"),
@@ -96,7 +97,7 @@ impl ParameterValues {
     }
 }
 
-/// The rows of a number, that of an axis among them.
+/// The rows of a number, which may be that of an axis.
 fn of_number(number: u16) -> impl Iterator<Item = &'static ParameterRow> {
     parameter_rows().iter().filter(move |row| {
         let mut own = row.axes.iter().map(|axis| row.number + axis * 10_000);
@@ -114,7 +115,7 @@ fn in_range(row: &ParameterRow, value: i32) -> bool {
     }
 }
 
-/// A sentence for each axis that the machine has.
+/// Returns a sentence about the reference return of each axis, and one about the key.
 pub fn homing(values: &ParameterValues) -> Vec<Message> {
     let count = usize::try_from(values.value(parameter::AXES))
         .unwrap_or(0)

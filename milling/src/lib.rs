@@ -1,6 +1,8 @@
-//! Programs of the GSK980MDi, a mill control related to the lathe's: blocks to moves of
-//! three to five axes, with what scaling, rotation, length offsets and the cutter radius make of
-//! them, their time and their alarms. They are checked and drawn, and not run.
+//! Interprets programs of the GSK980MDi, a mill control of the same family.
+//!
+//! It turns blocks into moves of three to five axes with scaling, rotation, length offsets
+//! and cutter radius compensation, and reports their time and alarms. `check` and `plot` use
+//! it. No machine runs it.
 //!
 //! ```text
 //!   gsk_core: text -> words -> blocks, macro B, calls

@@ -1,4 +1,4 @@
-//! What a mill holds beside its programs: parameters, offsets of tools, zeros of the work.
+//! Stores the parameters, tool offsets and work zeros of a mill.
 
 use std::collections::BTreeMap;
 
@@ -9,24 +9,24 @@ use gsk_messages::say;
 use crate::modal::WorkZero;
 use crate::space::{Axis, Each, Length, Position};
 
-/// Numbers of its parameters; those of an axis have 10000, 20000 or 30000 more for X, Y
-/// and Z, 40000 or 50000 for the fourth and the fifth.
+/// Numbers of mill parameters. For an axis add 10000 (X), 20000 (Y), 30000 (Z), 40000 (fourth)
+/// or 50000 (fifth).
 pub mod parameter {
     use crate::space::Axis;
 
-    /// Bit 7: D is a diameter; bit 1: the radius of the cutter is compensated.
+    /// Bit 7: D is a diameter. Bit 1: cutter radius compensation is available.
     pub const TOOLS: u16 = 2;
-    /// Bit 4: offsets shift the coordinates, the slides stand.
+    /// Bit 4: offsets shift the coordinates without motion.
     pub const OFFSETS: u16 = 3;
-    /// Bit 6: every block of motion ends at a stand.
+    /// Bit 6: every motion block ends with an exact stop.
     pub const CORNERS: u16 = 7;
-    /// Bit 7: axes of a rapid arrive together; bit 4: G01 at power-on.
+    /// Bit 7: the axes of a rapid arrive together. Bit 4: G01 is in force at power-on.
     pub const MOTION: u16 = 12;
-    /// Bit 7: length offsets stay after a return to a reference point and G53.
+    /// Bit 7: length offsets stay in force after a reference return and G53.
     pub const LENGTHS: u16 = 13;
-    /// Rapid rates, mm/min, and their time constant, ms.
+    /// Rapid rate of an axis, mm/min.
     pub const RAPID_RATE: u16 = 22;
-    /// Its time constant, ms.
+    /// Time constant of rapids, ms.
     pub const RAPID_TIME: u16 = 23;
     /// Feed at power-on, mm/min.
     pub const FIRST_FEED: u16 = 26;
@@ -38,104 +38,104 @@ pub mod parameter {
     pub const FEED_START: u16 = 30;
     /// Bit 7: a scale counts in 0.00001 instead of 0.001.
     pub const SCALE_UNIT: u16 = 36;
-    /// Ends of the travel, machine coordinates, 0.001 mm.
+    /// Positive travel limit, machine coordinates, 0.001 mm.
     pub const TRAVEL_PLUS: u16 = 45;
-    /// The other end.
+    /// Negative travel limit, machine coordinates, 0.001 mm.
     pub const TRAVEL_MINUS: u16 = 46;
     /// Feed of G31 with 551.2 = 1, mm/min.
     pub const SKIP_FEED: u16 = 71;
     /// Rapid rate of the index axis, mm/min or degrees/min.
     pub const INDEX_RATE: u16 = 76;
-    /// Bit 4: no soft limits.
+    /// Bit 4: soft limits are off.
     pub const LIMITS: u16 = 172;
-    /// Of a further axis, bits 1 and 0: 00 a slide, 01 rotary A, 11 rotary B.
+    /// Type of a fourth or fifth axis, bits 1 and 0: 00 linear, 01 rotary A, 11 rotary B.
     pub const KIND: u16 = 187;
-    /// Of a rotary axis A: bit 0: its coordinates begin anew after a turn; bit 1: the sign
-    /// of an absolute word is the sense.
+    /// Rollover of a rotary axis A. Bit 0: coordinates restart after a turn. Bit 1: the sign of
+    /// an absolute word is the direction.
     pub const ROLLOVER: u16 = 188;
-    /// Bit 7: angles of ASIN and ATAN from −180 to 180.
+    /// Bit 7: ASIN and ATAN return angles from −180 to 180 degrees.
     pub const ANGLES: u16 = 520;
-    /// Bit 4: G54 and the like clear the shift of G92.
+    /// Bit 4: G54 to G59 clear the shift of G92.
     pub const ZEROS: u16 = 540;
-    /// Local coordinates end with M30 and M02 (bit 1), with a reference return (bit 0).
+    /// Local coordinates are cancelled by M30 and M02 (bit 1) or by a reference return (bit 0).
     pub const LOCAL: u16 = 542;
-    /// Bit 2: G31 runs at 071.
+    /// Bit 2: G31 runs at the feed of 071.
     pub const SKIP: u16 = 551;
-    /// Bit 7: G91 adds to the angle of G68; bit 4: a scale for each axis; bits 2 to 0: Z,
-    /// Y and X are scaled.
+    /// Bit 7: G91 adds to the angle of G68. Bit 4: a scale for each axis. Bits 2 to 0: Z, Y and
+    /// X are scaled.
     pub const TRANSFORM: u16 = 562;
-    /// Bits 1 and 0: the shift of G76 and G87 is along the second axis, is negative.
+    /// Shift of G76 and G87. Bit 1: along the second axis. Bit 0: negative.
     pub const SHIFT: u16 = 584;
-    /// Bit 5: a rigid tap goes back by 5213 between pecks; else to R.
+    /// Bit 5: a rigid tap retracts by 5213 between pecks, otherwise to R.
     pub const TAPS: u16 = 588;
-    /// How many axes: 3 to 5.
+    /// Number of axes, 3 to 5.
     pub const AXES: u16 = 1010;
-    /// The address of a further axis: 65 A, 66 B, 67 C.
+    /// Address of a fourth or fifth axis: 65 A, 66 B, 67 C.
     pub const NAME: u16 = 1020;
-    /// The axis with which the fourth one runs: 1 X, 2 Y, 3 Z.
+    /// The axis that the fourth one follows: 1 X, 2 Y, 3 Z.
     pub const FOURTH_FOLLOWS: u16 = 1026;
-    /// The same of the fifth one.
+    /// The axis that the fifth one follows: 1 X, 2 Y, 3 Z.
     pub const FIFTH_FOLLOWS: u16 = 1027;
     /// The index axis: 4 or 5.
     pub const INDEX: u16 = 1030;
     /// A turn of a rotary axis, 0.001 degrees.
     pub const TURN: u16 = 1260;
-    /// Reference points 1 to 4, machine coordinates, 0.001 mm.
+    /// First of the reference points 1 to 4, machine coordinates, 0.001 mm.
     pub const REFERENCE: u16 = 1240;
-    /// How far the end of an arc may lie off its circle, 0.001 mm.
+    /// Greatest distance of an arc's end from its circle, 0.001 mm.
     pub const ARC_ERROR: u16 = 3410;
-    /// Lines of the spindle encoder; 0: G74 and G84 drill.
+    /// Lines of the spindle encoder. With 0, G74 and G84 drill.
     pub const ENCODER: u16 = 3720;
-    /// G37: its feed, mm/min, and how far before its point it begins, 0.001 mm.
+    /// Feed of G37, mm/min.
     pub const MEASURE_FEED: u16 = 5040;
-    /// How far before, 0.001 mm.
+    /// Distance before its point where G37 changes to its feed, 0.001 mm.
     pub const MEASURE_BEFORE: u16 = 5043;
     /// Dwell after a hole, ms.
     pub const HOLE_DWELL: u16 = 5108;
-    /// G73 goes back by, 0.001 mm.
+    /// Retraction of G73, 0.001 mm.
     pub const PECK_BACK: u16 = 5114;
-    /// G83 stops short of the last depth by, 0.001 mm.
+    /// Distance before the last depth where G83 changes to feed, 0.001 mm.
     pub const PECK_CLEARANCE: u16 = 5115;
-    /// A rigid tap goes back by, with 588.5 = 1, 0.001 mm.
+    /// Retraction of a rigid tap with 588.5 = 1, 0.001 mm.
     pub const TAP_BACK: u16 = 5213;
-    /// Override of the way out of a rigid tap, %; 0: 100.
+    /// Override for retracting a rigid tap, %. 0 means 100.
     pub const TAP_OUT: u16 = 5211;
-    /// Time constants of rigid taps, ms: in.
+    /// Time constant of a rigid tap on its way in, ms.
     pub const TAP_TIME: u16 = 5261;
-    /// Out; 0: as in.
+    /// Time constant of a rigid tap on its way out, ms. 0 means the same as in.
     pub const TAP_TIME_OUT: u16 = 5271;
     /// Angle of G68 without R, 0.001 degrees.
     pub const ANGLE: u16 = 5410;
-    /// Scale of G51 without P, and those of the axes without I, J and K.
+    /// Scale of G51 without P.
     pub const SCALE: u16 = 5411;
-    /// Of an axis.
+    /// Scale of an axis without I, J or K.
     pub const AXIS_SCALE: u16 = 5421;
-    /// That of an axis.
+    /// Returns the number of an axis's parameter.
     pub const fn of(number: u16, axis: Axis) -> u16 {
         number + 10_000 * (axis as u16 + 1)
     }
 }
 
-/// Offsets of tools by number.
+/// Number of tool offsets.
 const OFFSETS: u16 = 400;
-/// The greatest value of one: 999.999 mm, or 99.9999 inches.
+/// The greatest offset: 999.999 mm, or 99.9999 inches.
 const GREATEST: Length = Length::from_increments(999_999);
 const GREATEST_INCHES: Length = Length::from_nm(2_539_997_460);
 
-/// A row of the offset table.
+/// A row of the tool offset table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Offset {
     /// H: the length of the tool.
     pub length: Length,
-    /// What has worn off it.
+    /// Wear of the length.
     pub length_wear: Length,
     /// D: the radius of the cutter, or its diameter with 002.7 = 1.
     pub radius: Length,
-    /// What has worn off it.
+    /// Wear of the radius.
     pub radius_wear: Length,
 }
 
-/// A value of a row.
+/// A column of the tool offset table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Column {
     Length,
@@ -155,15 +155,15 @@ impl Offset {
     }
 }
 
-/// All of it.
+/// The parameters, tool offsets and work zeros of a mill.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MillMemory {
-    /// Its parameters.
+    /// The control model with its parameters.
     pub model: ControlModel,
     offsets: BTreeMap<u16, Offset>,
-    /// Added to all zeros.
+    /// External zero offset, added to all zeros.
     pub(crate) external: Position,
-    /// Machine coordinates of the zeros.
+    /// The work zeros in machine coordinates.
     zeros: [Position; WorkZero::COUNT],
 }
 
@@ -179,38 +179,38 @@ impl Default for MillMemory {
 }
 
 impl MillMemory {
-    /// A parameter.
+    /// Returns a parameter.
     pub(crate) fn value(&self, number: u16) -> i32 {
         self.model.parameter(number)
     }
 
-    /// A bit of one.
+    /// Returns a bit of a parameter.
     pub(crate) fn bit(&self, number: u16, bit: u8) -> bool {
         self.value(number) >> bit & 1 == 1
     }
 
-    /// A length in 0.001 mm.
+    /// Returns a parameter in 0.001 mm as a length.
     pub(crate) fn length(&self, number: u16) -> Length {
         Length::from_increments(self.value(number).into())
     }
 
-    /// A point: a length of each axis.
+    /// Returns a parameter of each axis as a point.
     pub(crate) fn point(&self, number: u16) -> Position {
         Each(Axis::ALL.map(|axis| self.length(parameter::of(number, axis))))
     }
 
-    /// An offset; 0 for those that were never set.
+    /// Returns a tool offset, 0 for those never set.
     pub(crate) fn offset(&self, number: u16) -> Offset {
         self.offsets.get(&number).copied().unwrap_or_default()
     }
 
-    /// The length of a tool with its wear.
+    /// Returns the length of a tool with its wear.
     pub(crate) fn tool_length(&self, number: u16) -> Length {
         let offset = self.offset(number);
         offset.length + offset.length_wear
     }
 
-    /// The radius of a cutter with its wear.
+    /// Returns the radius of a cutter with its wear, mm.
     pub(crate) fn cutter_radius(&self, number: u16) -> f64 {
         let offset = self.offset(number);
         let value = (offset.radius + offset.radius_wear).mm();
@@ -221,11 +221,8 @@ impl MillMemory {
         }
     }
 
-    /// Gives an offset a value.
-    ///
-    /// # Errors
-    /// 030 for a number outside 1 to 400, 043 for a value beyond 999.999 mm (`inch`:
-    /// 99.9999 inches; appendix 1).
+    /// Sets a column of a tool offset. Errors: alarm 030 for a number outside 1 to 400, alarm
+    /// 043 for a value beyond 999.999 mm (`inch`: 99.9999 inches, appendix 1).
     pub(crate) fn set_offset(
         &mut self,
         offset: i64,
@@ -249,7 +246,7 @@ impl MillMemory {
         Ok(())
     }
 
-    /// Machine coordinates of a zero, without the external one.
+    /// Returns a work zero in machine coordinates, without the external offset.
     pub(crate) fn zero(&self, zero: WorkZero) -> Position {
         self.zeros
             .get(usize::from(zero.0))
@@ -257,7 +254,7 @@ impl MillMemory {
             .unwrap_or_default()
     }
 
-    /// The same, to be changed.
+    /// Returns a work zero for changing.
     pub(crate) fn zero_mut(&mut self, zero: WorkZero) -> Option<&mut Position> {
         self.zeros.get_mut(usize::from(zero.0))
     }

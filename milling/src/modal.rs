@@ -1,10 +1,10 @@
-//! What stays in force from block to block.
+//! Stores the modal codes and words.
 
 use gsk_core::compensation::cutter::Side;
 
 use crate::space::Plane;
 
-/// Group 01.
+/// Group 01: the kind of motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
     /// G00.
@@ -21,7 +21,7 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// Its number.
+    /// Returns the number of the G code.
     pub const fn code(self) -> u8 {
         match self {
             Self::Rapid => 0,
@@ -33,7 +33,7 @@ impl Motion {
     }
 }
 
-/// Group 08.
+/// Group 08: the tool length offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LengthOffset {
     /// G49.
@@ -44,7 +44,7 @@ pub enum LengthOffset {
     Minus,
 }
 
-/// Group 09: the holes.
+/// Group 09: the hole cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hole {
     /// G73.
@@ -74,7 +74,7 @@ pub enum Hole {
 }
 
 impl Hole {
-    /// Its number.
+    /// Returns the number of the G code.
     pub const fn code(self) -> u8 {
         match self {
             Self::HighSpeedPeck => 73,
@@ -93,17 +93,17 @@ impl Hole {
     }
 }
 
-/// Group 14: G54 to G59 by 0 to 5, G54.1 P1 to P48 from 6 on.
+/// Group 14: G54 to G59 are 0 to 5, G54.1 P1 to P48 are 6 to 53.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WorkZero(pub u8);
 
 impl WorkZero {
-    /// How many there are.
+    /// Number of work zeros.
     pub const COUNT: usize = 54;
-    /// G54.1 P1.
+    /// Index of G54.1 P1.
     pub const FIRST_ADDITIONAL: u8 = 6;
 
-    /// Its code as it is written.
+    /// Returns the code as written: `G54`, `G54.1P12`.
     pub fn name(self) -> String {
         match self.0 {
             low @ ..Self::FIRST_ADDITIONAL => format!("G{}", 54 + low),
@@ -112,7 +112,7 @@ impl WorkZero {
     }
 }
 
-/// Whether the spindle turns.
+/// The state of the spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Spindle {
     /// M05.
@@ -124,57 +124,57 @@ pub enum Spindle {
     Reverse,
 }
 
-/// Modal codes and words.
+/// The modal codes and words of a mill.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Modal {
     /// Group 01.
     pub motion: Motion,
     /// Group 02.
     pub plane: Plane,
-    /// Group 03: G91.
+    /// Group 03: whether G91 is in force.
     pub incremental: bool,
-    /// Group 05: G95.
+    /// Group 05: whether G95 is in force.
     pub per_revolution: bool,
-    /// Group 06: G20.
+    /// Group 06: whether G20 is in force.
     pub inch: bool,
     /// Group 07.
     pub cutter: Side,
     /// Group 08.
     pub length: LengthOffset,
-    /// Group 09; none: G80.
+    /// Group 09. `None` is G80.
     pub hole: Option<Hole>,
-    /// Group 10: G99.
+    /// Group 10: whether G99 is in force.
     pub to_r: bool,
     /// Group 14.
     pub zero: WorkZero,
-    /// Group 15: G61.
+    /// Group 15: whether G61 is in force.
     pub exact_stop: bool,
     /// D in force.
     pub d: u16,
     /// H in force.
     pub h: u16,
-    /// F, mm/min or mm/rev; 0 = none yet.
+    /// F, mm/min or mm/rev. 0 if not yet programmed.
     pub feed: f64,
-    /// F of threads, mm; 0 = none yet.
+    /// F of threads, mm. 0 if not yet programmed.
     pub lead: f64,
     /// S, r/min.
     pub speed: f64,
-    /// The spindle.
+    /// State of the spindle.
     pub spindle: Spindle,
-    /// Taps are rigid: M29.
+    /// Whether taps are rigid (M29).
     pub rigid: bool,
-    /// Coolant is on.
+    /// Whether coolant is on.
     pub coolant: bool,
-    /// The tool in the spindle, and the one that T has called for.
+    /// The tool in the spindle.
     pub tool: u16,
-    /// Called for.
+    /// The tool that the last T word called.
     pub called: u16,
     /// The last M code.
     pub m: u16,
 }
 
 impl Default for Modal {
-    /// At power-on.
+    /// The modal state at power-on.
     fn default() -> Self {
         Self {
             motion: Motion::Rapid,
@@ -204,7 +204,7 @@ impl Default for Modal {
 }
 
 impl Modal {
-    /// Group 02 by number.
+    /// Returns the G code of group 02.
     pub(crate) const fn plane_code(&self) -> u8 {
         match self.plane {
             Plane::Xy => 17,
@@ -213,7 +213,7 @@ impl Modal {
         }
     }
 
-    /// Group 07 by number.
+    /// Returns the G code of group 07.
     pub(crate) const fn cutter_code(&self) -> u8 {
         match self.cutter {
             Side::On => 40,
@@ -222,7 +222,7 @@ impl Modal {
         }
     }
 
-    /// Group 08 by number.
+    /// Returns the G code of group 08.
     pub(crate) const fn length_code(&self) -> u8 {
         match self.length {
             LengthOffset::Off => 49,
@@ -231,7 +231,7 @@ impl Modal {
         }
     }
 
-    /// The codes in force, one of each group, as they are written.
+    /// Returns the codes in force as written, one of each group.
     pub fn codes(&self) -> Vec<String> {
         let numbers = [
             self.motion.code(),

@@ -1,4 +1,4 @@
-//! What comes out: one move after the other.
+//! Defines the moves that the preview produces.
 
 use gsk_core::command::Source;
 use gsk_core::units::Feed;
@@ -6,27 +6,27 @@ use gsk_core::units::Feed;
 use crate::axes::{Axes, Further};
 use crate::space::{Axis, Flat, Plane, Position};
 
-/// What is done.
+/// The kind of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MoveKind {
     /// At the rapid rates of the axes.
     Rapid,
-    /// A cut, straight.
+    /// A straight cut.
     Feed,
-    /// A cut, clockwise seen against the axis across its plane.
+    /// A clockwise cut, seen against the axis across its plane.
     Clockwise,
-    /// The other way round.
+    /// A counter-clockwise cut.
     CounterClockwise,
-    /// A tap, in or out: the spindle leads it.
+    /// A tap in or out, synchronised with the spindle.
     Tap,
-    /// A thread by G33: the spindle leads it.
+    /// A thread by G33, synchronised with the spindle.
     Thread,
-    /// The slides stand for a time.
+    /// A dwell without motion.
     Dwell,
 }
 
 impl MoveKind {
-    /// Its name where moves are written.
+    /// Returns the name of the kind in listings of moves.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Rapid => "rapid",
@@ -40,53 +40,53 @@ impl MoveKind {
     }
 }
 
-/// The circle of a round cut; a move of the third axis makes a helix of it.
+/// The circle of an arc. If the third axis moves too, the path is a helix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc {
-    /// Where it lies.
+    /// The plane of the circle.
     pub plane: Plane,
     /// Centre, in the coordinates of the move.
     pub center: Flat,
 }
 
-/// A move as it was made.
+/// A move of the preview.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
-    /// The block it belongs to.
+    /// The block that caused it.
     pub source: Source,
-    /// What is done.
+    /// The kind.
     pub kind: MoveKind,
-    /// Start, of the tip of the tool (with G41, G42 of its centre), in work coordinates.
+    /// Start of the tool tip in work coordinates. With G41 and G42, of the cutter centre.
     pub from: Position,
     /// End.
     pub to: Position,
-    /// Which axes there are.
+    /// The fourth and fifth axis of the machine.
     pub axes: Axes,
     /// Machine coordinates of the work zero.
     pub zero: Position,
-    /// Of a round cut.
+    /// The circle, if it is an arc.
     pub arc: Option<Arc>,
-    /// Of a rapid in which each axis goes by itself (012.7 = 0): the parts of its time after
-    /// which X, Y and Z have arrived.
+    /// Shares of the duration after which X, Y and Z arrive. Set for a rapid whose axes arrive
+    /// separately (012.7 = 0).
     pub arrivals: Option<[f64; 3]>,
-    /// Of a cut.
+    /// The feed, if it is a cut.
     pub feed: Option<Feed>,
-    /// Seconds since the start.
+    /// Start since the start of the program, s.
     pub start_s: f64,
-    /// Seconds it takes.
+    /// Duration, s.
     pub duration_s: f64,
     /// The tool in the spindle.
     pub tool: u16,
 }
 
 impl Move {
-    /// The turn of a round cut, rad: more than none.
+    /// Returns the angle of an arc, rad, greater than 0.
     pub fn sweep(&self) -> Option<f64> {
         let Arc { plane, center } = self.arc?;
         let (from, to) = (self.from.flat(plane) - center, self.to.flat(plane) - center);
         let sweep = from.sweep(to, self.kind == MoveKind::Clockwise);
         let chord = (to - from).length();
-        // Back at its start it has gone round.
+        // An arc that ends at its start is a full circle.
         Some(if chord < 1e-6 || sweep < 1e-12 {
             core::f64::consts::TAU
         } else {
@@ -94,7 +94,7 @@ impl Move {
         })
     }
 
-    /// Length of its path along X, Y and Z, mm; a rapid counts as its chord.
+    /// Returns the length of the path along X, Y and Z, mm. A rapid counts as its chord.
     pub fn length(&self) -> f64 {
         let (Some(Arc { plane, center }), Some(sweep)) = (self.arc, self.sweep()) else {
             return self.from.distance(&self.to);
@@ -107,7 +107,8 @@ impl Move {
         libm::sqrt(round * round + rise * rise)
     }
 
-    /// Its ways along all axes at once, a degree as a millimetre: what the feed is of.
+    /// Returns the length of the path along all axes, to which the feed applies. A degree
+    /// counts as a millimetre.
     pub(crate) fn way(&self) -> f64 {
         let way = self.to - self.from;
         let squares = Axis::FURTHER
@@ -122,20 +123,20 @@ impl Move {
         }
     }
 
-    /// Its way along the axis that goes farthest, mm.
+    /// Returns the longest distance along one axis, mm.
     pub(crate) fn longest(&self) -> f64 {
         let way = (self.to - self.from).0;
         way.into_iter().map(|it| it.abs().mm()).fold(0.0, f64::max)
     }
 
-    /// Where the further axes of the machine begin and end, mm or degrees.
+    /// Returns each fourth or fifth axis with its start and end, mm or degrees.
     pub fn further(&self) -> impl Iterator<Item = (Further, f64, f64)> + use<> {
         let (from, to) = (self.from, self.to);
         let all = self.axes.all_further();
         all.map(move |(axis, it)| (it, from.get(axis).mm(), to.get(axis).mm()))
     }
 
-    /// The point at a part of its path, mm; 0 is the start, 1 the end.
+    /// Returns the point at a fraction of the path, mm: 0 is the start, 1 the end.
     pub fn at(&self, part: f64) -> [f64; 3] {
         let (from, to) = (self.from.mm(), self.to.mm());
         let arrivals = self.arrivals.unwrap_or([1.0; 3]);

@@ -1,4 +1,5 @@
-//! Tools, zeros and the begin in words, as options give them.
+//! Parses tool offsets, work zeros and the start position from the words of command line
+//! options.
 
 use gsk_core::units::parse_finite;
 use gsk_messages::{Message, say};
@@ -8,15 +9,16 @@ use crate::memory::{Column, MillMemory};
 use crate::modal::WorkZero;
 use crate::space::{Length, Position};
 
-/// Why a word of an offset or a zero cannot be taken.
+/// The reason why the word of an offset or a zero is invalid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WordError(pub Message);
 
 impl MillMemory {
-    /// Takes an offset in words: `1=H,D`, with the wear of both behind, in mm.
+    /// Parses a tool offset: `1=H,D`, optionally followed by the wear of both, mm.
     ///
     /// # Errors
-    /// What is wrong with it.
+    ///
+    /// Returns a message if the form or a value is wrong.
     pub fn take_offset(&mut self, word: &str) -> Result<(), WordError> {
         let wrong = || WordError(say::mill_offset_form(word));
         let (name, values) = word.split_once('=').ok_or_else(wrong)?;
@@ -38,11 +40,12 @@ impl MillMemory {
         Ok(())
     }
 
-    /// Takes a zero in words: `54=X,Y,Z`, `54.1P12=X,Y,Z`, `0=X,Y,Z` for the external one,
-    /// machine coordinates in mm; further axes stand after them.
+    /// Parses a work zero: `54=X,Y,Z`, `54.1P12=X,Y,Z`, or `0=X,Y,Z` for the external offset,
+    /// machine coordinates in mm. Values of a fourth and fifth axis follow.
     ///
     /// # Errors
-    /// What is wrong with it.
+    ///
+    /// Returns a message if the form or a value is wrong.
     pub fn take_zero(&mut self, word: &str) -> Result<(), WordError> {
         let wrong = || WordError(say::mill_zero_form(word));
         let (name, values) = word.split_once('=').ok_or_else(wrong)?;
@@ -69,8 +72,8 @@ impl MillMemory {
     }
 }
 
-/// A point in words: `X,Y,Z` in mm, and behind it those of the further axes that there
-/// are, in mm or degrees.
+/// Parses a point: `X,Y,Z` in mm, optionally followed by the fourth and fifth axis of the
+/// machine, mm or degrees.
 pub(crate) fn position(memory: &MillMemory, text: &str) -> Option<Position> {
     let count = 3 + Axes::of(memory).all_further().count();
     let values = numbers(text)?;
@@ -84,7 +87,7 @@ pub(crate) fn position(memory: &MillMemory, text: &str) -> Option<Position> {
     Some(point)
 }
 
-/// Lengths in mm, with commas between them.
+/// Parses lengths in mm, separated by commas.
 fn numbers(text: &str) -> Option<Vec<Length>> {
     let number = |word: &str| {
         let value = parse_finite(word.trim())?;

@@ -1,34 +1,35 @@
-//! The parameters of the GSK980MDi as its manual lists them, from
-//! `assets/tables/mill-parameters.tsv`: those that act here and those that do not.
+//! Reads the parameters of the GSK980MDi from `assets/tables/mill-parameters.tsv`, as its
+//! manual lists them.
 
 use std::sync::LazyLock;
 
 const TABLE: &str = include_str!("../../assets/tables/mill-parameters.tsv");
 
-/// A bit, or a value.
+/// A parameter, or a bit of one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ParameterRow {
-    /// Its number; those of an axis have 10000 for X to 50000 for the fifth more.
+    /// Its number. For an axis add 10000 (X) to 50000 (fifth).
     pub number: u16,
-    /// Of a state parameter.
+    /// The bit of a state parameter.
     pub bit: Option<u8>,
     /// The name of the bit.
     pub symbol: &'static str,
-    /// Axes that have one each: 1 X, 2 Y, 3 Z, 4 and 5 the further ones; none: there is one.
+    /// The axes with a parameter each: 1 X, 2 Y, 3 Z, 4 and 5 the further ones. Empty if there
+    /// is only one parameter.
     pub axes: &'static [u16],
-    /// Its unit; `bit` of a bit, `-` without one.
+    /// Its unit: `bit` for a bit, `-` if it has none.
     pub unit: &'static str,
-    /// Least and greatest value, as they are written; `-` where the manual has none.
+    /// Least and greatest value as written, `-` if the manual has none.
     pub range: &'static str,
-    /// Whether it changes what `check` and `plot` do.
+    /// Whether it affects `check` and `plot`.
     pub acts: bool,
-    /// What it is, in English.
+    /// The description in English.
     pub en: &'static str,
-    /// The same in Chinese.
+    /// The description in Chinese.
     pub zh: &'static str,
 }
 
-/// The table, by number and bit.
+/// Returns the table, sorted by number and bit.
 pub fn parameter_rows() -> &'static [ParameterRow] {
     static ROWS: LazyLock<Vec<ParameterRow>> =
         LazyLock::new(|| TABLE.lines().skip(1).filter_map(row).collect());
@@ -72,8 +73,8 @@ mod tests {
         assert!(keys.is_sorted() && keys.windows(2).all(|pair| pair[0] != pair[1]));
     }
 
-    /// The parameters that the record of the model has are those that act, with the units
-    /// and ranges of the manual.
+    /// The parameters in the model's record are those that act, with the units and ranges of
+    /// the manual.
     #[test]
     fn what_acts_is_what_the_model_has() {
         let record = ModelId::Gsk980mdi.record();
@@ -91,8 +92,8 @@ mod tests {
                     assert_eq!(there.unit, "bits", "{number}");
                     continue;
                 }
-                // 036 is a time of flexible taps in this manual, bits in the appendix that it
-                // refers to; the bits act (MODEL-47).
+                // 036 is a time of flexible taps in this manual, but bits in the appendix that
+                // it refers to. The bits act (MODEL-47).
                 if there.unit == "bits" {
                     assert!(!row.acts, "{number}: its bits act");
                     continue;

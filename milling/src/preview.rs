@@ -1,4 +1,4 @@
-//! A whole program carried out without ticks: what `check` and `plot` show.
+//! Runs a whole program without ticks, for `check` and `plot`.
 
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::command::{ProgramId, Source};
@@ -27,34 +27,34 @@ use crate::transform::Transform;
 use crate::travel::{GoOn, Patience, Scene};
 use crate::words::Words;
 
-/// Blocks between two questions whether a preview is to go on.
+/// Blocks between two progress callbacks.
 const BLOCKS_A_LOOK: u64 = 1024;
-/// Machine time after which a preview gives up, s: 1000 hours.
+/// Limit of machine time, s: 1000 hours.
 const LONGEST_S: f64 = 3.6e6;
-/// Alarms behind the first one, and blocks that are looked through for them.
+/// Greatest number of further alarms.
 const MOST_FURTHER: usize = 20;
-/// Slips that are kept.
+/// Greatest number of warnings.
 const MOST_CAUTIONS: usize = 50;
-/// Runs of a call.
+/// Greatest number of runs of a call.
 const MOST_RUNS: u16 = 9999;
-/// Blocks looked through.
+/// Blocks searched for further alarms.
 const FURTHER_BLOCKS: u64 = 100_000;
 
-/// What a program starts from.
+/// The state in which a program starts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MillSetup {
-    /// Parameters, offsets, zeros.
+    /// Parameters, tool offsets and work zeros.
     pub memory: MillMemory,
-    /// Where the slides stand, machine coordinates.
+    /// Start position, machine coordinates.
     pub start: Position,
-    /// Whether blocks marked `/` are skipped.
+    /// Whether blocks with `/` are skipped.
     pub block_skip: bool,
-    /// What the clock of the control shows when the run begins.
+    /// Date and time of the control's clock at the start.
     pub day_time: DayTime,
 }
 
 impl Default for MillSetup {
-    /// A hundred millimetres over machine zero.
+    /// Starts 100 mm above machine zero.
     fn default() -> Self {
         let mut start = Position::default();
         start.set(Axis::Z, Length::from_mm(100.0));
@@ -68,17 +68,19 @@ impl Default for MillSetup {
 }
 
 impl MillSetup {
-    /// With parameters of a model, which must be a mill.
+    /// Replaces the parameters by those of `model`, which must be a mill.
     #[must_use]
     pub fn with(mut self, model: &ControlModel) -> Self {
         self.memory.model.clone_from(model);
         self
     }
 
-    /// Takes where the slides stand, `X,Y,Z` in mm, and further axes after them.
+    /// Parses the start position: `X,Y,Z` in mm, optionally followed by the fourth and fifth
+    /// axis.
     ///
     /// # Errors
-    /// What is wrong with it.
+    ///
+    /// Returns a message if the form or a value is wrong.
     pub fn take_start(&mut self, word: &str) -> Result<(), WordError> {
         let start = position(&self.memory, word);
         self.start = start.ok_or_else(|| WordError(say::mill_start_form(word)))?;
@@ -86,47 +88,47 @@ impl MillSetup {
     }
 }
 
-/// What a program does.
+/// The result of running a program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preview {
     /// How it ended.
     pub end: End,
     /// The alarm that ended it.
     pub alarm: Option<Alarm>,
-    /// What else is wrong behind it, as far as it does not depend on where the tool is.
+    /// Alarms after the first one that do not depend on the position of the tool.
     pub further: Vec<Alarm>,
-    /// What may be a slip, each kind once.
+    /// Warnings, each kind once.
     pub cautions: Vec<Caution>,
-    /// Machine time, s: motion and dwells. M, S and T take none.
+    /// Machine time of motion and dwells, s. M, S and T take no time.
     pub time_s: f64,
-    /// Part of it spent cutting, s.
+    /// Part of the machine time spent cutting, s.
     pub cutting_s: f64,
-    /// Blocks carried out.
+    /// Number of executed blocks.
     pub blocks: u64,
-    /// Moves and dwells.
+    /// Number of moves and dwells.
     pub moves: u64,
-    /// M00 met.
+    /// Number of M00 stops.
     pub stops: u32,
-    /// Parts finished.
+    /// Number of finished parts.
     pub parts: u32,
-    /// Tools that came into the spindle, in order, each once.
+    /// Tools in the order of their first use.
     pub tools: Vec<u16>,
-    /// Box around the path.
+    /// The bounding box of the path.
     pub bounds: Option<Bounds>,
     /// Path lengths by kind.
     pub lengths: Lengths,
-    /// Final position of the tip, work coordinates.
+    /// Final position of the tool tip, work coordinates.
     pub work: Position,
-    /// Final position of the slides, machine coordinates.
+    /// Final position, machine coordinates.
     pub machine: Position,
-    /// Which axes there are.
+    /// The fourth and fifth axis of the machine.
     pub axes: Axes,
     /// Modal state at the end.
     pub modal: Modal,
 }
 
-/// Carries the selected program out as long as `go_on` says so; it is asked every few
-/// blocks. `on_move` gets every move in order.
+/// Runs the selected program. `on_move` receives every move in order. `go_on` is called every
+/// 1024 blocks and before each repeated hole of a block. The run stops when it returns false.
 pub fn preview_while(
     setup: &MillSetup,
     programs: &ProgramMemory,
@@ -145,7 +147,7 @@ pub fn preview_while(
             Err(alarm) => (End::Alarm, Some(alarm)),
         },
         Err(alarm) => {
-            // What was read before the block that is refused is made.
+            // The blocks before the refused one are executed.
             let alarm = match run.cutter.flush(&mut run.tracker) {
                 Ok(()) => alarm,
                 Err(earlier) => earlier,
@@ -160,7 +162,7 @@ pub fn preview_while(
     preview
 }
 
-/// A run over a program.
+/// A run of a program.
 struct Run<'a> {
     programs: &'a ProgramMemory,
     main: ProgramId,
@@ -268,7 +270,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The next block, macro B carried out.
+    /// Returns the next block after executing macro B statements.
     fn read(&mut self) -> Result<Read, Alarm> {
         let syntax = Syntax {
             inch: self.state.modal.inch,
@@ -323,7 +325,7 @@ impl<'a> Run<'a> {
         }
         let calls = !matches!(outcome.flow, Flow::Next | Flow::Stop | Flow::End);
         if !outcome.moved && !calls && words.letters.m.is_some() {
-            // What it switches waits until the slides stand.
+            // An M code acts after the motion has stopped.
             self.tracker.stand();
         }
         if let Some(call) = called {
@@ -367,8 +369,8 @@ impl<'a> Run<'a> {
         Ok(None)
     }
 
-    /// The program that M or T of a block calls by 240 to 242 or 040.5; its word does
-    /// nothing else.
+    /// Takes the program that M or T of a block calls by 240 to 242 or 040.5. The word has no
+    /// other effect.
     fn call_of(&mut self, words: &mut Words) -> Result<Option<(PlainCall, u16)>, Alarm> {
         let letters = &mut words.letters;
         let [m, t] = [letters.m, letters.t].map(|it| it.map(Number::integer));
@@ -392,7 +394,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Goes into that program; the rest of the block must lead nowhere else.
+    /// Enters that program. No other word of the block may change the flow.
     fn enter(&mut self, (call, runs): &(PlainCall, u16), rest: &Flow) -> Result<(), Alarm> {
         if *rest != Flow::Next {
             let detail = say::call_twice_in_block(call.address, call.code);
@@ -401,7 +403,7 @@ impl<'a> Run<'a> {
         self.walker.call_by_code(self.programs, call, *runs)
     }
 
-    /// Keeps the slips of a block, each once.
+    /// Stores the warnings of a block, each once.
     fn look_at(&mut self, block: &Block, words: &Words, flow: &Flow, source: Source) {
         if matches!(flow, Flow::Macro { .. }) {
             return;
@@ -419,7 +421,7 @@ impl<'a> Run<'a> {
         self.variables.parts = (self.variables.parts + 1) % Counters::PARTS;
     }
 
-    /// M30: what a reset cancels.
+    /// M30: cancels what a reset cancels.
     fn reset(&mut self) {
         self.state.modal.hole = None;
         self.state.modal.cutter = Side::On;
@@ -454,7 +456,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Behind an alarm: blocks that would be refused wherever the tool is.
+    /// After an alarm: finds blocks that are refused regardless of the tool's position.
     fn look_on(&mut self, first: Option<&Alarm>, go_on: &mut GoOn<'_>) -> Vec<Alarm> {
         let mut lines: Vec<Source> = first.and_then(|alarm| alarm.source).into_iter().collect();
         let mut further = Vec::new();
@@ -492,7 +494,7 @@ impl<'a> Run<'a> {
         further
     }
 
-    /// What refuses a block by its words alone; whether the program ends with it.
+    /// Checks a block by its words alone. Returns whether the program ends with it.
     fn refusal(&mut self, block: &Block) -> Result<bool, Alarm> {
         let mut words = Words::of(block, self.memory.model.record(), self.state.axes)?;
         let called = self.call_of(&mut words)?;

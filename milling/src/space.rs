@@ -1,8 +1,8 @@
-//! Lengths, points and planes: of X, Y and Z, and what a fourth and a fifth axis add.
+//! Defines lengths, points and planes in X, Y and Z with a fourth and a fifth axis.
 
 use core::ops::{Add, Neg, Sub};
 
-/// A length in whole nanometres: 0.001 mm and 0.0001 inch are both exact.
+/// A length in whole nanometres. 0.001 mm and 0.0001 inch are both exact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Length(i64);
 
@@ -12,35 +12,35 @@ const PER_MM: f64 = 1e6;
 const INCREMENT: i64 = 1000;
 
 impl Length {
-    /// None.
+    /// A length of 0.
     pub const ZERO: Self = Self(0);
 
-    /// Of so many nanometres, which are the millionths of a number in mm.
+    /// Creates a length from nanometres, which are millionths of a number in mm.
     pub const fn from_nm(nm: i64) -> Self {
         Self(nm)
     }
 
-    /// Of so many least increments of 0.001 mm, as parameters hold them.
+    /// Creates a length from least increments of 0.001 mm, the unit of parameters.
     pub const fn from_increments(increments: i64) -> Self {
         Self(increments.saturating_mul(INCREMENT))
     }
 
-    /// The nearest one to a value in mm.
+    /// Creates the length nearest to a value in mm.
     pub fn from_mm(mm: f64) -> Self {
         Self(libm::round(mm * PER_MM) as i64)
     }
 
-    /// In nanometres.
+    /// Returns the length in nanometres.
     pub const fn nm(self) -> i64 {
         self.0
     }
 
-    /// In mm.
+    /// Returns the length in mm.
     pub const fn mm(self) -> f64 {
         self.0 as f64 / PER_MM
     }
 
-    /// To the least increment of 0.001 mm, halves away from zero.
+    /// Rounds to the least increment of 0.001 mm, halves away from zero.
     #[must_use]
     pub const fn rounded(self) -> Self {
         let half = if self.0 < 0 {
@@ -51,7 +51,7 @@ impl Length {
         Self(self.0.saturating_add(half) / INCREMENT * INCREMENT)
     }
 
-    /// Its size.
+    /// Returns the absolute value.
     #[must_use]
     pub const fn abs(self) -> Self {
         Self(self.0.saturating_abs())
@@ -82,59 +82,58 @@ impl Neg for Length {
 /// An axis of the mill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Axis {
-    /// The table, to and fro.
+    /// The table, left and right.
     X,
-    /// The table, across.
+    /// The table, forward and back.
     Y,
     /// The spindle.
     Z,
-    /// The fourth axis: A, B or C, where the machine has it (1010, 1020).
+    /// The fourth axis: A, B or C, if the machine has it (1010, 1020).
     Fourth,
-    /// The fifth one.
+    /// The fifth axis.
     Fifth,
 }
 
 impl Axis {
-    /// All of them.
+    /// All axes.
     pub const ALL: [Self; 5] = [Self::X, Self::Y, Self::Z, Self::Fourth, Self::Fifth];
-    /// Those of the planes, which every machine has.
+    /// The axes of the planes, which every machine has.
     pub const BASIC: [Self; 3] = [Self::X, Self::Y, Self::Z];
-    /// Those that a machine may have besides.
+    /// The fourth and the fifth axis.
     pub const FURTHER: [Self; 2] = [Self::Fourth, Self::Fifth];
 }
 
-/// A value of each axis.
+/// A value for each axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Each<T>(pub [T; 5]);
 
-/// A point, or the way from one to another. What is a length of X, Y and Z is an angle of
-/// an axis that turns: a degree in the place of a millimetre.
+/// A point, or a distance between points. A rotary axis counts a degree as a millimetre.
 pub type Position = Each<Length>;
 
 impl<T: Copy> Each<T> {
-    /// Of X, Y and Z, and the same for both further axes.
+    /// Creates values for X, Y and Z, with one value for both further axes.
     pub const fn basic([x, y, z]: [T; 3], further: T) -> Self {
         Self([x, y, z, further, further])
     }
 
-    /// That of an axis.
+    /// Returns the value of an axis.
     pub const fn get(&self, axis: Axis) -> T {
         self.0[axis as usize]
     }
 
-    /// Gives an axis its value.
+    /// Sets the value of an axis.
     pub const fn set(&mut self, axis: Axis, value: T) {
         self.0[axis as usize] = value;
     }
 }
 
 impl Position {
-    /// X, Y and Z in mm.
+    /// Returns X, Y and Z in mm.
     pub fn mm(&self) -> [f64; 3] {
         Axis::BASIC.map(|axis| self.get(axis).mm())
     }
 
-    /// The same point with another X, Y and Z.
+    /// Returns the point with other X, Y and Z.
     #[must_use]
     pub(crate) fn with_basic(mut self, [x, y, z]: [Length; 3]) -> Self {
         for (axis, value) in Axis::BASIC.into_iter().zip([x, y, z]) {
@@ -143,7 +142,7 @@ impl Position {
         self
     }
 
-    /// The same point with the further axes of another one.
+    /// Returns the point with the fourth and fifth axis of another point.
     #[must_use]
     pub(crate) const fn turned_as(mut self, other: &Self) -> Self {
         self.set(Axis::Fourth, other.get(Axis::Fourth));
@@ -151,13 +150,13 @@ impl Position {
         self
     }
 
-    /// Where it lies in a plane: along its first axis and its second, mm.
+    /// Returns the coordinates along the first and second axis of a plane, mm.
     pub fn flat(&self, plane: Plane) -> Flat {
         let [first, second, _] = plane.axes();
         Flat::new(self.get(first).mm(), self.get(second).mm())
     }
 
-    /// The same point at another place of the plane, to the least increment.
+    /// Returns the point moved in a plane to `flat`, rounded to the least increment.
     #[must_use]
     pub fn at(mut self, plane: Plane, flat: Flat) -> Self {
         let [first, second, _] = plane.axes();
@@ -166,7 +165,7 @@ impl Position {
         self
     }
 
-    /// How far it is from another point along X, Y and Z, mm.
+    /// Returns the distance to another point along X, Y and Z, mm.
     pub fn distance(&self, other: &Self) -> f64 {
         let [x, y, z] = (*other - *self).mm();
         libm::sqrt(x * x + y * y + z * z)
@@ -200,7 +199,7 @@ pub enum Plane {
 }
 
 impl Plane {
-    /// Its first axis, its second, and the one across it.
+    /// Returns the first and second axis of the plane, and the axis across it.
     pub const fn axes(self) -> [Axis; 3] {
         match self {
             Self::Xy => [Axis::X, Axis::Y, Axis::Z],
@@ -209,39 +208,39 @@ impl Plane {
         }
     }
 
-    /// The axis across it.
+    /// Returns the axis across the plane.
     pub const fn across(self) -> Axis {
         self.axes()[2]
     }
 }
 
-/// A point in a plane, or the way from one to another, mm.
+/// A point in a plane, or a distance between two, mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Flat {
-    /// Along the first axis of the plane.
+    /// Coordinate along the first axis of the plane.
     pub first: f64,
-    /// Along the second.
+    /// Coordinate along the second axis of the plane.
     pub second: f64,
 }
 
 impl Flat {
-    /// Of both.
+    /// Creates a point from its coordinates.
     pub const fn new(first: f64, second: f64) -> Self {
         Self { first, second }
     }
 
-    /// Its length.
+    /// Returns the distance from the origin.
     pub fn length(self) -> f64 {
         libm::sqrt(self.first * self.first + self.second * self.second)
     }
 
-    /// Multiplied.
+    /// Returns the point multiplied by a factor.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Self::new(self.first * factor, self.second * factor)
     }
 
-    /// Turned by an angle, counter-clockwise. Quarter turns are exact.
+    /// Returns the point rotated counter-clockwise about the origin. Quarter turns are exact.
     #[must_use]
     pub fn turned(self, degrees: f64) -> Self {
         let (sine, cosine) = sine_cosine(degrees);
@@ -251,7 +250,8 @@ impl Flat {
         )
     }
 
-    /// The angle from here to another way in a sense, rad, 0 up to a full turn.
+    /// Returns the angle from this direction to another, clockwise or counter-clockwise, rad,
+    /// from 0 to below a full turn.
     pub fn sweep(self, other: Self, clockwise: bool) -> f64 {
         let cross = self.first * other.second - self.second * other.first;
         let dot = self.first * other.first + self.second * other.second;
@@ -278,7 +278,7 @@ impl Sub for Flat {
     }
 }
 
-/// Sine and cosine of an angle in degrees.
+/// Returns the sine and the cosine of an angle in degrees. Quarter turns are exact.
 pub fn sine_cosine(degrees: f64) -> (f64, f64) {
     let turned = degrees.rem_euclid(360.0);
     if turned == 0.0 {

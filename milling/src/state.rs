@@ -1,4 +1,4 @@
-//! Where a run stands: what is in force, and where the tool is.
+//! Stores the state of a run between blocks: modal codes, offsets and positions.
 
 use gsk_core::program::Number;
 
@@ -13,32 +13,32 @@ use crate::words::length;
 /// The state after a block.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct State {
-    /// Which axes there are.
+    /// The fourth and fifth axis of the machine.
     pub(crate) axes: Axes,
     pub(crate) modal: Modal,
-    /// Where the slides stand, machine coordinates, but for the radius of the cutter.
+    /// Position in machine coordinates, without cutter radius compensation.
     pub(crate) machine: Position,
-    /// The programmed point, before scaling and rotation, in work coordinates.
+    /// The programmed point before scaling and rotation, work coordinates.
     pub(crate) programmed: Position,
     /// The length offset in force.
     pub(crate) length: Length,
-    /// G92, of all zeros.
+    /// Shift of all zeros by G92.
     pub(crate) shift: Position,
-    /// G52.
+    /// Local coordinates of G52.
     pub(crate) local: Position,
     pub(crate) transform: Transform,
-    /// G16.
+    /// Polar coordinates of G16.
     pub(crate) polar: Option<Polar>,
     /// The intermediate point of the last G28 or G30, machine coordinates.
     pub(crate) intermediate: Position,
     pub(crate) hole: HoleData,
-    /// Where the last G31 ended, work coordinates.
+    /// End of the last G31, work coordinates.
     pub(crate) skipped: Position,
-    /// M06 has been commanded: T only calls for a tool from then on.
+    /// Whether M06 has been commanded. From then on T only calls a tool.
     pub(crate) changes_tools: bool,
 }
 
-/// The radius and the angle that words of G16 left.
+/// The last radius and angle programmed under G16.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Polar {
     pub(crate) radius: Length,
@@ -46,49 +46,49 @@ pub(crate) struct Polar {
 }
 
 impl State {
-    /// Machine coordinates of the work zero.
+    /// Returns the work zero in machine coordinates.
     pub(crate) fn zero(&self, memory: &MillMemory) -> Position {
         memory.external + memory.zero(self.modal.zero) + self.shift + self.local
     }
 
-    /// What makes machine coordinates of work coordinates: the work zero and the length.
+    /// Returns the offset from work to machine coordinates: work zero and length offset.
     pub(crate) fn frame(&self, memory: &MillMemory) -> Position {
         let mut frame = self.zero(memory);
         frame.set(Axis::Z, frame.get(Axis::Z) + self.length);
         frame
     }
 
-    /// Where the tip stands, work coordinates.
+    /// Returns the position of the tool tip, work coordinates.
     pub(crate) fn work(&self, memory: &MillMemory) -> Position {
         self.axes.rolled(self.machine - self.frame(memory))
     }
 
-    /// Machine coordinates of a programmed point. Further axes are neither scaled nor
-    /// rotated; they go as far as their words say, whichever turn they are in.
+    /// Returns a programmed point in machine coordinates. The fourth and fifth axis are neither
+    /// scaled nor rotated. They move by the programmed distance, in whichever turn they are.
     pub(crate) fn place(&self, programmed: Position, memory: &MillMemory) -> Position {
         let way = programmed - self.programmed;
         let to = self.transform.apply(programmed) + self.frame(memory);
         to.turned_as(&(self.machine + way))
     }
 
-    /// The slides have gone to a point.
+    /// Sets the position after a move.
     pub(crate) fn stand_at(&mut self, machine: Position) {
         self.machine = self.axes.rolled(machine);
     }
 
-    /// A block leads to a point as it is programmed.
+    /// Sets the programmed point after a block.
     pub(crate) fn programmed_at(&mut self, programmed: Position) {
         self.programmed = self.axes.rolled(programmed);
     }
 
-    /// The number of a word of an axis: inches are lengths, and no angles.
+    /// Returns the value of an axis word. Inches apply to lengths, not to angles.
     pub(crate) fn word(&self, axis: Axis, value: Number) -> Length {
         let rotary = self.axes.is_rotary(axis);
         let value = length(value, self.modal.inch && !rotary);
         if rotary { value.rounded() } else { value }
     }
 
-    /// The programmed point is taken from where the tip stands.
+    /// Sets the programmed point to the position of the tool tip.
     pub(crate) fn resync(&mut self, memory: &MillMemory) {
         self.programmed = self.transform.undo(self.work(memory));
     }

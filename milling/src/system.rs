@@ -1,12 +1,12 @@
-//! Variables of macro B besides #0 to #33, by their numbers.
+//! Reads and writes the variables of macro B other than #0 to #33.
 //!
 //! ```text
-//!   #100–#199 #500–#999         of all programs
-//!   #1000–#1133                 signals of the ladder: inputs are 0, outputs are kept
+//!   #100–#199 #500–#999         common to all programs
+//!   #1000–#1133                 signals of the ladder: inputs read 0, outputs are stored
 //!   #2001–#2400 #10001–#13400   offsets                        memory
-//!   #2500–#2906 #7001–#7945     zeros of the work              memory
+//!   #2500–#2906 #7001–#7945     work zeros                     memory
 //!   #3001 #3002                 timers, ms and h               machine time
-//!   #3003 #3004 #3005           switches of the run, settings: bit 4 is G20
+//!   #3003 #3004 #3005           settings, bit 4 of #3005 is G20
 //!   #3011 #3012                 date, time of day
 //!   #3901 #3902                 parts made, parts required
 //!   #4001–#4022 #4102–#4120     modal codes and words          state
@@ -32,7 +32,7 @@ use crate::state::State;
 pub(crate) struct Variables {
     common: BTreeMap<u32, f64>,
     registers: Registers,
-    /// What #3002 was before the run, ms.
+    /// #3002 before the run, ms.
     hours_before: i64,
     /// #3901 and #3902.
     pub(crate) parts: u32,
@@ -40,7 +40,7 @@ pub(crate) struct Variables {
 }
 
 impl Variables {
-    /// Those of a control whose clock shows this when a run begins.
+    /// Creates the variables for a run that starts at a clock time.
     pub(crate) fn new(day_time: DayTime) -> Self {
         Self {
             registers: Registers::new(day_time),
@@ -48,46 +48,46 @@ impl Variables {
         }
     }
 
-    /// Gives a common variable its value.
+    /// Sets a common variable.
     pub(crate) fn set_common(&mut self, number: u32, value: f64) {
         self.common.insert(number, value);
     }
 }
 
-/// What variables are read from.
+/// Everything that system variables read.
 pub(crate) struct Known<'a> {
     pub(crate) state: &'a mut State,
     pub(crate) memory: &'a mut MillMemory,
     pub(crate) variables: &'a mut Variables,
     pub(crate) source: Source,
-    /// The program that runs.
+    /// Number of the running program.
     pub(crate) program: u16,
     /// Machine time, s.
     pub(crate) now: f64,
-    /// Where the tool is, its radius compensated.
+    /// Tool position with cutter radius compensation.
     pub(crate) machine: Position,
 }
 
-/// A variable of the memory.
+/// A variable in the mill's memory.
 enum Place {
     Offset(u16, Column),
     External(Axis),
     Zero(WorkZero, Axis),
 }
 
-/// Milliseconds of an hour.
+/// Milliseconds in an hour.
 const HOUR_MS: f64 = 3.6e6;
-/// The bit of #3005 that is G20.
+/// The bit of #3005 for G20.
 const INCH: u8 = 4;
 
-/// The axis of a last digit: 4 is the fourth, where the machine has it, 5 the fifth.
+/// The axis of a last digit: 4 is the fourth, 5 the fifth, if the machine has them.
 fn axis(digit: u32, axes: Axes) -> Option<Axis> {
     let axis = Axis::ALL.get(digit.checked_sub(1)? as usize).copied()?;
     let further = Axis::FURTHER.contains(&axis);
     (!further || axes.further(axis).is_some()).then_some(axis)
 }
 
-/// The offset or the zero of a number.
+/// The offset or zero with a variable number.
 fn place(number: u32, axes: Axes) -> Option<Place> {
     let offset = |first: u32, column| Some(Place::Offset((number - first) as u16, column));
     match number {
@@ -119,16 +119,15 @@ fn unknown(variable: u32) -> Alarm {
     Alarm::new(number::BAD_VARIABLE).because(detail)
 }
 
-/// Whether programs share a variable.
+/// Whether all programs share a variable.
 const fn is_common(number: u32) -> bool {
     matches!(number, 100..=199 | 500..=999)
 }
 
-/// All outputs to the ladder at once.
+/// The variable with all outputs to the ladder.
 const OUTPUTS: u32 = 1132;
 
-/// The least and the greatest value of signals to the ladder, and of switches of a run
-/// that change nothing here.
+/// Least and greatest value of signals to the ladder, and of settings that have no effect here.
 const fn range_of_kept(number: u32) -> Option<(i64, i64)> {
     Some(match number {
         1100..=1115 => (i64::MIN, i64::MAX),
@@ -188,7 +187,7 @@ impl Known<'_> {
         let value = match variable / 10 * 10 {
             5000 => self.state.work(self.memory).get(axis),
             5020 => self.machine.get(axis),
-            // The offset is a part of it.
+            // Includes the offset.
             5040 => self.state.axes.rolled(self.machine - zero).get(axis),
             5060 => self.state.skipped.get(axis),
             5080 => (frame - zero).get(axis),
@@ -205,7 +204,7 @@ impl Known<'_> {
         (self.now * 1000.0) as u64
     }
 
-    /// A signal or a switch.
+    /// The value of a signal or setting.
     fn kept(&self, variable: u32) -> f64 {
         let value = |number: u32| self.variables.common.get(&number).copied().unwrap_or(0.0);
         match variable {
@@ -218,7 +217,7 @@ impl Known<'_> {
         }
     }
 
-    /// Every value but 0 switches an output on.
+    /// Stores a signal or setting. Every value but 0 switches an output on.
     fn keep(&mut self, variable: u32, value: i64) {
         let (variable, value) = match variable {
             1100..=1115 => {
@@ -234,7 +233,7 @@ impl Known<'_> {
         self.variables.set_common(variable, value as f64);
     }
 
-    /// Timers, clock and counters.
+    /// Reads timers, clock and counters.
     fn control(&self, variable: u32) -> Option<f64> {
         let variables = &self.variables;
         let now = self.now_ms();
@@ -252,7 +251,7 @@ impl Known<'_> {
         })
     }
 
-    /// Gives one of them its value; whether it is one that takes one.
+    /// Writes a timer or counter. Returns whether the variable is one that can be written.
     fn write_control(&mut self, variable: u32, value: Option<f64>) -> Result<bool, Alarm> {
         let now = self.now_ms();
         let variables = &mut self.variables;
@@ -289,7 +288,7 @@ fn out_of_range(variable: u32, value: f64, greatest: impl core::fmt::Display) ->
     Alarm::new(number::MACRO_RANGE).because(detail)
 }
 
-/// A value rounded to a whole number of its range; alarm 111 beyond it.
+/// Rounds a value to an integer in a range. Errors: alarm 111 outside it.
 fn within(variable: u32, value: Option<f64>, (least, most): (i64, i64)) -> Result<i64, Alarm> {
     let value = value.unwrap_or(0.0);
     let whole = libm::round(value) as i64;
@@ -340,7 +339,7 @@ impl System for Known<'_> {
             return Ok(());
         }
         let Some(place) = place(variable, self.state.axes) else {
-            // Known, and only read.
+            // The variable exists, but is read-only.
             self.read(variable)?;
             let detail = say::variable_of_macro_read_only(variable);
             return Err(Alarm::new(number::READ_ONLY).because(detail));

@@ -1,11 +1,11 @@
-//! Programs and what they do.
+//! Runs programs and compares their moves, times and alarms.
 
 use gsk_core::program::{Program, ProgramMemory};
 use proptest::prelude::*;
 
 use crate::{End, MillSetup, Move, MoveKind, Preview, preview_while};
 
-/// A program on a set-up, with subprograms.
+/// Runs a program on a setup with subprograms.
 fn carried_out(setup: &MillSetup, text: &str, others: &[&str]) -> (Preview, Vec<Move>) {
     let mut programs = ProgramMemory::default();
     for other in others {
@@ -20,21 +20,21 @@ fn carried_out(setup: &MillSetup, text: &str, others: &[&str]) -> (Preview, Vec<
     (preview, moves)
 }
 
-/// The same on the mill as delivered, which must come to its end.
+/// Runs a program on the mill as delivered. It must end without an alarm.
 fn run(text: &str) -> (Preview, Vec<Move>) {
     let (preview, moves) = carried_out(&MillSetup::default(), text, &[]);
     assert_eq!(preview.alarm, None, "{text}");
     (preview, moves)
 }
 
-/// The alarm of a program: its number and line.
+/// Returns the number and line of a program's alarm.
 fn alarm(text: &str) -> (u16, u32) {
     let (preview, _) = carried_out(&MillSetup::default(), text, &[]);
     let alarm = preview.alarm.unwrap_or_else(|| panic!("no alarm: {text}"));
     (alarm.number, alarm.source.map_or(0, |source| source.line))
 }
 
-/// With values of parameters.
+/// A setup with parameter values.
 fn with(parameters: &[(u16, i32)]) -> MillSetup {
     let mut setup = MillSetup::default();
     for (number, value) in parameters {
@@ -79,7 +79,7 @@ fn arcs_in_three_planes_and_a_helix() {
     );
     assert_eq!(moves[1].kind, MoveKind::CounterClockwise);
     assert!((moves[1].length() - 15.708).abs() < 0.001);
-    // In ZX a move along X from X0 Z0 with R5 is half a circle.
+    // In ZX, a move along X from X0 Z0 with R5 is half a circle.
     assert!((moves[2].length() - 15.708).abs() < 0.001);
     let helix = moves.last().expect("helix");
     let turn = core::f64::consts::TAU * 5.0;
@@ -145,7 +145,7 @@ fn what_a_check_cannot_know_is_said() {
     assert_eq!((preview.alarm, preview.cautions), (None, Vec::new()));
 }
 
-/// Appendix 2 and parameter 562: an axis without its bit is not scaled, by P neither.
+/// Appendix 2 and parameter 562: an axis without its bit is not scaled, not even by P.
 #[test]
 fn only_axes_with_their_bit_are_scaled() {
     let text = "G00 X0 Y0 Z0\nG51 X0 Y0 Z0 P2000\nG01 X1 Y1 Z1 F100\nG50\nM30\n";
@@ -157,7 +157,7 @@ fn only_axes_with_their_bit_are_scaled() {
     assert_eq!(last(0b111), Some([2.0, 2.0, 2.0]));
     assert_eq!(last(0b011), Some([2.0, 2.0, 1.0]));
     assert_eq!(last(0b000), Some([1.0, 1.0, 1.0]));
-    // 5411 in the place of P.
+    // 5411 in place of P.
     let setup = with(&[(562, 0b100), (5411, 3000)]);
     let (_, moves) = carried_out(&setup, &text.replace(" P2000", ""), &[]);
     assert_eq!(moves.last().map(|it| it.to.mm()), Some([1.0, 1.0, 3.0]));
@@ -185,7 +185,7 @@ fn ranges_of_the_appendices() {
     assert_eq!(alarm("G20 G10 L10 P1 R100\n"), (43, 1));
 }
 
-/// Appendix 4, 2: which variables are written, and what they take.
+/// Appendix 4, 2: which variables can be written, and their ranges.
 #[test]
 fn timers_and_counters_are_written() {
     let text = "#3001=0\nG04 P1000\n#1=#3001\n#3001=65535\n#2=#3001\n#3002=2.25\n#3=#3002\n#3901=7\n#3902=9\nG00 X#1 Y#3901 Z[#3902+#3*100]\n#1103=5\n#4=#1132\n#1132=6\n#5=#1101+#1102*10\nX#4 Y#5\nM30\n";
@@ -245,7 +245,7 @@ fn mirrors_about_fifty() {
     );
 }
 
-/// Facts C4 to C6: scaled by half about (300,150), turned by 45° about (250,125).
+/// Facts C4 to C6: scaled by half about (300,150), rotated by 45° about (250,125).
 #[test]
 fn scaled_and_turned() {
     let (_, moves) = run(
@@ -280,7 +280,7 @@ fn arcs_under_two_scales() {
     assert_eq!(preview.alarm.map(|it| it.number), Some(13));
 }
 
-/// Fact C9, and what the offsets are then: by their variables.
+/// Fact C9, with the resulting offsets read from their variables.
 #[test]
 fn offsets_are_put_in_and_added_to() {
     let (_, moves) = run(
@@ -381,7 +381,7 @@ fn rigid_taps_in_pecks() {
     };
     assert_eq!(taps(0), [-2., 2., -6., 2., -7., 2.]);
     assert_eq!(taps(32), [-2., 0., -6., -4., -7., 2.]);
-    // Without M29 Q is left over from other holes.
+    // Without M29, Q remains from other holes.
     let (_, moves) = run("G90 G00 X0 Y0 Z2\nG84 R2 Z-7 Q4 F500\nM30\n");
     assert_eq!(
         moves.iter().filter(|it| it.kind == MoveKind::Tap).count(),
@@ -391,7 +391,7 @@ fn rigid_taps_in_pecks() {
 
 #[test]
 fn threads_follow_the_spindle() {
-    // 20 mm with a lead of 2 are ten turns, 2 s at 300 r/min, and a stand behind them.
+    // 20 mm with a lead of 2 are ten turns, 2 s at 300 r/min, and a stop after them.
     let text = "M03 S300\nG00 X0 Z10\nG01 Z9 F60\nG33 Z-10 X5 F1\nG33 Z-30 F2\nG01 Z-31\nM30\n";
     let (preview, moves) = run(text);
     assert_eq!(preview.alarm, None);
@@ -402,7 +402,7 @@ fn threads_follow_the_spindle() {
     let seconds: Vec<f64> = threads.iter().map(|it| it.duration_s).collect();
     assert!((seconds[0] - 19.0 / 5.0).abs() < 1e-9, "{seconds:?}");
     assert!((seconds[1] - 2.0).abs() < 1e-9, "{seconds:?}");
-    // The feed is as it was.
+    // The feed is unchanged.
     let last = moves.last().expect("a move");
     assert_eq!(last.feed, Some(gsk_core::units::Feed::PerMinute(60.0)));
     assert_eq!(alarm("M03 S300\nG33 Z-10\n"), (11, 2));
@@ -432,8 +432,8 @@ fn boring_leaves_beside_the_wall() {
     );
 }
 
-/// A square of 20 mm outside with a cutter of 5: the path is a square of 30 with its
-/// corners, and its length is worked out by hand.
+/// A square of 20 mm outside with a cutter of radius 5: the path is a square of 30 with its
+/// corners.
 #[test]
 fn the_centre_runs_beside_the_contour() {
     let mut setup = MillSetup::default();
@@ -466,7 +466,7 @@ fn depth_goes_along_under_compensation() {
     assert_eq!((from[0], from[1]), (to[0], to[1]));
 }
 
-/// Fact C27 as it is corrected: five holes on a circle by macro B.
+/// Fact C27 as corrected: five holes on a circle by macro B.
 #[test]
 fn a_bolt_circle_by_macro() {
     let circle = "O9100\n#3=#4003\nIF [#3 EQ 90] GOTO 1\n#24=#5001+#24\n#25=#5002+#25\nN1 G81 Z#26 R#18 F#9 K0\nWHILE [#11 GT 0] DO 1\n#5=#24+#4*COS[#1]\n#6=#25+#4*SIN[#1]\nG90 X#5 Y#6\n#1=#1+#2\n#11=#11-1\nEND 1\nG#3 G80\nM99\n";
@@ -489,7 +489,7 @@ fn a_bolt_circle_by_macro() {
     );
 }
 
-/// Fact C31: a drill after each of four moves, and where it goes back to.
+/// Fact C31: a hole after each of four moves, and its retraction.
 #[test]
 fn a_modal_drill_by_macro() {
     let drill = "O9110\n#1=#4001\n#3=#4003\n#4=#4109\n#5=#5003\nG00 G90 Z#18\nG01 Z#26 F#9\nIF [#4010 EQ 98] GOTO 1\nG00 Z#18\nGOTO 2\nN1 G00 Z#5\nN2 G#1 G#3 F#4\nM99\n";
@@ -519,7 +519,7 @@ fn zeros_by_their_variables() {
     assert_eq!(preview.machine.mm(), [0.0, 0.0, 12.5]);
 }
 
-/// Facts C32 and C33: M codes that call.
+/// Facts C32 and C33: M codes that call programs.
 #[test]
 fn m_codes_call_programs() {
     let setup = with(&[(6044, 2000), (6045, 300), (6046, 100)]);
@@ -546,7 +546,7 @@ fn m_codes_call_programs() {
     near(&ends(&moves), &[[10., 2., 100.]]);
 }
 
-/// Fact C56: 520.7 says which turn an angle lies in.
+/// Fact C56: 520.7 selects the turn of an angle.
 #[test]
 fn inverse_functions_by_parameter() {
     let text = "G00 X[ASIN[-1]] Y[ATAN[-1]/[1]] Z[ATAN[0-0]/[-1]]\nM30\n";
@@ -576,7 +576,7 @@ fn inches_are_exact() {
 
 #[test]
 fn times_add_up() {
-    // 60 mm at 600 mm/min, the stand behind it 0.1 s; a rapid of 8000 mm/min with 0.1 s.
+    // 60 mm at 600 mm/min, the stop after it 0.1 s, and a rapid of 8000 mm/min with 0.1 s.
     let (preview, _) = run("G01 X60 F600\nG00 X0\nG04 X2.5\nG04 P500\nM30\n");
     let rapid = 60.0 / (8000.0 / 60.0) + 0.1;
     assert!((preview.time_s - (6.0 + 0.1 + rapid + 3.0)).abs() < 1e-6);
@@ -671,7 +671,7 @@ fn block() -> impl Strategy<Value = String> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// No program panics; every move begins where the one before it ended.
+    /// No program panics, and every move starts at the end of the one before.
     #[test]
     fn moves_join_whatever_is_written(blocks in prop::collection::vec(block(), 1..30)) {
         let mut setup = with(&[(562, 23)]);
@@ -682,7 +682,7 @@ proptest! {
         for pair in moves.windows(2) {
             let end = pair[0].to + pair[0].zero;
             let begin = pair[1].from + pair[1].zero;
-            // A length offset that comes into force in between shifts Z alone.
+            // A length offset that comes into force in between shifts only Z.
             let [x, y, _] = (end - begin).mm();
             prop_assert!(x.abs() < 1e-9 && y.abs() < 1e-9, "{:?} {:?}", pair[0], pair[1]);
         }

@@ -1,25 +1,25 @@
-//! How long moves take: rapids by the slowest axis, cuts by their feed, with a time
-//! constant where they begin or end at a stand.
+//! Computes the duration of moves: rapids by the slowest axis, cuts by their feed, with a time
+//! constant at stops.
 
 use crate::memory::{MillMemory, parameter};
 use crate::space::{Axis, Each, Length, Position};
 
-/// What the slides can do.
+/// The rates and time constants of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rates {
-    /// mm/s; of an axis that turns degrees/s.
+    /// Rapid rates, mm/s or degrees/s.
     rapid: Each<f64>,
-    /// Axes of a rapid arrive together.
+    /// Whether the axes of a rapid arrive together.
     straight: bool,
-    /// s, to the rapid rate.
+    /// Time to reach the rapid rate, s.
     rapid_time: f64,
-    /// mm/s.
+    /// Greatest feed, mm/s.
     feed: f64,
-    /// mm/s, without a ramp.
+    /// Feed that needs no ramp, mm/s.
     feed_start: f64,
-    /// s.
+    /// Time constant of cuts, s.
     feed_time: f64,
-    /// s, of rigid taps: in, out.
+    /// Time constants of rigid taps in and out, s.
     tap_times: [f64; 2],
 }
 
@@ -48,7 +48,7 @@ impl Rates {
         }
     }
 
-    /// The parts of the time of a rapid after which X, Y and Z have arrived; none where they
+    /// Returns the shares of a rapid's duration after which X, Y and Z arrive. `None` if they
     /// arrive together.
     pub(crate) fn arrivals(&self, way: &Position) -> Option<[f64; 3]> {
         let whole = self.rapid(way);
@@ -63,8 +63,7 @@ impl Rates {
         apart.then(|| Axis::BASIC.map(part))
     }
 
-    /// Seconds of a rapid from stand to stand: those of the axis that takes longest, whether
-    /// the axes arrive together or each by itself.
+    /// Returns the duration of a rapid from stop to stop, s: that of the slowest axis.
     pub(crate) fn rapid(&self, way: &Position) -> f64 {
         let axis = |axis: Axis| {
             let (way, rate) = (way.get(axis).abs().mm(), self.rapid.get(axis));
@@ -73,7 +72,7 @@ impl Rates {
         Axis::ALL.map(axis).into_iter().fold(0.0, f64::max)
     }
 
-    /// An even rise and fall of the speed.
+    /// Duration with a linear rise and fall of the speed.
     fn stand_to_stand(&self, way: f64, rate: f64) -> f64 {
         if way <= 0.0 || rate <= 0.0 {
             return 0.0;
@@ -86,13 +85,13 @@ impl Rates {
         }
     }
 
-    /// The speed of a cut, mm/s.
+    /// Returns the speed of a cut, mm/s.
     pub(crate) fn cutting(&self, feed: f64) -> f64 {
         (feed / 60.0).min(self.feed)
     }
 
-    /// Seconds that a stand at the end of a cut takes: the ramps are as long as what is
-    /// above the speed at which cuts begin.
+    /// Returns the additional duration of a stop at the end of a cut, s. The ramps cover the
+    /// speed above that at which cuts begin.
     pub(crate) fn settling(&self, feed: f64) -> f64 {
         let speed = self.cutting(feed);
         if speed <= self.feed_start {
@@ -102,7 +101,7 @@ impl Rates {
         }
     }
 
-    /// The same of a rigid tap, on its way in or out.
+    /// Returns the additional duration of a stop at the end of a rigid tap, s.
     pub(crate) const fn settling_of_tap(&self, out: bool) -> f64 {
         self.tap_times[out as usize]
     }

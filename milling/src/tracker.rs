@@ -1,4 +1,4 @@
-//! What the slides do: steps in, moves with their time out, and what adds up from them.
+//! Turns steps into moves with their duration, and adds up times, lengths and bounds.
 
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::command::Source;
@@ -20,28 +20,28 @@ pub(crate) struct Step {
     pub(crate) to: Position,
     pub(crate) arc: Option<Arc>,
     pub(crate) feed: Option<Feed>,
-    /// Machine coordinates of the work zero, and the same with the length offset.
+    /// Work zero in machine coordinates, without and with the length offset.
     pub(crate) zero: Position,
     pub(crate) frame: Position,
     pub(crate) tool: u16,
-    /// r/min, for a feed per revolution.
+    /// Spindle speed for a feed per revolution, r/min.
     pub(crate) speed: f64,
-    /// The slides stand at its end.
+    /// Whether the motion stops at its end.
     pub(crate) exact: bool,
-    /// Of a rigid tap: whether it is the way out.
+    /// For a rigid tap, whether it moves out of the hole.
     pub(crate) rigid_out: Option<bool>,
-    /// Of a dwell, s.
+    /// Duration of a dwell, s.
     pub(crate) dwell_s: f64,
 }
 
-/// Takes moves as they are made.
+/// Callback that receives each move.
 pub(crate) type OnMove<'a> = dyn FnMut(&Move) + 'a;
 
-/// The slides.
+/// Turns steps into moves and adds them up.
 pub(crate) struct Tracker<'a> {
     rates: Rates,
     axes: Axes,
-    /// The ends of the travel, where they act.
+    /// Travel limits, if they act.
     travel: Option<(Position, Position)>,
     pub(crate) machine: Position,
     pub(crate) now: f64,
@@ -49,8 +49,8 @@ pub(crate) struct Tracker<'a> {
     pub(crate) moves: u64,
     pub(crate) lengths: Lengths,
     pub(crate) bounds: Option<Bounds>,
-    /// The last cut, and the seconds of a stand at its end: whether the slides stand there
-    /// depends on what follows.
+    /// The last cut and the duration of a stop at its end, s. The next step determines whether
+    /// the motion stops there.
     running: Option<(Move, f64)>,
     on_move: &'a mut OnMove<'a>,
 }
@@ -77,7 +77,7 @@ impl<'a> Tracker<'a> {
         }
     }
 
-    /// Makes a step.
+    /// Makes a step. Errors: the alarm of a travel limit.
     pub(crate) fn make(&mut self, step: &Step) -> Result<(), Alarm> {
         let turns = step.arc.is_some();
         if step.kind != MoveKind::Dwell && !turns && step.to == self.machine {
@@ -163,7 +163,7 @@ impl<'a> Tracker<'a> {
         Ok(())
     }
 
-    /// Waits until the slides stand.
+    /// Ends the last cut with a stop.
     pub(crate) fn stand(&mut self) {
         if let Some((mut last, settling)) = self.running.take() {
             last.duration_s += settling;
@@ -190,7 +190,7 @@ impl<'a> Tracker<'a> {
                 (Axis::Y, false) => number::Y_MINUS_LIMIT,
                 (Axis::Z, true) => number::Z_PLUS_LIMIT,
                 (Axis::Z, false) => number::Z_MINUS_LIMIT,
-                // The family has no number for them.
+                // The alarm list of this control family has no number for them.
                 (Axis::Fourth | Axis::Fifth, _) => number::OUT_OF_RANGE,
             };
             let name = self.axes.letter(axis);

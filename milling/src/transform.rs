@@ -1,13 +1,13 @@
-//! G51 and G68: scaling about a point, then rotation about another.
+//! Applies G51 and G68: scaling about a point, then rotation about another.
 
 use crate::space::{Axis, Each, Flat, Length, Plane, Position};
 
 /// G51.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scaling {
-    /// What stays in place, work coordinates.
+    /// Fixed point, work coordinates.
     pub(crate) center: Position,
-    /// Factors of X, Y and Z; a negative one mirrors. Further axes have none.
+    /// Factors of X, Y and Z. A negative one mirrors. The fourth and fifth axis have 1.
     pub(crate) factors: Each<f64>,
 }
 
@@ -15,18 +15,18 @@ pub(crate) struct Scaling {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rotation {
     pub(crate) plane: Plane,
-    /// What stays in place, after scaling.
+    /// Fixed point, after scaling.
     pub(crate) center: Flat,
-    /// Counter-clockwise, as it acts.
+    /// Effective angle, counter-clockwise.
     pub(crate) degrees: f64,
-    /// The same as programmed.
+    /// Programmed angle.
     pub(crate) programmed: f64,
-    /// Where the tool stood at G68, until the first motion: if that is an increment, it is
+    /// Tool position at G68, until the first motion. If that is incremental, the position is
     /// the centre.
     pub(crate) stood: Option<Flat>,
 }
 
-/// Both.
+/// Scaling and rotation in force.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Transform {
     pub(crate) scaling: Option<Scaling>,
@@ -34,23 +34,23 @@ pub(crate) struct Transform {
 }
 
 impl Transform {
-    /// Whether points stay where they are programmed.
+    /// Returns whether neither is in force.
     pub(crate) const fn is_none(&self) -> bool {
         self.scaling.is_none() && self.rotation.is_none()
     }
 
-    /// The factor of an axis.
+    /// Returns the scale of an axis.
     pub(crate) fn factor(&self, axis: Axis) -> f64 {
         self.scaling.map_or(1.0, |it| it.factors.get(axis))
     }
 
-    /// Whether a plane is seen in a mirror.
+    /// Returns whether a plane is mirrored.
     pub(crate) fn mirrors(&self, plane: Plane) -> bool {
         let [first, second, _] = plane.axes();
         self.factor(first) * self.factor(second) < 0.0
     }
 
-    /// A point after scaling, not yet rotated, mm.
+    /// Returns a point after scaling, before rotation, mm.
     pub(crate) fn scaled(&self, point: Position) -> [f64; 3] {
         let point = point.mm();
         let Some(Scaling { center, factors }) = self.scaling else {
@@ -60,7 +60,7 @@ impl Transform {
         core::array::from_fn(|axis| center[axis] + factors.0[axis] * (point[axis] - center[axis]))
     }
 
-    /// A programmed point, where it comes to lie; to the least increment.
+    /// Transforms a programmed point, rounded to the least increment.
     pub(crate) fn apply(&self, point: Position) -> Position {
         if self.is_none() {
             return point;
@@ -75,7 +75,7 @@ impl Transform {
         point.with_basic(mm.map(|value| Length::from_mm(value).rounded()))
     }
 
-    /// The point that comes to lie at another one.
+    /// Returns the programmed point of a transformed one.
     pub(crate) fn undo(&self, point: Position) -> Position {
         if self.is_none() {
             return point;
@@ -96,7 +96,7 @@ impl Transform {
         point.with_basic(mm.map(Length::from_mm))
     }
 
-    /// A way in a plane: from the start of an arc to its centre.
+    /// Transforms a distance in a plane: from the start of an arc to its centre.
     pub(crate) fn way(&self, plane: Plane, way: Flat) -> Flat {
         let [first, second, _] = plane.axes();
         let way = Flat::new(
@@ -136,7 +136,7 @@ mod tests {
         };
         let point = position("12.345,-6.789,1").expect("point");
         let back = both.undo(both.apply(point));
-        // One increment more or less, halved by the scale of Y, and turned.
+        // One increment of rounding, halved by the scale of Y, and rotated.
         assert!(back.distance(&point) < 0.002, "{back:?}");
     }
 }

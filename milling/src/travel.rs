@@ -1,4 +1,4 @@
-//! Motion of a block: where it leads, and the steps it is made of.
+//! Executes the motion of a block: its end points, and the steps of arcs and holes.
 
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::command::Source;
@@ -19,29 +19,29 @@ use crate::state::{Polar, State};
 use crate::tracker::{Step, Tracker};
 use crate::words::{Words, length};
 
-/// What blocks are carried out against.
+/// What the blocks of a run act on.
 pub(crate) struct Scene<'a, 'b> {
     pub(crate) memory: &'a mut MillMemory,
     pub(crate) cutter: &'a mut Cutter,
     pub(crate) tracker: &'a mut Tracker<'b>,
     pub(crate) source: Source,
-    /// Every block ends at a stand: G09.
+    /// Whether every block ends with an exact stop (G09).
     pub(crate) exact: bool,
-    /// Whether the run is to go on, which the holes of a block ask, too.
+    /// Whether the run continues, checked before each repeated hole of a block.
     pub(crate) patience: Patience<'a>,
 }
 
-/// Whoever waits for a run.
+/// Lets the caller stop a run within a block.
 pub(crate) struct Patience<'a> {
-    /// Asked with where the run is.
+    /// Progress callback, which returns false to stop the run.
     pub(crate) go_on: &'a mut GoOn<'a>,
-    /// Where it was before the block.
+    /// Progress before the block.
     pub(crate) progress: Progress,
-    /// It was said no.
+    /// Set once the caller has stopped the run.
     pub(crate) over: bool,
 }
 
-/// Says whether a run is to go on.
+/// Progress callback, which returns whether the run continues.
 pub(crate) type GoOn<'a> = dyn FnMut(&Progress) -> bool + 'a;
 
 /// How a step is made.
@@ -50,19 +50,19 @@ pub(crate) enum Way {
     Rapid,
     /// A cut at the feed in force.
     Cut,
-    /// A cut at another one, mm/min.
+    /// A cut at another feed, mm/min.
     CutAt(f64),
-    /// A tap on its way out, or in.
+    /// A tap, in or out.
     Tap {
-        /// Whether it is the way out.
+        /// Whether it moves out of the hole.
         out: bool,
     },
-    /// A thread of this lead, mm.
+    /// A thread with this lead, mm.
     Thread(f64),
 }
 
 impl Scene<'_, '_> {
-    /// Whether more holes of a block are to be made.
+    /// Whether to make more holes of a block.
     fn goes_on(&mut self) -> bool {
         let patience = &mut self.patience;
         patience.progress.moves = self.tracker.moves;
@@ -71,7 +71,7 @@ impl Scene<'_, '_> {
         !patience.over
     }
 
-    /// A step without its end.
+    /// A step without an end point.
     fn step(&self, state: &State, kind: MoveKind) -> Step {
         Step {
             source: self.source,
@@ -89,7 +89,7 @@ impl Scene<'_, '_> {
         }
     }
 
-    /// The feed of a tap: out of a rigid one by the override of 5211.
+    /// The feed of a tap. A rigid one moves out with the override of 5211.
     fn of_tap(&self, state: &State, out: bool, feed: Feed) -> Feed {
         let percent = match self.memory.value(parameter::TAP_OUT) {
             0 => 100,
@@ -110,7 +110,7 @@ impl Scene<'_, '_> {
             Side::On => 0.0,
             _ => self.memory.cutter_radius(state.modal.d),
         };
-        // In the mirror left is right.
+        // In a mirrored plane left becomes right.
         let side = match (
             state.modal.cutter,
             state.transform.mirrors(state.modal.plane),
@@ -123,7 +123,8 @@ impl Scene<'_, '_> {
         self.cutter.take(step, (side, radius), place, self.tracker)
     }
 
-    /// To a point in machine coordinates, straight. `apart`: not along a contour.
+    /// Makes a straight step to a point in machine coordinates. `apart` marks a step away from
+    /// the contour.
     pub(crate) fn go(
         &mut self,
         state: &mut State,
@@ -158,7 +159,7 @@ impl Scene<'_, '_> {
         Ok(())
     }
 
-    /// The slides stand for a time, s; none is an exact stop.
+    /// Makes a dwell, s. A dwell of 0 is an exact stop.
     pub(crate) fn dwell(&mut self, state: &State, seconds: f64) -> Result<(), Alarm> {
         let step = Step {
             dwell_s: seconds,
@@ -168,10 +169,8 @@ impl Scene<'_, '_> {
     }
 }
 
-/// The feed in force.
-///
-/// # Errors
-/// 011 without one, or without a spindle that leads it.
+/// Returns the feed in force. Errors: alarm 011 without a feed, or without the spindle that it
+/// depends on.
 pub(crate) fn feed(state: &State) -> Result<Feed, Alarm> {
     let modal = &state.modal;
     let none = |detail| Err(Alarm::new(number::NO_FEED).because(detail));
@@ -187,7 +186,8 @@ pub(crate) fn feed(state: &State) -> Result<Feed, Alarm> {
     Ok(Feed::PerRevolution(modal.feed))
 }
 
-/// The feed of a cut in which axes turn and none goes straight: an F in inches was none.
+/// The feed of a cut of rotary axes alone. An F in inches is no length there, so convert it
+/// back.
 fn turning(state: &State, to: &Position, feed: Feed) -> Feed {
     let moves = |axis: &Axis| to.get(*axis) != state.machine.get(*axis);
     let mut moving = state.axes.all().filter(moves).peekable();
@@ -203,10 +203,8 @@ const MM_AN_INCH: f64 = 25.4;
 /// Leads of threads, mm.
 const LEADS: core::ops::RangeInclusive<f64> = 0.001..=500.0;
 
-/// The lead of G33.
-///
-/// # Errors
-/// 011 without one, 043 for one that is none, 094 when the spindle stands.
+/// The lead of G33. Errors: alarm 011 without a lead, 043 outside the range, 094 while the
+/// spindle is stopped.
 fn lead(state: &State) -> Result<f64, Alarm> {
     let modal = &state.modal;
     if modal.lead == 0.0 {
@@ -222,7 +220,7 @@ fn lead(state: &State) -> Result<f64, Alarm> {
     Ok(modal.lead)
 }
 
-/// The point that the axis words of a block lead to, as it is programmed.
+/// Returns the point that the axis words of a block name, before scaling and rotation.
 pub(crate) fn target(state: &mut State, words: &Words) -> Position {
     let modal = &state.modal;
     let mut to = state.programmed;
@@ -269,7 +267,8 @@ pub(crate) fn target(state: &mut State, words: &Words) -> Position {
     to.at(modal.plane, center + way)
 }
 
-/// Before the first motion after G68: with an increment the tool stands in the centre.
+/// Sets the centre of G68 before the first motion: with an incremental one it is the position
+/// of the tool.
 pub(crate) fn settle_rotation(state: &mut State, memory: &MillMemory) {
     let Some(rotation) = &mut state.transform.rotation else {
         return;
@@ -283,7 +282,7 @@ pub(crate) fn settle_rotation(state: &mut State, memory: &MillMemory) {
     }
 }
 
-/// G00 to G03 and G33 of a block; whether it moves.
+/// Executes G00 to G03 and G33 of a block. Returns whether it moves.
 pub(crate) fn motion(
     state: &mut State,
     words: &Words,
@@ -360,7 +359,7 @@ fn arc_to(
     Ok(())
 }
 
-/// Takes what a block says of the holes that follow.
+/// Stores the words of a hole cycle for this and the following holes.
 pub(crate) fn take_hole_data(state: &mut State, words: &Words) -> Result<(), Alarm> {
     let (modal, letters) = (&state.modal, &words.letters);
     let level = |value: Number| Level {
@@ -382,10 +381,10 @@ pub(crate) fn take_hole_data(state: &mut State, words: &Words) -> Result<(), Ala
     Ok(())
 }
 
-/// Holes in one block at most.
+/// Greatest number of holes in one block.
 const HOLES: i64 = 9999;
 
-/// The holes of a block; whether it moves.
+/// Makes the holes of a block. Returns whether it moves.
 pub(crate) fn holes(
     hole: Hole,
     state: &mut State,
@@ -416,7 +415,7 @@ pub(crate) fn holes(
         over.set(across, state.machine.get(across));
         let rolled = state.axes.rolled(over);
         if rolled != over {
-            // The other parts of the hole do not turn once more.
+            // The other steps of the hole must not turn the axis again.
             scene.go(state, over, Way::Rapid, true)?;
             over = rolled;
         }
@@ -490,7 +489,7 @@ fn levels(hole: Hole, state: &State, memory: &MillMemory) -> Result<(Length, Len
 }
 
 impl Polar {
-    /// From where the tool stands.
+    /// Starts at the zero.
     pub(crate) const fn begin() -> Self {
         Self {
             radius: Length::ZERO,

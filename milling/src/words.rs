@@ -1,4 +1,4 @@
-//! The words of one block, sorted by what they mean.
+//! Sorts the words of a block by their meaning.
 
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::compensation::cutter::Side;
@@ -10,7 +10,7 @@ use crate::axes::Axes;
 use crate::modal::{Hole, LengthOffset, Motion, WorkZero};
 use crate::space::{Axis, Each, Length, Plane};
 
-/// Group 00: what acts in its own block only.
+/// Group 00: codes that act in their own block only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OneShot {
     Dwell,
@@ -26,14 +26,14 @@ pub(crate) enum OneShot {
     Coordinates,
 }
 
-/// Group 11.
+/// Whether a code switches on or off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Switch {
     On,
     Off,
 }
 
-/// The words.
+/// The words of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Words {
     pub(crate) one_shot: Option<OneShot>,
@@ -44,23 +44,24 @@ pub(crate) struct Words {
     pub(crate) inch: Option<bool>,
     pub(crate) cutter: Option<Side>,
     pub(crate) length: Option<LengthOffset>,
-    /// G80: `Some(None)`.
+    /// `Some(None)` is G80.
     pub(crate) hole: Option<Option<Hole>>,
     pub(crate) to_r: Option<bool>,
     pub(crate) scaling: Option<Switch>,
     pub(crate) zero: Option<WorkZero>,
-    /// G54.1: its P names the zero.
+    /// Whether G54.1 is programmed. Its P names the zero.
     pub(crate) additional: bool,
     pub(crate) exact_mode: Option<bool>,
     pub(crate) exact_stop: bool,
     pub(crate) rotation: Option<Switch>,
     pub(crate) polar: Option<Switch>,
     pub(crate) letters: Letters,
-    /// A word that no code of a mill takes: of an axis that the machine has not, of a lathe.
+    /// A word that no code of a mill takes: of an axis that the machine does not have, or of a
+    /// lathe.
     pub(crate) stranger: Option<char>,
 }
 
-/// What stands after the letters, in mm where it is a length.
+/// The numbers after the letters, as programmed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Letters {
     pub(crate) axes: Each<Option<Number>>,
@@ -218,7 +219,7 @@ impl Words {
         Ok(())
     }
 
-    /// Refuses a word that no code takes. (In a call it is an argument.)
+    /// Refuses a word that no code takes. In a call it is an argument.
     pub(crate) fn check_axes(&self) -> Result<(), Alarm> {
         let detail = match self.stranger {
             Some(letter @ ('U' | 'V' | 'W')) => {
@@ -231,15 +232,15 @@ impl Words {
         Err(Alarm::new(number::BAD_ADDRESS).because(detail))
     }
 
-    /// Whether an axis is named.
+    /// Returns whether a word names an axis.
     pub(crate) fn has_axes(&self) -> bool {
         self.letters.axes.0.iter().any(Option::is_some)
     }
 
-    /// What the words of a block must not go together with.
+    /// Checks that the codes of a block can be combined. Errors: alarm 024.
     pub(crate) fn check(&self) -> Result<(), Alarm> {
         let holes = self.hole.is_some_and(|hole| hole.is_some());
-        // A return is a rapid, and G53 the one or the other.
+        // A reference return is a rapid. G53 moves at rapid or feed.
         let together = |motion: &Motion| match self.one_shot {
             Some(OneShot::Machine) => true,
             Some(OneShot::Reference | OneShot::FurtherReference | OneShot::ReferenceBack) => {
@@ -257,7 +258,7 @@ impl Words {
     }
 }
 
-/// A length in mm, from inches or millimetres.
+/// Returns a length from a number in inches or millimetres.
 pub(crate) fn length(value: Number, inch: bool) -> Length {
     let metric = if inch { value.inches_to_mm() } else { value };
     Length::from_nm(metric.millionths())
