@@ -1,7 +1,6 @@
-//! The characters that the program can show, out of GNU Unifont: all but rare Chinese ones
-//! (CJK extension A) and scripts that no lathe is programmed in, a twentieth of the page
-//! for browsers (decision WINDOW-13). Nobody asks for the table of the crate then, and it
-//! is not linked.
+//! Writes the glyphs that the program can show, from GNU Unifont. Rare Chinese characters (CJK
+//! extension A) and scripts that no lathe is programmed in are left out, a twentieth of the
+//! browser page (decision WINDOW-13). The crate's own table is then unused and not linked.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -9,8 +8,8 @@ use std::{env, fs};
 
 use unifont::Glyph;
 
-/// First and last of the ranges: letters, signs, kana; Chinese; Korean; compatibility and
-/// full-width forms.
+/// First and last character of each range: letters, signs and kana; Chinese; Korean;
+/// compatibility and full-width forms.
 const KEPT: [(u32, u32); 4] = [
     (0x0000, 0x33ff),
     (0x4e00, 0x9fff),
@@ -36,7 +35,7 @@ fn main() {
             Some((_, last)) if *last + 1 == character => *last = character,
             _ => runs.push((character, character)),
         }
-        // A text never refuses what is written to it.
+        // Writing to a string cannot fail.
         let _ = match glyph {
             Glyph::Halfwidth(rows) => writeln!(table, "Glyph::Halfwidth({rows:?}),"),
             Glyph::Fullwidth(rows) => writeln!(table, "Glyph::Fullwidth({rows:?}),"),

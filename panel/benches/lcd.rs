@@ -1,5 +1,4 @@
-//! How long a redraw of the LCD takes: the page into a screen, the screen into
-//! 320x240 pixels.
+//! Measures an LCD redraw: the page into a screen, and the screen into 320x240 pixels.
 
 use std::hint::black_box;
 
@@ -12,7 +11,7 @@ use gsk_panel::raster;
 use gsk_panel::screen::{ROWS, Screen};
 use gsk_panel::trace::MOST_PIECES;
 
-/// A path of so many pieces that none joins with the next.
+/// A path of `pieces` segments that cannot be joined.
 fn view_with_path(pieces: usize) -> View {
     let mut view = View::default();
     view.graphic = GraphicSettings {

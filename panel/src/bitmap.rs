@@ -1,4 +1,4 @@
-//! A one-bit picture of the LCD's size and the few drawing operations on it.
+//! Stores a one-bit picture of the LCD's size and draws lines on it.
 
 use crate::lcd::{COLUMNS, HEIGHT, WIDTH};
 
@@ -9,7 +9,7 @@ pub struct Bitmap {
     bytes: Box<[u8]>,
 }
 
-/// A rectangle of dots, both corners inside.
+/// A rectangle of dots that includes both corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Area {
     /// Leftmost dot.
@@ -31,24 +31,23 @@ impl Area {
         bottom: HEIGHT as i32 - 1,
     };
 
-    /// Whether a dot lies inside.
+    /// Returns whether a dot is inside.
     pub const fn contains(&self, x: i32, y: i32) -> bool {
         x >= self.left && x <= self.right && y >= self.top && y <= self.bottom
     }
 }
 
-/// How a line is drawn.
+/// The pattern of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stroke {
     /// Every dot.
     Solid,
-    /// One dot in three, counted on the LCD's own grid so that pieces of one
-    /// path join without a seam.
+    /// Every third dot of the LCD's grid, so that segments of a path join without a seam.
     Dotted,
 }
 
 impl Stroke {
-    /// Whether the dot at this place of the longer axis is drawn.
+    /// Whether the dot at a coordinate of the longer axis is drawn.
     const fn draws(self, along: i32) -> bool {
         match self {
             Self::Solid => true,
@@ -64,7 +63,7 @@ impl Default for Bitmap {
 }
 
 impl Bitmap {
-    /// An empty picture.
+    /// Creates an empty picture.
     pub fn new() -> Self {
         Self {
             bytes: vec![0; COLUMNS * HEIGHT].into_boxed_slice(),
@@ -76,14 +75,14 @@ impl Bitmap {
         self.bytes.fill(0);
     }
 
-    /// The 40 bytes of a dot row, the leftmost dot in bit 7; empty below the LCD.
+    /// Returns the 40 bytes of a dot row, the leftmost dot in bit 7. Empty below the LCD.
     pub fn row(&self, y: usize) -> &[u8] {
         self.bytes
             .get(y * COLUMNS..(y + 1) * COLUMNS)
             .unwrap_or(&[])
     }
 
-    /// Whether a dot is set; outside the LCD never.
+    /// Returns whether a dot is set. Dots outside the LCD never are.
     pub fn get(&self, x: i32, y: i32) -> bool {
         if !Area::LCD.contains(x, y) {
             return false;
@@ -91,21 +90,21 @@ impl Bitmap {
         self.bytes[y as usize * COLUMNS + x as usize / 8] & (0x80 >> (x % 8)) != 0
     }
 
-    /// Sets a dot; outside the LCD nothing happens.
+    /// Sets a dot. Ignores dots outside the LCD.
     pub fn set(&mut self, x: i32, y: i32) {
         if Area::LCD.contains(x, y) {
             self.bytes[y as usize * COLUMNS + x as usize / 8] |= 0x80 >> (x % 8);
         }
     }
 
-    /// Adds every dot of another picture.
+    /// Sets every dot that another picture has.
     pub fn add(&mut self, other: &Self) {
         for (mine, theirs) in self.bytes.iter_mut().zip(&other.bytes) {
             *mine |= theirs;
         }
     }
 
-    /// Changes the eight dots of a byte column in one dot row.
+    /// Sets and optionally inverts the eight dots of a byte column in a dot row.
     pub(crate) fn combine(&mut self, column: usize, y: usize, dots: u8, invert: bool) {
         if column < COLUMNS && y < HEIGHT {
             let byte = &mut self.bytes[y * COLUMNS + column];
@@ -116,7 +115,7 @@ impl Bitmap {
         }
     }
 
-    /// A line between two places given in fractions of dots, cut to an area.
+    /// Draws a line between two points in fractions of dots, clipped to an area.
     pub fn line(&mut self, from: (f64, f64), to: (f64, f64), stroke: Stroke, area: Area) {
         let Some((from, to)) = clip(from, to, area) else {
             return;
@@ -124,7 +123,7 @@ impl Bitmap {
         self.dot_line(from, to, stroke);
     }
 
-    /// A line between two dots inside the LCD (Bresenham).
+    /// Draws a line between two dots inside the LCD (Bresenham).
     fn dot_line(&mut self, (mut x, mut y): (i32, i32), (x1, y1): (i32, i32), stroke: Stroke) {
         let (dx, dy) = ((x1 - x).abs(), -(y1 - y).abs());
         let (step_x, step_y) = ((x1 - x).signum(), (y1 - y).signum());
@@ -157,7 +156,7 @@ impl core::fmt::Debug for Bitmap {
     }
 }
 
-/// The part of a line inside an area, as dots; `None` when there is none.
+/// The part of a line inside an area, as dots.
 fn clip(from: (f64, f64), to: (f64, f64), area: Area) -> Option<((i32, i32), (i32, i32))> {
     let (start, end) = (nearest(from), nearest(to));
     if area.contains(start.0, start.1) && area.contains(end.0, end.1) {
@@ -205,7 +204,7 @@ fn clip(from: (f64, f64), to: (f64, f64), area: Area) -> Option<((i32, i32), (i3
     Some((place(first), place(last)))
 }
 
-/// The dot that a place falls on.
+/// The dot at a point.
 fn nearest((x, y): (f64, f64)) -> (i32, i32) {
     ((x + 0.5).floor() as i32, (y + 0.5).floor() as i32)
 }

@@ -1,4 +1,4 @@
-//! The whole emulator as one value: control, lathe and panel.
+//! Combines control, lathe and panel into one emulator.
 
 mod serial;
 
@@ -22,10 +22,10 @@ use crate::panel::{KeyEvent, NotTaken, Panel, SerialFile, contacts};
 use crate::raster;
 use crate::screen::Screen;
 
-/// How long [`Emulator::press`] holds a key, and rests after it, ticks.
+/// Time that [`Emulator::press`] holds a key, and pause after it, ticks.
 pub(crate) const PRESS_TICKS: u64 = 100;
 
-/// Ticks between two looks at the LCD while its text is waited for.
+/// Interval between checks of the LCD while waiting for its text, ticks.
 const SCREEN_PERIOD: u64 = 20;
 
 /// A control with its panel and its simulated lathe: the save state.
@@ -48,18 +48,18 @@ pub struct Emulator {
     pub panel: Panel,
 }
 
-/// What [`Emulator::run_until`] waits for.
+/// A condition for [`Emulator::run_until`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Condition {
-    /// The self-test picture is gone.
+    /// The self-test picture has disappeared.
     SelfTestOver,
-    /// No program runs and the axes stand.
+    /// No program runs and the axes are stopped.
     Stopped,
     /// A block has ended, or the run has stopped.
     BlockEnd,
-    /// An alarm or a message stands.
+    /// An alarm or a message is active.
     Alarm,
-    /// The LCD shows this text in one row, blanks folded.
+    /// The LCD shows this text in one row. Runs of blanks count as one.
     Text(String),
     /// A bit of PLC memory has this value.
     Bit(BitAddress, bool),
@@ -68,14 +68,14 @@ pub enum Condition {
 /// How [`Emulator::run_until`] ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// The condition came true.
+    /// The condition became true.
     Reached,
-    /// The limit came first.
+    /// The time limit expired first.
     TimedOut,
 }
 
 impl Emulator {
-    /// An emulator that has just been switched on.
+    /// Creates an emulator at power-on.
     pub fn new(setup: Setup) -> Self {
         Self {
             simulation: Simulation::new(setup),
@@ -83,18 +83,18 @@ impl Emulator {
         }
     }
 
-    /// Ticks since the start, power-off included.
+    /// Returns the ticks since the start, including power-off.
     pub const fn ticks(&self) -> u64 {
         self.panel.clock()
     }
 
-    /// One millisecond.
+    /// Runs one millisecond.
     pub fn tick(&mut self) {
         if self.panel.powered() {
             self.simulation.tick();
         } else {
-            // Without the control the drives hold and everything else stops; nobody reads
-            // what the contacts say.
+            // Without power the drives hold and everything else stops. The control does not
+            // read its inputs.
             let outputs = Outputs::without_power(self.simulation.cnc.pulses());
             self.simulation.lathe.tick(&outputs, &mut Inputs::default());
         }
@@ -102,16 +102,16 @@ impl Emulator {
         self.ask(requests);
     }
 
-    /// So many milliseconds.
+    /// Runs a number of milliseconds.
     pub fn run(&mut self, ticks: u64) {
         for _ in 0..ticks {
             self.tick();
         }
     }
 
-    /// A key event, at the start of the next tick. Returns why it does nothing, if
-    /// page, mode or a switch stands against it; a machine key is judged later
-    /// ([`crate::refusal::Press`]).
+    /// Handles a key event at the start of the next tick. Returns the reason if page, mode or a
+    /// switch prevents its effect. Machine keys are checked later, by
+    /// [`crate::refusal::Press`].
     pub fn key(&mut self, event: KeyEvent) -> Option<Message> {
         let cnc = &self.simulation.cnc;
         let by_page = match event {
@@ -133,7 +133,7 @@ impl Emulator {
         refused
     }
 
-    /// The contacts of the machine keys follow the keys.
+    /// Sets the contacts of the machine keys to the state of the keys.
     fn connect_keys(&mut self) {
         for (bit, down) in contacts(&self.panel) {
             let address = BitAddress::new(Area::X, bit.byte, bit.bit);
@@ -143,22 +143,22 @@ impl Emulator {
 
     fn ask(&mut self, requests: Vec<Request>) {
         for request in requests {
-            // A refusal stands on the alarm page.
+            // A refusal is shown on the alarm page.
             let _ = self.simulation.cnc.request(request);
         }
     }
 
-    /// A key goes down; returns why it does nothing, as [`Self::key`].
+    /// Presses a key down. Returns the reason if it has no effect, as [`Self::key`] does.
     pub fn key_down(&mut self, key: Key) -> Option<Message> {
         self.key(KeyEvent::Down(key))
     }
 
-    /// A key comes up.
+    /// Releases a key.
     pub fn key_up(&mut self, key: Key) {
         self.key(KeyEvent::Up(key));
     }
 
-    /// A key is pressed as a finger does: down, 100 ms, up, 100 ms.
+    /// Presses a key for 100 ms, then waits 100 ms.
     pub fn press(&mut self, key: Key) {
         self.key_down(key);
         self.run(PRESS_TICKS);
@@ -166,14 +166,14 @@ impl Emulator {
         self.run(PRESS_TICKS);
     }
 
-    /// A key is held for so many milliseconds.
+    /// Holds a key for a number of milliseconds.
     pub fn hold(&mut self, key: Key, ticks: u64) {
         self.key_down(key);
         self.run(ticks);
         self.key_up(key);
     }
 
-    /// Characters are typed, 100 ms each.
+    /// Types characters, 100 ms each.
     pub fn type_text(&mut self, text: &str) {
         for character in text.chars() {
             self.key(KeyEvent::Type(character));
@@ -181,13 +181,13 @@ impl Emulator {
         }
     }
 
-    /// The handwheel is turned by so many graduations at once.
+    /// Turns the handwheel by a number of graduations at once.
     pub fn turn(&mut self, graduations: i32) {
         self.key(KeyEvent::Wheel(graduations));
     }
 
-    /// Runs until a condition holds, at most so many milliseconds; the condition
-    /// is looked at before the first tick and after each one.
+    /// Runs until a condition is true, at most `limit_ms` milliseconds. Checks the condition
+    /// before the first tick and after each one.
     pub fn run_until(&mut self, condition: &Condition, limit_ms: u64) -> Outcome {
         let mut watch = Watch::new(condition.clone(), self);
         for _ in 0..limit_ms {
@@ -204,11 +204,12 @@ impl Emulator {
         }
     }
 
-    /// Stores a program in the program memory and selects it. A text without a
-    /// program number takes the one of its name (`O0001`, `o12.nc`).
+    /// Stores a program in the program memory and selects it. A text without a program number
+    /// takes that of its name (`O0001`, `o12.nc`).
     ///
     /// # Errors
-    /// The alarm with which the control refuses it.
+    ///
+    /// Returns the alarm with which the control refuses it.
     pub fn load_program(&mut self, name: &str, text: &str) -> Result<(), Alarm> {
         let program = Program::new(text);
         let text = match (program.number(), number_of_name(name)) {
@@ -218,10 +219,11 @@ impl Emulator {
         self.simulation.cnc.request(Request::StoreProgram(text))
     }
 
-    /// A file comes in through the serial port.
+    /// Receives a file through the serial port.
     ///
     /// # Errors
-    /// Why the control does not take it, as a sentence.
+    ///
+    /// Returns the reason why the control does not accept it.
     pub fn receive(&mut self, file: SerialFile) -> Result<(), NotTaken> {
         let mut requests = Vec::new();
         let taken = self
@@ -231,32 +233,33 @@ impl Emulator {
         taken
     }
 
-    /// Opens a program outside the memory, read-only, and selects it.
+    /// Opens a read-only program outside the memory and selects it.
     ///
     /// # Errors
-    /// The alarm with which the control refuses it.
+    ///
+    /// Returns the alarm with which the control refuses it.
     pub fn load_external(&mut self, program: Program) -> Result<(), Alarm> {
         self.simulation.cnc.request(Request::OpenExternal(program))
     }
 
-    /// Sets the graphic page to the extents of a program and starts drawing, unless
-    /// extents were keyed in already. X as a radius.
+    /// Sets the graphic page to the extents of a program and starts drawing, unless the
+    /// operator has entered extents. X is a radius.
     pub fn fit_graphic(&mut self, min: Point, max: Point) {
         self.panel.fit_graphic(min, max, &self.simulation.cnc);
     }
 
-    /// What the LCD shows.
+    /// Returns what the LCD shows.
     pub fn screen(&self) -> Screen {
         self.panel.screen(&self.simulation.cnc)
     }
 
-    /// The same in the language that the LCD does not speak.
+    /// Returns the LCD in the language that it is not set to.
     pub fn translated_screen(&self) -> Screen {
         self.panel.translated(&self.simulation.cnc)
     }
 
-    /// The whole panel as a picture, so many pixels a panel unit; the LCD has
-    /// two units a dot.
+    /// Draws the whole panel at `scale` pixels a panel unit. The LCD has two units a dot.
+    /// `None` if the picture does not fit into memory.
     pub fn panel_picture(&self, scale: f32) -> Option<Pixmap> {
         let lcd = if self.panel.powered() {
             raster::render(&self.screen(), 1, self.panel.view().brightness)
@@ -274,13 +277,13 @@ impl Emulator {
         faceplate::paint(faceplate::Area::WHOLE, &state, scale)
     }
 
-    /// Whether a lamp is lit.
+    /// Returns whether a lamp is lit.
     pub fn lamp(&self, lamp: Bit) -> bool {
         let memory = self.simulation.cnc.plc().memory();
         self.panel.powered() && memory.bit(BitAddress::new(Area::Y, lamp.byte, lamp.bit))
     }
 
-    /// The Y memory for the lamps of the faceplate.
+    /// Returns the Y memory for the lamps of the faceplate.
     pub fn lamps(&self) -> [u8; 20] {
         let memory = self.simulation.cnc.plc().memory();
         core::array::from_fn(|byte| {
@@ -292,20 +295,20 @@ impl Emulator {
         })
     }
 
-    /// Stores a text that is being edited, as leaving its page does: for a session
-    /// that ends with the power on.
+    /// Stores the text in the editor, as leaving its page does, when a session ends with the
+    /// power on.
     pub fn store_edited(&mut self) {
         let requests = self.panel.unstored();
         self.ask(requests);
     }
 
-    /// Switches the power off; the lathe stops.
+    /// Switches the power off. The lathe stops.
     pub(crate) fn power_off(&mut self) {
         self.panel.power_off();
         self.connect_keys();
     }
 
-    /// Switches the power on; nothing happens when it is on.
+    /// Switches the power on, if it is off.
     pub fn power_on(&mut self) {
         if self.panel.powered() {
             return;
@@ -315,20 +318,20 @@ impl Emulator {
         self.connect_keys();
     }
 
-    /// Switches the power off and on: retained memory is kept.
+    /// Switches the power off and on. Retained memory is kept.
     pub fn power_cycle(&mut self) {
         self.power_off();
         self.power_on();
     }
 
-    /// Whether no program runs and the axes stand.
+    /// Returns whether no program runs and the axes are stopped.
     pub fn is_stopped(&self) -> bool {
         let cnc = &self.simulation.cnc;
         cnc.run_state() != RunState::Run && !cnc.is_moving()
     }
 }
 
-/// A condition being waited for.
+/// A condition to wait for.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Watch {
     condition: Condition,
@@ -369,12 +372,12 @@ impl Watch {
     }
 }
 
-/// Whether a row of the screen contains a folded text.
+/// Whether a row of the screen contains a text with single blanks.
 fn shows(screen: &Screen, text: &str) -> bool {
     (0..crate::screen::ROWS).any(|row| folded(&screen.row(row)).contains(text))
 }
 
-/// A text with every run of blanks folded to one.
+/// Returns a text with every run of blanks replaced by one.
 pub(crate) fn folded(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -1,10 +1,9 @@
-//! The geometry of the panel: one table of parts in panel units, from which the
-//! window and the painter here draw, and the pointer is looked up
-//! (manual III-1.2). Where a window is too narrow for the whole panel, its
-//! [areas](Area::APART) stand by themselves.
+//! Contains the geometry of the panel: a table of parts in panel units (manual III-1.2). The
+//! window and the painter draw it, and the pointer is looked up in it. In a narrow window the
+//! panel is split into [areas](Area::APART).
 //!
-//! One panel unit is half a dot of the LCD, so that the LCD is drawn with whole
-//! dots at every scale that is a multiple of one half.
+//! One panel unit is half a dot of the LCD. At every scale that is a multiple of one half, LCD
+//! dots are whole pixels.
 
 mod layout;
 mod paint;
@@ -20,7 +19,7 @@ use crate::keys::{Key, Role};
 /// Width and height of the panel in panel units.
 pub const SIZE: (f32, f32) = (1280.0, 756.0);
 
-/// Height of a line of a legend, panel units: one Unifont cell at scale 1.
+/// Line height of a legend, panel units: one Unifont cell at scale 1.
 pub(crate) const LINE_HEIGHT: f32 = 16.0;
 
 /// A rectangle in panel units.
@@ -37,27 +36,27 @@ pub struct Rect {
 }
 
 impl Rect {
-    /// A rectangle.
+    /// Creates a rectangle from its upper left corner and size.
     pub const fn new(x: f32, y: f32, w: f32, h: f32) -> Self {
         Self { x, y, w, h }
     }
 
-    /// The square around a circle.
+    /// Creates the square around a circle.
     pub const fn around(x: f32, y: f32, diameter: f32) -> Self {
         Self::new(x - diameter / 2.0, y - diameter / 2.0, diameter, diameter)
     }
 
-    /// Its centre.
+    /// Returns the centre.
     pub const fn center(&self) -> (f32, f32) {
         (self.x + self.w / 2.0, self.y + self.h / 2.0)
     }
 
-    /// Whether a place lies inside.
+    /// Returns whether a point is inside.
     pub fn contains(&self, x: f32, y: f32) -> bool {
         (self.x..self.x + self.w).contains(&x) && (self.y..self.y + self.h).contains(&y)
     }
 
-    /// Whether another rectangle lies inside.
+    /// Returns whether another rectangle is inside.
     pub fn encloses(&self, inner: &Self) -> bool {
         self.x <= inner.x
             && self.y <= inner.y
@@ -65,7 +64,7 @@ impl Rect {
             && inner.y + inner.h <= self.y + self.h
     }
 
-    /// Whether two rectangles have area in common.
+    /// Returns whether two rectangles overlap.
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         self.x < other.x + other.w
             && other.x < self.x + self.w
@@ -77,24 +76,24 @@ impl Rect {
 /// The outline of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outline {
-    /// A rectangle with rounded corners.
+    /// A rectangle with rounded corners of this radius.
     Rounded(f32),
     /// A circle.
     Round,
 }
 
-/// What a part is.
+/// The kind of a panel part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum What {
     /// The panel itself.
     Housing,
-    /// A plate that holds a zone of keys.
+    /// A plate with a group of keys.
     Plate,
     /// The frame of the LCD.
     Bezel,
     /// The LCD.
     Lcd,
-    /// A lamp of the status strip: its place in [`crate::keys::STRIP`].
+    /// A lamp of the status strip: its index in [`crate::keys::STRIP`].
     Strip(usize),
     /// A key or button.
     Key(Key),
@@ -102,15 +101,15 @@ pub enum What {
     Handwheel,
     /// The name of the control model.
     Model,
-    /// Printed text, centred in its rectangle; the line height.
+    /// Printed text centred in its rectangle, with its line height.
     Text(&'static str, f32),
-    /// That the machine behind the keys is simulated; blank when it is real.
+    /// The label that the machine is simulated. Blank for a real machine.
     Emulator,
-    /// That it is real; blank when it is simulated.
+    /// The label that the machine is real. Blank for a simulated machine.
     RealMotion,
 }
 
-/// What a colour is for.
+/// A colour by its use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Colour {
     /// The panel.
@@ -129,7 +128,7 @@ pub enum Colour {
     Address,
     /// Number keys.
     Number,
-    /// Keys of the edit keyboard with a function.
+    /// Function keys of the edit keyboard.
     Function,
     /// Page keys.
     Page,
@@ -156,7 +155,7 @@ pub enum Colour {
 }
 
 impl Colour {
-    /// Red, green, blue.
+    /// Returns red, green and blue.
     pub const fn rgb(self) -> [u8; 3] {
         match self {
             Self::Housing => [98, 116, 134],
@@ -182,7 +181,7 @@ impl Colour {
         }
     }
 
-    /// The colour of print on a part of this colour.
+    /// Returns the colour of print on a part of this colour.
     pub const fn ink(self) -> [u8; 3] {
         match self {
             Self::Address
@@ -196,23 +195,23 @@ impl Colour {
     }
 }
 
-/// One part of the panel.
+/// A part of the panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
-    /// What it is.
+    /// The kind of the part.
     pub what: What,
-    /// Where it is, panel units.
+    /// The rectangle, panel units.
     pub rect: Rect,
-    /// Its outline inside the rectangle.
+    /// The outline inside the rectangle.
     pub outline: Outline,
-    /// Drawing order: 0 below everything. Parts of one layer do not overlap.
+    /// Drawing order, 0 at the bottom. Parts of one layer do not overlap.
     pub layer: u8,
-    /// Its colour.
+    /// The colour.
     pub colour: Colour,
 }
 
 impl Part {
-    /// The key it is.
+    /// Returns the key that the part is.
     pub const fn key(&self) -> Option<Key> {
         match self.what {
             What::Key(key) => Some(key),
@@ -220,7 +219,7 @@ impl Part {
         }
     }
 
-    /// Where the lamp of a key stands, for keys that have one.
+    /// Returns the rectangle of the lamp in a key, if it has one.
     pub fn lamp(&self) -> Option<Rect> {
         let key = self.key()?;
         key.row().lamp?;
@@ -229,8 +228,7 @@ impl Part {
         Some(Rect::new(x, self.rect.y + 4.0, width, 5.0))
     }
 
-    /// The legend of a key: its lines with the rectangle that each is centred in
-    /// and as high as.
+    /// Returns the lines of a key's legend. Each is centred in its rectangle and as high as it.
     pub fn legend(&self) -> Vec<(&'static str, Rect)> {
         let Some(key) = self.key() else {
             return Vec::new();
@@ -261,21 +259,21 @@ impl Part {
     }
 }
 
-/// Every part, in drawing order.
+/// Returns all parts in drawing order.
 pub fn parts() -> &'static [Part] {
     static PARTS: LazyLock<Vec<Part>> = LazyLock::new(layout::parts);
     &PARTS
 }
 
-/// A piece of the panel with a housing of its own.
+/// A section of the panel with a housing around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Area {
-    /// What it holds of the panel, panel units.
+    /// The rectangle of the section, panel units.
     pub rect: Rect,
 }
 
 impl Area {
-    /// The panel as it is built.
+    /// The whole panel.
     pub const WHOLE: Self = Self {
         rect: Rect::new(0.0, 0.0, SIZE.0, SIZE.1),
     };
@@ -284,12 +282,12 @@ impl Area {
     /// panel.
     pub const APART: [Self; 6] = layout::APART;
 
-    /// Whether a part stands in it.
+    /// Returns whether the area contains a part.
     pub fn holds(&self, part: &Part) -> bool {
         part.what == What::Housing || self.rect.encloses(&part.rect)
     }
 
-    /// What stands in it, in drawing order; its housing is as large as it is.
+    /// Returns the parts in the area in drawing order. The housing is as large as the area.
     pub fn parts(self) -> impl Iterator<Item = Part> {
         let held = parts().iter().filter(move |part| self.holds(part));
         held.map(move |part| Part {
@@ -302,17 +300,17 @@ impl Area {
     }
 }
 
-/// The part of a key.
+/// Returns the part of a key.
 pub fn part_of(key: Key) -> Option<&'static Part> {
     parts().iter().find(|part| part.key() == Some(key))
 }
 
-/// The LCD's rectangle.
+/// Returns the rectangle of the LCD.
 pub const fn lcd() -> Rect {
     layout::LCD
 }
 
-/// The topmost part at a place, panel units.
+/// Returns the topmost part at a point, panel units.
 pub fn part_at(x: f32, y: f32) -> Option<&'static Part> {
     let hit = |part: &&Part| match part.outline {
         Outline::Rounded(_) => part.rect.contains(x, y),

@@ -1,6 +1,6 @@
-//! The outline fonts of key legends and window: Noto Sans, with the characters that the
-//! program's own texts use. `tools/font.py` writes them. The LCD has its dots
-//! ([`crate::glyphs`]), and so has whatever else a user writes.
+//! Loads the outline fonts of key legends and the window: Noto Sans with the characters of the
+//! program's own texts. `tools/font.py` writes them. The LCD, and other texts of a user, have
+//! dots ([`crate::glyphs`]).
 
 use std::sync::LazyLock;
 
@@ -10,12 +10,12 @@ use skrifa::{FontRef, GlyphId, MetadataProvider};
 
 /// Letters, digits and signs.
 pub static LATIN: &[u8] = include_bytes!("../../assets/fonts/latin.ttf");
-/// The same and more signs, all of one width.
+/// Letters, digits and more signs, all of one width.
 pub static MONO: &[u8] = include_bytes!("../../assets/fonts/mono.ttf");
 /// Chinese characters and their punctuation.
 pub static CHINESE: &[u8] = include_bytes!("../../assets/fonts/chinese.otf");
 
-/// Where a character is looked for, in this order.
+/// The fonts in the order of their search.
 fn faces() -> &'static [FontRef<'static>] {
     static FACES: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
         let files = [LATIN, MONO, CHINESE].into_iter();
@@ -30,12 +30,13 @@ fn find(character: char) -> Option<(&'static FontRef<'static>, GlyphId)> {
     faces.find_map(|face| Some((face, face.charmap().map(character)?)))
 }
 
-/// Whether a character is in one of the fonts.
+/// Returns whether one of the fonts has a character.
 pub fn has(character: char) -> bool {
     find(character).is_some()
 }
 
-/// How wide a character is when an em is `size` high, in the same unit; 0 if no font has it.
+/// Returns the width of a character whose em is `size` high, in the same unit. 0 if no font has
+/// it.
 pub fn advance(character: char, size: f32) -> f32 {
     let metrics = |(face, glyph): (&FontRef<'_>, GlyphId)| {
         let metrics = face.glyph_metrics(Size::new(size), LocationRef::default());
@@ -44,8 +45,8 @@ pub fn advance(character: char, size: f32) -> f32 {
     find(character).and_then(metrics).unwrap_or_default()
 }
 
-/// Draws the outline of a character whose em is `size` high, from its origin on the base
-/// line, y upwards; nothing if no font has it.
+/// Draws the outline of a character whose em is `size` high, from its origin on the base line,
+/// y upwards. Draws nothing if no font has it.
 pub(crate) fn outline(character: char, size: f32, pen: &mut impl OutlinePen) {
     let Some((face, glyph)) = find(character) else {
         return;
@@ -66,11 +67,11 @@ mod tests {
     use super::*;
     use crate::keys::{KEYS, STRIP};
 
-    /// What the fonts leave to the dots of Unifont: examples of other scripts in tests, marks
-    /// of trees that nobody draws in the window.
+    /// Characters without an outline font: other scripts in tests, and marks that no window
+    /// draws.
     const DOTS: &str = "𝄞٣글한ァ⬅⬆∬⌀";
 
-    /// Every text that the window can show of itself.
+    /// All texts that the window can show.
     fn texts() -> String {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
         let mut texts = String::new();

@@ -1,28 +1,29 @@
-//! The LCD's character set: GNU Unifont, 8x16 dots for a half-width character
-//! and 16x16 for a full-width one, which is the classic Song face of such LCDs.
+//! Contains the LCD's character set: GNU Unifont with 8x16 dots for a half-width and 16x16 for
+//! a full-width character, the classic Song face of such LCDs.
 
 use unifont::Glyph;
 
-// `RUNS`, first and last character of each run without a gap, and `GLYPHS` of all runs.
+// `RUNS` contains the first and last character of each run without a gap. `GLYPHS` contains the
+// glyphs of all runs.
 include!(concat!(env!("OUT_DIR"), "/glyphs.rs"));
 
 /// Dot rows of a character.
 pub(crate) const GLYPH_HEIGHT: usize = 16;
 
-/// Shown for a character that has no glyph.
+/// Shown for a character without a glyph.
 const REPLACEMENT: char = '?';
 
-/// The dots of one character.
+/// The dots of a character.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dots {
-    /// One row of 16 dots each, the leftmost dot in bit 15; a half-width
-    /// character uses the upper byte only.
+    /// Rows of 16 dots, the leftmost dot in bit 15. A half-width character uses the upper byte
+    /// only.
     pub rows: [u16; GLYPH_HEIGHT],
     /// Columns of 8 dots: 1 or 2.
     pub columns: usize,
 }
 
-/// The glyph of a character, for those that the program has.
+/// Returns the glyph of a character, if the program has one.
 pub fn glyph(character: char) -> Option<&'static Glyph> {
     let character = u32::from(character);
     let mut before = 0;
@@ -35,7 +36,7 @@ pub fn glyph(character: char) -> Option<&'static Glyph> {
     None
 }
 
-/// The dots of a character; a question mark when there are none.
+/// Returns the dots of a character, or those of a question mark.
 pub fn dots(character: char) -> Dots {
     match glyph(character).or_else(|| glyph(REPLACEMENT)) {
         Some(Glyph::Halfwidth(rows)) => Dots {
@@ -53,7 +54,7 @@ pub fn dots(character: char) -> Dots {
     }
 }
 
-/// How many of the 40 columns a character takes: 1 or 2.
+/// Returns the number of LCD columns that a character takes: 1 or 2.
 pub fn columns(character: char) -> usize {
     if character.is_ascii() {
         return 1;
@@ -62,7 +63,7 @@ pub fn columns(character: char) -> usize {
     1 + usize::from(wide)
 }
 
-/// How many columns a text takes.
+/// Returns the number of LCD columns that a text takes.
 pub fn text_columns(text: &str) -> usize {
     text.chars().map(columns).sum()
 }

@@ -1,5 +1,5 @@
-//! The keys of the panel: one table from which parsing, painting, lamps,
-//! accessibility and the printed list derive (manual III-1.2, PLC-I 3.1.2).
+//! Defines the keys of the panel. Parsing, painting, lamps, accessibility and the printed list
+//! use this one table (manual III-1.2, PLC-I 3.1.2).
 
 mod table;
 
@@ -208,12 +208,12 @@ pub struct Bit {
 }
 
 impl Bit {
-    /// A bit.
+    /// Creates a bit address.
     pub const fn new(byte: u16, bit: u8) -> Self {
         Self { byte, bit }
     }
 
-    /// Whether the bit is set in a memory of bytes; outside it is not.
+    /// Returns whether the bit is set in a memory. Bits outside it are not.
     pub fn of(self, bytes: &[u8]) -> bool {
         bytes
             .get(usize::from(self.byte))
@@ -221,25 +221,25 @@ impl Bit {
     }
 }
 
-/// What a key does.
+/// The effect of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// Closes an X contact; everything else is the ladder's business.
+    /// Closes an X contact. The ladder does the rest.
     Machine(Bit),
-    /// Enters a character; a compound key has a second one that replaces the
-    /// first when the key is pressed again.
+    /// Enters a character. A compound key has a second one, which replaces the first when the
+    /// key is pressed again.
     Character(char, Option<char>),
-    /// A key of the edit keyboard that the display itself acts on.
+    /// A key of the edit keyboard that acts on the display.
     Edit,
     /// Selects a group of pages.
     Page,
-    /// Opens the emergency stop contact; latches.
+    /// Opens the emergency stop contact and latches.
     EmergencyStop,
     /// Bridges the limit switches.
     OvertravelRelease,
 }
 
-/// One row of the key table.
+/// A row of the key table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KeyRow {
     /// The key.
@@ -252,28 +252,28 @@ pub struct KeyRow {
     pub name_zh: &'static str,
     /// Accessible name, English.
     pub name_en: &'static str,
-    /// What it does.
+    /// Its effect.
     pub role: Role,
     /// The Y bit of the lamp in it.
     pub lamp: Option<Bit>,
-    /// The key of a PC keyboard that presses it: modifiers joined with `+`, keys
-    /// named as egui names them, characters by themselves.
+    /// The key of a PC keyboard that presses it: modifiers joined with `+`, keys with egui's
+    /// names, characters as they are.
     pub pc: &'static str,
 }
 
 impl Key {
-    /// Its row in the table.
+    /// Returns the key's row in the table.
     pub const fn row(self) -> &'static KeyRow {
-        // The table stands in the order of the enum; a test checks it.
+        // The table has the order of the enum. A test checks it.
         &KEYS[self as usize]
     }
 
-    /// Its name in operator scripts.
+    /// Returns the name in operator scripts.
     pub const fn id(self) -> &'static str {
         self.row().id
     }
 
-    /// The X contact of a machine key.
+    /// Returns the X contact of a machine key.
     pub const fn contact(self) -> Option<Bit> {
         match self.row().role {
             Role::Machine(bit) => Some(bit),
@@ -281,8 +281,7 @@ impl Key {
         }
     }
 
-    /// Whether it is one of the keys that repeat while held (cursor and page
-    /// keys, manual III-2.6.1).
+    /// Returns whether the key repeats while held: cursor and page keys (manual III-2.6.1).
     pub const fn repeats(self) -> bool {
         matches!(
             self,
@@ -290,8 +289,8 @@ impl Key {
         )
     }
 
-    /// The key of an id, in either case; a compound key also by what is printed
-    /// on it (`D/U`).
+    /// Returns the key with an id, ignoring case. A compound key also has the id printed on it
+    /// (`D/U`).
     pub fn from_id(id: &str) -> Option<Self> {
         let found = KEYS.iter().find(|row| {
             let printed = row.id.len() == 1 && row.legend.len() == 2;
@@ -301,13 +300,13 @@ impl Key {
         found.map(|row| row.key)
     }
 
-    /// The key that a PC key presses, by the name of [`KeyRow::pc`].
+    /// Returns the key that a PC key presses, by the name of [`KeyRow::pc`].
     pub fn of_pc(name: &str) -> Option<Self> {
         KEYS.iter().find(|row| row.pc == name).map(|row| row.key)
     }
 }
 
-/// The ids that resemble a word, the nearest first; for error messages.
+/// Returns the ids that resemble a word, the nearest first, for error messages.
 pub(crate) fn near_ids(word: &str) -> Vec<&'static str> {
     let word = word.to_ascii_uppercase();
     let mut near: Vec<(usize, &'static str)> = KEYS
@@ -327,7 +326,7 @@ pub(crate) fn near_ids(word: &str) -> Vec<&'static str> {
     near.into_iter().map(|(_, id)| id).take(5).collect()
 }
 
-/// Number of insertions, deletions and replacements between two words.
+/// Returns the number of insertions, deletions and replacements between two words.
 pub(crate) fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();
@@ -348,7 +347,7 @@ pub(crate) fn distance(a: &str, b: &str) -> usize {
 pub struct StripLamp {
     /// Its name in operator scripts.
     pub id: &'static str,
-    /// What is printed beside it.
+    /// The label printed beside it.
     pub label: &'static str,
     /// Accessible name, Chinese.
     pub name_zh: &'static str,
@@ -356,7 +355,7 @@ pub struct StripLamp {
     pub name_en: &'static str,
     /// The Y bit that lights it.
     pub lamp: Bit,
-    /// Whether it is fitted: the machine has no Y axis.
+    /// Whether it is fitted. The machine has no Y axis.
     pub fitted: bool,
 }
 
@@ -417,7 +416,7 @@ pub const STRIP: [StripLamp; 9] = [
     strip("S-DRN", "空运行", "空运行", "Dry run", Bit::new(9, 1)),
 ];
 
-/// The Y bit of a lamp by the id of its key or of the strip.
+/// Returns the Y bit of a lamp by the id of its key or of the strip.
 pub(crate) fn lamp_of(id: &str) -> Option<Bit> {
     if let Some(key) = Key::from_id(id) {
         return key.row().lamp;

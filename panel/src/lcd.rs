@@ -1,4 +1,4 @@
-//! The size of the LCD, in cells and in dots.
+//! Defines the size of the LCD in cells and dots.
 
 /// Columns of cells.
 pub const COLUMNS: usize = 40;

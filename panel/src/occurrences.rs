@@ -1,22 +1,22 @@
-//! When alarms were raised, and at which block: a record beside a control that keeps none
-//! itself. Its alarm page shows what stands, and forgets it with RESET.
+//! Records alarms with their time and block. The control keeps no record: its alarm page shows
+//! active alarms and RESET clears it.
 
 use std::collections::VecDeque;
 
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Cnc;
 
-/// So many are kept; the oldest goes first.
+/// Greatest number of records. The oldest is removed first.
 pub const KEPT: usize = 100;
 
 /// An alarm that was raised.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Occurrence {
-    /// The alarm with its program, line and rule, as it was raised.
+    /// The alarm with its program, line and rule.
     pub alarm: Alarm,
-    /// The block that raised it, as it stood then; empty where no block did.
+    /// The text of the block that raised it at that moment, or empty if no block did.
     pub block: String,
-    /// Machine time since the power came on, ms.
+    /// Machine time since power-on, ms.
     pub at_ms: u64,
     /// The control's date, YYYYMMDD.
     pub date: u32,
@@ -24,22 +24,22 @@ pub struct Occurrence {
     pub time: u32,
 }
 
-/// What was raised since the control was opened, the newest first.
+/// The alarms since the control was opened, the newest first.
 #[derive(Clone, Debug, Default)]
 pub struct Occurrences {
     kept: VecDeque<Occurrence>,
-    /// Numbers that stood at the last look.
+    /// Numbers that were active at the last update.
     standing: Vec<u16>,
 }
 
 impl Occurrences {
-    /// The newest first.
+    /// Returns the records, the newest first.
     pub fn newest_first(&self) -> impl Iterator<Item = &Occurrence> {
         self.kept.iter()
     }
 
-    /// Looks at the control, once a tick. Returns whether an alarm or a message of the
-    /// ladder has been raised since the last look.
+    /// Records new alarms and ladder messages. Call it every tick. Returns whether there is a
+    /// new one.
     pub fn look(&mut self, cnc: &Cnc) -> bool {
         let message = cnc.standing_message();
         let standing = || cnc.alarms().iter().chain(&message);
@@ -52,7 +52,7 @@ impl Occurrences {
         let new: Vec<&Alarm> = standing()
             .filter(|alarm| !self.standing.contains(&alarm.number))
             .collect();
-        // The newest stands first.
+        // The newest is at the front.
         for alarm in new.iter().rev() {
             self.kept.push_front(occurrence(alarm, cnc));
         }

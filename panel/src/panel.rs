@@ -1,5 +1,5 @@
-//! The operator panel: which keys are held, which page is shown, what is typed
-//! (manual III-1.2). It owns no machine state: it reads the control and asks it.
+//! Handles the keys and the display of the operator panel: held keys, selected page, typed text
+//! (manual III-1.2). It stores no machine state. It reads the control and sends requests to it.
 
 mod entry;
 mod graphic;
@@ -27,71 +27,71 @@ use crate::keys::{KEYS, Key, Role};
 use crate::pages::{self, GraphicSettings, POWER_ON_TICKS, PageId, PageKey, View};
 use crate::screen::Screen;
 
-/// Characters that the input line takes.
+/// Greatest number of characters in the input line.
 pub(crate) const INPUT_LENGTH: usize = 20;
 
-/// A held cursor or page key repeats after so many ticks…
+/// Time until a held cursor or page key repeats, ticks.
 pub(crate) const REPEAT_DELAY: u64 = 500;
-/// …and then every so many.
+/// Interval between repetitions, ticks.
 pub(crate) const REPEAT_PERIOD: u64 = 100;
 
-/// What fingers do to the panel.
+/// An operator's action on the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum KeyEvent {
-    /// A key goes down; the emergency stop changes over.
+    /// Presses a key. The emergency stop toggles.
     Down(Key),
-    /// A key comes up.
+    /// Releases a key.
     Up(Key),
-    /// Every held key comes up: the window lost the focus.
+    /// Releases all held keys, because the window lost the focus.
     ReleaseAll,
-    /// A character typed on the PC keyboard, as if it had a key of its own.
+    /// Types a character on the PC keyboard, as if it had its own key.
     Type(char),
-    /// The handwheel turns by so many graduations, clockwise positive.
+    /// Turns the handwheel by a number of graduations, clockwise positive.
     Wheel(i32),
 }
 
-/// What the panel keeps over power-off.
+/// The settings of the panel that survive power-off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PanelRetained {
     /// Brightness of the LCD.
     pub brightness: u8,
-    /// Settings of the graphic.
+    /// Settings of the graphic page.
     pub graphic: GraphicSettings,
 }
 
-/// The panel's state.
+/// The state of the panel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Panel {
     page: PageId,
     view: View,
-    /// The page last shown of each group that remembers it.
+    /// The last page of each group that remembers it.
     last_shown: [PageId; 4],
-    /// Keys that are down and were accepted, in the order of pressing.
+    /// Keys that are down and accepted, in the order of pressing.
     held: Vec<Key>,
     emergency_stop: bool,
     repeat: Option<Repeat>,
     /// The compound key that entered the last character of the input line.
     compound: Option<Key>,
     powered: bool,
-    /// Ticks since the emulator was started; goes on while the power is off.
+    /// Ticks since the emulator was started, including power-off.
     clock: u64,
-    /// The self-test picture stands until this tick.
+    /// Tick until which the self-test picture is shown.
     picture_until: Option<u64>,
-    /// 173.2 SWAT: the picture waits for a page key.
+    /// Whether the picture stays until a page key is pressed (173.2 SWAT).
     picture_waits: bool,
     mode: Option<Mode>,
-    /// Numbers of the alarms that stand.
+    /// Numbers of the active alarms.
     alarms: Vec<u16>,
-    /// Numbers of the ladder's messages that stand.
+    /// Numbers of the active ladder messages.
     messages: Vec<u16>,
-    /// The program whose text the editor has changed and not yet stored.
+    /// The program whose text the editor has changed but not stored.
     edited: Option<u16>,
-    /// A program that has just been asked for.
+    /// A program that has just been requested.
     created: Option<u16>,
-    /// Selected program and line of the control, as the editor last saw them.
+    /// Selected program and line of the control at the last tick.
     followed: Option<(Option<ProgramId>, u32)>,
     traced: Option<(Frame, Point)>,
-    /// Stops of a pulse board, as the path last saw them.
+    /// Number of pulse board stops at the last tick.
     stops: u64,
     wheel: i32,
     transfer: Transfer,
@@ -111,7 +111,7 @@ impl Default for Panel {
 }
 
 impl Panel {
-    /// A panel whose control is being switched on.
+    /// Creates a panel at power-on.
     pub fn new() -> Self {
         Self {
             page: PageId::PosRel,
@@ -138,8 +138,8 @@ impl Panel {
         }
     }
 
-    /// Switches the panel on: brightness and graphic settings are kept, buttons
-    /// stay as they stand, the self-test picture appears.
+    /// Switches the panel on with the self-test picture. Brightness, graphic settings and
+    /// latched buttons are kept.
     pub fn power_on(&mut self, cnc: &Cnc) {
         let mut new = Self::new();
         new.restore(&self.retained());
@@ -152,7 +152,7 @@ impl Panel {
         *self = new;
     }
 
-    /// What the panel keeps over power-off.
+    /// Returns the settings that survive power-off.
     pub const fn retained(&self) -> PanelRetained {
         PanelRetained {
             brightness: self.view.brightness,
@@ -160,84 +160,84 @@ impl Panel {
         }
     }
 
-    /// Puts back what was kept.
+    /// Restores the settings that survive power-off.
     pub fn restore(&mut self, retained: &PanelRetained) {
         self.view.brightness = retained.brightness.min(pages::BRIGHTNESS_STEPS - 1);
         self.view.graphic = retained.graphic;
         self.view.graphic.drawing = false;
     }
 
-    /// Text that is being edited, to be stored now: the window closes.
+    /// Returns the requests that store the text in the editor, when the window closes.
     pub(crate) fn unstored(&mut self) -> Vec<Request> {
         let mut requests = Vec::new();
         self.store_edited(&mut requests);
         requests
     }
 
-    /// Switches the panel off: the LCD is dark and every key is let go.
+    /// Switches the panel off. The LCD is dark and all keys are released.
     pub(crate) fn power_off(&mut self) {
         self.powered = false;
         self.held.clear();
         self.repeat = None;
     }
 
-    /// Whether the power is on.
+    /// Returns whether the power is on.
     pub const fn powered(&self) -> bool {
         self.powered
     }
 
-    /// Ticks since the emulator was started.
+    /// Returns the ticks since the emulator was started.
     pub const fn clock(&self) -> u64 {
         self.clock
     }
 
-    /// The page that is selected.
+    /// Returns the selected page.
     pub const fn page(&self) -> PageId {
         self.page
     }
 
-    /// What drawing needs of the panel.
+    /// Returns the state that pages draw.
     pub const fn view(&self) -> &View {
         &self.view
     }
 
-    /// Keys that are down and accepted.
+    /// Returns the keys that are down and accepted.
     pub fn held(&self) -> &[Key] {
         &self.held
     }
 
-    /// Whether a key is down and accepted.
+    /// Returns whether a key is down and accepted.
     pub fn is_held(&self, key: Key) -> bool {
         self.held.contains(&key)
     }
 
-    /// Whether the emergency stop button is latched.
+    /// Returns whether the emergency stop button is latched.
     pub const fn emergency_stop(&self) -> bool {
         self.emergency_stop
     }
 
-    /// Position of the handwheel, graduations.
+    /// Returns the position of the handwheel, graduations.
     pub const fn wheel(&self) -> i32 {
         self.wheel
     }
 
-    /// Whether the self-test picture is shown.
+    /// Returns whether the self-test picture is shown.
     pub(crate) const fn in_self_test(&self) -> bool {
         self.picture_until.is_some()
     }
 
-    /// Shows a page at once, without keys: for pictures of single pages.
+    /// Shows a page immediately without keys, for pictures of single pages.
     pub fn show(&mut self, page: PageId) {
         self.picture_until = None;
         self.go_to(page);
     }
 
-    /// What the LCD shows; nothing while the power is off.
+    /// Returns what the LCD shows. Empty while the power is off.
     pub fn screen(&self, cnc: &Cnc) -> Screen {
         self.screen_in(pages::language(cnc), cnc)
     }
 
-    /// The same in the language that the LCD does not speak: for who cannot read it.
+    /// Returns the LCD in the language that it is not set to.
     pub fn translated(&self, cnc: &Cnc) -> Screen {
         self.screen_in(pages::language(cnc).other(), cnc)
     }
@@ -252,7 +252,7 @@ impl Panel {
         pages::draw_in(language, self.page, &self.view, cnc)
     }
 
-    /// The keys that look pressed: those held, and the latched emergency stop.
+    /// Returns the keys drawn as pressed: the held ones and the latched emergency stop.
     pub fn pressed(&self) -> Vec<Key> {
         let mut pressed = self.held.clone();
         if self.emergency_stop {
@@ -261,8 +261,8 @@ impl Panel {
         pressed
     }
 
-    /// A key event: what is to be asked of the control. Contacts of machine keys
-    /// follow from [`Self::is_held`].
+    /// Handles a key event. Returns the requests to the control. [`Self::is_held`] gives the
+    /// contacts of machine keys.
     pub fn key(&mut self, event: KeyEvent, cnc: &Cnc) -> Vec<Request> {
         let mut requests = Vec::new();
         match event {
@@ -324,7 +324,7 @@ impl Panel {
         }
     }
 
-    /// What a key does on the display.
+    /// Acts on the display for a key.
     fn act(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
         self.read_transfer_error();
         let compound = self.compound.take();
@@ -396,7 +396,7 @@ impl Panel {
         };
     }
 
-    /// One millisecond, after the control's.
+    /// Runs one millisecond, after the control.
     pub fn tick(&mut self, cnc: &Cnc) -> Vec<Request> {
         self.clock += 1;
         if !self.powered {
@@ -410,7 +410,7 @@ impl Panel {
         let mut requests = Vec::new();
         self.follow_mode(cnc, &mut requests);
         if self.picture_until.is_none() {
-            // What comes and goes during the self-test leaves no empty alarm page.
+            // A message during the self-test leaves no empty alarm page.
             self.follow_alarms(cnc);
         }
         self.trace(cnc);
@@ -431,8 +431,8 @@ impl Panel {
         });
     }
 
-    /// A change of mode drops what was typed and stores what was edited; EDIT has
-    /// no MDI page and no directory.
+    /// A change of mode clears the input line and stores the text in the editor. EDIT has no
+    /// MDI page and no directory.
     fn follow_mode(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
         let mode = cnc.mode();
         if self.mode.replace(mode).is_none_or(|before| before == mode) {
@@ -447,7 +447,7 @@ impl Panel {
         }
     }
 
-    /// The display switches to the page of a new alarm or message.
+    /// Switches the display to the page of a new alarm or message.
     fn follow_alarms(&mut self, cnc: &Cnc) {
         let standing = cnc.alarms();
         let known = |number| self.alarms.contains(number);
@@ -476,7 +476,7 @@ impl Panel {
     }
 }
 
-/// The group of a page key.
+/// The page group of a page key.
 const fn group(key: Key) -> Option<PageKey> {
     Some(match key {
         Key::Position => PageKey::Pos,
@@ -490,7 +490,7 @@ const fn group(key: Key) -> Option<PageKey> {
     })
 }
 
-/// Every machine key with the state of its contact.
+/// Returns each machine key's contact with its state.
 pub(crate) fn contacts(panel: &Panel) -> impl Iterator<Item = (crate::keys::Bit, bool)> {
     KEYS.iter().filter_map(|row| {
         let contact = row.key.contact()?;

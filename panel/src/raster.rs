@@ -1,4 +1,4 @@
-//! From a [`Screen`] to dots and colours.
+//! Converts a [`Screen`] to dots and colours.
 
 use tiny_skia::{FilterQuality, Pixmap, PixmapMut, PixmapPaint, Transform};
 
@@ -6,10 +6,10 @@ use crate::bitmap::Bitmap;
 use crate::glyphs::{self, GLYPH_HEIGHT};
 use crate::screen::{BigText, COLUMNS, Cell, HEIGHT, Look, ROWS, Screen, WIDTH};
 
-/// Bytes of a plain 320x240 RGBA picture.
+/// Bytes of a 320x240 RGBA picture.
 pub(crate) const RGBA_BYTES: usize = WIDTH * HEIGHT * 4;
 
-/// Highest scale of [`render`].
+/// Greatest scale of [`render`].
 pub(crate) const MOST_SCALE: u32 = 16;
 
 /// A colour: red, green, blue.
@@ -27,10 +27,10 @@ pub struct Palette {
     pub text: Colour,
 }
 
-/// The colours at a brightness of 0 (darkest, still readable) to 15.
+/// Returns the colours for a brightness of 0 (darkest, still readable) to 15.
 pub fn palette(brightness: u8) -> Palette {
     let level = u32::from(brightness.min(15));
-    // The backlight dims the blue more than the eye sees the text fade.
+    // Dim the blue background more than the text.
     let background = 40 + 4 * level;
     let text = 70 + 2 * level;
     let dim = |colour: Colour, percent: u32| {
@@ -42,7 +42,7 @@ pub fn palette(brightness: u8) -> Palette {
     }
 }
 
-/// The dots of a screen, text and graphic together.
+/// Returns the dots of a screen, text and graphic combined.
 pub fn bitmap(screen: &Screen) -> Bitmap {
     let mut dots = screen.graphic().cloned().unwrap_or_default();
     for row in 0..ROWS {
@@ -99,23 +99,23 @@ fn draw_big(dots: &mut Bitmap, text: &BigText) {
     }
 }
 
-/// Every bit twice.
+/// Repeats every bit.
 fn double(bits: u16) -> u32 {
     (0..16)
         .filter(|bit| bits & (1 << bit) != 0)
         .fold(0, |wide, bit| wide | 0b11 << (2 * bit))
 }
 
-/// The plain 320x240 picture, RGBA, one byte each, top row first.
+/// Returns the 320x240 picture as RGBA bytes, top row first.
 pub fn rgba(screen: &Screen, brightness: u8) -> Vec<u8> {
     let mut pixels = vec![0; RGBA_BYTES];
     paint_rgba(&bitmap(screen), palette(brightness), 1, &mut pixels);
     pixels
 }
 
-/// The picture at a whole-number scale (1 to 16), crisp.
+/// Returns the picture at an integer scale, 1 to 16.
 ///
-/// Returns `None` only when there is no memory for it.
+/// `None` if it does not fit into memory.
 pub fn render(screen: &Screen, scale: u32, brightness: u8) -> Option<Pixmap> {
     let scale = scale.clamp(1, MOST_SCALE);
     let mut pixmap = Pixmap::new(WIDTH as u32 * scale, HEIGHT as u32 * scale)?;
@@ -128,8 +128,7 @@ pub fn render(screen: &Screen, scale: u32, brightness: u8) -> Option<Pixmap> {
     Some(pixmap)
 }
 
-/// Paints the picture into another one, as a part of the faceplate, with any
-/// placing and scale.
+/// Paints the picture into another one with any position and scale, as a part of the faceplate.
 pub fn paint(screen: &Screen, brightness: u8, target: &mut PixmapMut, transform: Transform) {
     let Some(picture) = render(screen, 1, brightness) else {
         return;

@@ -1,9 +1,8 @@
-//! Why a key that was pressed does nothing (words for the line beside the panel; the
-//! LCD stays as the manual has it).
+//! Explains why a pressed key has no effect, for the line beside the panel. The LCD shows only
+//! what the manual describes.
 //!
-//! Keys of page and text are judged when they go down, by page and mode. Machine keys
-//! act through the ladder alone: they are judged a moment later, by what the ladder has
-//! made of them.
+//! Page and text keys are checked when they are pressed, by page and mode. Machine keys act
+//! through the ladder. They are checked a little later, by the ladder's reaction.
 
 use gsk_core::cnc::Cnc;
 use gsk_core::operation::{Mode, RunState};
@@ -13,11 +12,11 @@ use gsk_messages::{Message, say};
 
 use crate::keys::Key;
 
-/// How long after it went down a machine key is judged, ticks: by then contacts are
-/// accepted and the whole ladder has run with them.
+/// Delay after which a pressed machine key is checked, ticks. By then the contact is debounced
+/// and the whole ladder has run with it.
 pub const JUDGED_AFTER: u64 = 48;
 
-/// 175.0 XVAL, 175.1 ZVAL and the like are the ladder's; these are its answers.
+/// Signals by which the ladder answers machine keys.
 const START: BitAddress = BitAddress::new(Area::G, 7, 2);
 const NEXT_TOOL: BitAddress = BitAddress::new(Area::G, 44, 7);
 const TOOL_STROBE: BitAddress = BitAddress::new(Area::F, 7, 3);
@@ -26,7 +25,7 @@ const REVERSE: BitAddress = BitAddress::new(Area::G, 74, 5);
 const WHEEL_X: BitAddress = BitAddress::new(Area::G, 18, 0);
 const WHEEL_Z: BitAddress = BitAddress::new(Area::G, 18, 1);
 
-/// What a machine key may change by its press alone.
+/// The state that the press of a machine key can change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Before {
     run: RunState,
@@ -47,7 +46,7 @@ impl Before {
     }
 }
 
-/// A machine key that went down, with the state of the control at that moment.
+/// A pressed machine key with the state of the control at that moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Press {
     key: Key,
@@ -55,7 +54,7 @@ pub struct Press {
 }
 
 impl Press {
-    /// The key goes down now; none: it is no machine key.
+    /// Records that a key is pressed. `None` if it is not a machine key.
     pub fn new(key: Key, cnc: &Cnc) -> Option<Self> {
         key.contact().map(|_| Self {
             key,
@@ -63,15 +62,14 @@ impl Press {
         })
     }
 
-    /// Why the key, pressed [`JUDGED_AFTER`] ticks ago and still down, does nothing;
-    /// none: it acts, or the ladder has not seen it yet.
+    /// Returns why the key has no effect, if it was pressed [`JUDGED_AFTER`] ticks ago and is
+    /// still down. `None` if it acts or the ladder has not read it yet.
     pub fn refused(&self, cnc: &Cnc) -> Option<Message> {
         of_machine_key(self.key, cnc).or_else(|| of_no_change(self.key, self.before, cnc))
     }
 }
 
-/// The greatest and the least override of feed, rapid (F0) and spindle, %
-/// (G12, G14, G30).
+/// The least and greatest override of feed, rapid (F0) and spindle, % (G12, G14, G30).
 const ENDS: [(u8, u8); 3] = [(0, 150), (0, 100), (50, 120)];
 
 /// Keys whose press must change something.
@@ -105,7 +103,7 @@ fn of_feed_hold(before: RunState) -> Option<Message> {
     }
 }
 
-/// Why a machine key that is down does nothing, by what it may do at all.
+/// Why a machine key that is down has no effect in the current state.
 fn of_machine_key(key: Key, cnc: &Cnc) -> Option<Message> {
     let contact = key.contact()?;
     let memory = cnc.plc().memory();
@@ -142,7 +140,7 @@ fn of_machine_key(key: Key, cnc: &Cnc) -> Option<Message> {
     Some(why)
 }
 
-/// The modes in which the ladder takes keys of spindle, tool post and lubrication.
+/// Whether the mode allows keys of spindle, tool post and lubrication.
 const fn is_manual(cnc: &Cnc) -> bool {
     cnc.mode().is_manual()
 }
@@ -152,7 +150,7 @@ fn of_start(cnc: &Cnc, passed: bool) -> Option<Message> {
         .or_else(|| (!passed).then(say::key_ladder_holds_cycle_start))
 }
 
-/// A message of the ladder tells by itself.
+/// A message of the ladder explains it already.
 fn of_spindle(cnc: &Cnc) -> Option<Message> {
     if !is_manual(cnc) {
         return Some(say::key_acts_in_manual_modes());

@@ -1,6 +1,6 @@
-//! What the LCD shows: 40x15 cells of 8x16 dots, a few double-size texts and a
-//! 320x240 graphic layer. Flashing is resolved when a page is drawn: the dark
-//! half is missing from the picture, never from the text.
+//! Stores what the LCD shows: 40x15 cells of 8x16 dots, double-size texts and a 320x240 graphic
+//! layer. Drawing a page resolves flashing: in the dark phase a flashing text is not drawn, but
+//! stays in the text of the screen.
 
 use gsk_messages::{Language, Message};
 
@@ -12,7 +12,7 @@ pub use crate::lcd::{COLUMNS, HEIGHT, ROWS, WIDTH};
 /// The right half of a full-width character.
 const TAIL: char = '\0';
 
-/// How a cell is drawn.
+/// The style of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Look {
     /// Pale on blue.
@@ -22,18 +22,18 @@ pub enum Look {
     Inverse,
     /// Pale on blue with a bar below.
     Underline,
-    /// Read as text here, drawn elsewhere at double size.
+    /// In the text here, but drawn elsewhere at double size.
     Big,
-    /// Read as text, not drawn: in the dark half of its flashing.
+    /// In the text, but not drawn: the dark phase of flashing.
     Dark,
 }
 
 /// One of the 40x15 cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
-    /// The character; NUL in the right half of a full-width one.
+    /// The character, or NUL in the right half of a full-width one.
     pub character: char,
-    /// How it is drawn.
+    /// The style.
     pub look: Look,
 }
 
@@ -43,12 +43,12 @@ const BLANK: Cell = Cell {
     look: Look::Plain,
 };
 
-/// A text drawn with dots of double size.
+/// A text drawn at double size.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BigText {
-    /// Upper one of the two rows it covers.
+    /// Upper one of its two rows.
     pub row: usize,
-    /// Column of its left edge; a half-width character takes two.
+    /// Column of its left edge. A half-width character takes two columns.
     pub column: usize,
     /// The text.
     pub text: String,
@@ -70,7 +70,7 @@ impl Default for Screen {
 }
 
 impl Screen {
-    /// An empty screen.
+    /// Creates an empty screen.
     pub const fn new() -> Self {
         Self {
             cells: [[BLANK; COLUMNS]; ROWS],
@@ -80,39 +80,38 @@ impl Screen {
         }
     }
 
-    /// An empty screen for texts in a language (184.0 CH_EN = 1: English).
+    /// Creates an empty screen for texts in a language (184.0 CH_EN = 1: English).
     pub(crate) const fn in_language(language: Language) -> Self {
         let mut screen = Self::new();
         screen.language = language;
         screen
     }
 
-    /// The language of its texts.
+    /// Returns the language of its texts.
     pub const fn language(&self) -> Language {
         self.language
     }
 
-    /// Writes a message in the language of the screen. Returns the column behind the
-    /// Chinese text, in English too: every page has one layout.
+    /// Writes a message in the language of the screen. Returns the column after the Chinese
+    /// text, for English as well, because every page has one layout.
     pub fn say(&mut self, row: usize, column: usize, message: &Message) -> usize {
         self.put(row, column, &message.text(self.language));
         let width = glyphs::text_columns(&message.text(Language::Zh));
         (column + width).min(COLUMNS)
     }
 
-    /// Writes a flashing message: always there to be read, drawn only while `lit`.
+    /// Writes a flashing message. It is always in the text, but drawn only while `lit`.
     pub(crate) fn say_flashing(&mut self, row: usize, column: usize, message: &Message, lit: bool) {
         let look = if lit { Look::Plain } else { Look::Dark };
         self.put_as(row, column, &message.text(self.language), look);
     }
 
-    /// Writes a text from a column on; what does not fit in the row is cut.
-    /// Returns the column behind it.
+    /// Writes a text from a column on, cut at the end of the row. Returns the column after it.
     pub fn put(&mut self, row: usize, column: usize, text: &str) -> usize {
         self.put_as(row, column, text, Look::Plain)
     }
 
-    /// Writes a text with a given look.
+    /// Writes a text in a style. Returns the column after it.
     pub(crate) fn put_as(&mut self, row: usize, column: usize, text: &str, look: Look) -> usize {
         let mut column = column;
         for character in text.chars() {
@@ -139,14 +138,14 @@ impl Screen {
         column
     }
 
-    /// Writes a text that ends in front of a column.
+    /// Writes a text that ends before a column.
     pub(crate) fn put_right(&mut self, row: usize, end: usize, text: &str) {
         let width = glyphs::text_columns(text);
         self.put(row, end.saturating_sub(width), text);
     }
 
-    /// Writes a text that stands at `column` of the row's text and is drawn at
-    /// double size from the left edge of cell column `drawn_at`, two rows high.
+    /// Writes a text at `column` of the row's text and draws it at double size from cell column
+    /// `drawn_at`, two rows high.
     pub(crate) fn put_big(&mut self, row: usize, column: usize, drawn_at: usize, text: &str) {
         self.put_as(row, column, text, Look::Big);
         self.big.push(BigText {
@@ -156,7 +155,7 @@ impl Screen {
         });
     }
 
-    /// Changes how a stretch of a row is drawn.
+    /// Changes the style of a range of columns.
     pub(crate) fn set_look(&mut self, row: usize, columns: core::ops::Range<usize>, look: Look) {
         let Some(cells) = self.cells.get_mut(row) else {
             return;
@@ -179,7 +178,7 @@ impl Screen {
         cells[column] = BLANK;
     }
 
-    /// A cell; blank outside the screen.
+    /// Returns a cell, blank outside the screen.
     pub fn cell(&self, row: usize, column: usize) -> Cell {
         self.cells
             .get(row)
@@ -188,22 +187,22 @@ impl Screen {
             .unwrap_or(BLANK)
     }
 
-    /// The double-size texts.
+    /// Returns the double-size texts.
     pub(crate) fn big_texts(&self) -> &[BigText] {
         &self.big
     }
 
-    /// The graphic layer, if anything was drawn.
+    /// Returns the graphic layer, if anything was drawn.
     pub const fn graphic(&self) -> Option<&Bitmap> {
         self.graphic.as_ref()
     }
 
-    /// The graphic layer, to be drawn on.
+    /// Returns the graphic layer for drawing.
     pub(crate) fn graphic_mut(&mut self) -> &mut Bitmap {
         self.graphic.get_or_insert_default()
     }
 
-    /// The text of a row: 40 columns, a full-width character taking two.
+    /// Returns the text of a row: 40 columns, of which a full-width character takes two.
     pub fn row(&self, row: usize) -> String {
         let Some(cells) = self.cells.get(row) else {
             return String::new();
@@ -215,7 +214,7 @@ impl Screen {
             .collect()
     }
 
-    /// All rows: 15 lines of 40 columns.
+    /// Returns all rows: 15 lines of 40 columns.
     pub fn text(&self) -> String {
         let rows: Vec<String> = (0..ROWS).map(|row| self.row(row)).collect();
         rows.join("\n")

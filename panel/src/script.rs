@@ -1,7 +1,7 @@
-//! Operator scripts: one line an action, for tests and instructors.
+//! Defines operator scripts for tests and instructors. Each line is an action.
 //!
-//! [`Script::parse`] reads one, a [`Runner`] carries it out on an
-//! [`Emulator`](crate::emulator::Emulator) and hands what needs files to its caller.
+//! [`Script::parse`] reads a script. A [`Runner`] runs it on an
+//! [`Emulator`](crate::emulator::Emulator) and passes actions on files to its caller.
 
 mod expect;
 mod parse;
@@ -21,7 +21,7 @@ pub use state::{Column, Range, State};
 use crate::emulator::Condition;
 use crate::keys::Key;
 
-/// The actions with their forms: what help and error messages list.
+/// The actions with their forms, for help and error messages.
 pub const FORMS: [(&str, &str); 20] = [
     ("press", "press KEY"),
     ("hold", "hold KEY 2s"),
@@ -53,98 +53,99 @@ pub const FORMS: [(&str, &str); 20] = [
     ("shot", "shot FILE.png [--panel]"),
 ];
 
-/// A script that was read without errors.
+/// A valid script.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Script {
-    /// Its lines with actions.
+    /// The lines with actions.
     pub lines: Vec<Line>,
 }
 
-/// One action.
+/// A line of a script.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
     /// Line of the file, from 1.
     pub number: u32,
     /// The text of the line.
     pub text: String,
-    /// The tick at which it happens, counted from the start of the script.
+    /// The tick of the action, counted from the start of the script.
     pub at: Option<u64>,
-    /// What to do.
+    /// The action.
     pub action: Action,
 }
 
-/// What a line does.
+/// The action of a line.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
-    /// A key goes down, 100 ms, up, 100 ms; after `@tick` without the rest.
+    /// Presses a key for 100 ms, then waits 100 ms. After `@tick` without the wait.
     Press(Key),
-    /// A key is held for so many milliseconds.
+    /// Holds a key for a number of milliseconds.
     Hold(Key, u64),
-    /// A key goes down.
+    /// Presses a key.
     Down(Key),
-    /// A key comes up.
+    /// Releases a key.
     Up(Key),
-    /// Characters, 100 ms each.
+    /// Types characters, 100 ms each.
     Type(String),
-    /// A program file into the program memory.
+    /// Loads a program file into the program memory.
     Load(String),
-    /// A file through the serial port.
+    /// Receives a file through the serial port.
     Receive(String),
-    /// A partner that sends this file whenever a program is called for in DNC mode;
-    /// `None`: it leaves.
+    /// Connects a partner that sends this file whenever DNC mode requests a program. `None`
+    /// disconnects it.
     Dnc(Option<String>),
-    /// Power off (`false`) or on.
+    /// Switches the power off (`false`) or on.
     Power(bool),
-    /// Breaks or mends something of the lathe.
+    /// Sets or clears a fault of the lathe.
     Fault(Fault, bool),
-    /// Turns the handwheel by so many graduations in so many milliseconds; by
-    /// itself two turns a second. After `@tick` without a time: at once.
+    /// Turns the handwheel by a number of graduations in a number of milliseconds, by default
+    /// at two turns a second. After `@tick` the default is at once.
     Turn(i32, Option<u64>),
-    /// Lets time pass, milliseconds.
+    /// Waits, milliseconds.
     Wait(u64),
-    /// Waits for something, at least and at most so many milliseconds.
+    /// Waits for a condition with a least and a greatest time, milliseconds.
     WaitFor(Condition, u64, u64),
     /// Holds a machine input at a value.
     Set(BitAddress, bool),
-    /// Gives a machine input back to its sensor.
+    /// Releases a machine input to its sensor.
     Free(BitAddress),
-    /// Holds a bit of PLC memory against the ladder; `None` lets it go.
+    /// Forces a bit of PLC memory against the ladder. `None` releases it.
     Force(BitAddress, Option<bool>),
-    /// Compares.
+    /// Checks an expectation.
     Expect(Expect),
     /// Prints the LCD.
     Show,
-    /// Stores a picture of the LCD or of the whole panel.
+    /// Saves a picture of the LCD or of the whole panel.
     Shot {
-        /// Where to.
+        /// Path of the picture.
         path: String,
-        /// The whole panel.
+        /// Whether it shows the whole panel.
         panel: bool,
     },
 }
 
-/// Why a line cannot be read.
+/// The reason why a line is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct ScriptError {
     /// Line of the file, from 1.
     pub line: u32,
-    /// What is wrong and what would be right.
+    /// The error, with a correct form.
     pub cause: ParseError,
 }
 
 impl ScriptError {
-    /// What is said of it.
+    /// Returns the message with its line number.
     pub fn message(&self) -> Message {
         say::in_line(self.line, self.cause.message())
     }
 }
 
 impl Script {
-    /// Reads a script.
+    /// Parses a script.
     ///
     /// # Errors
-    /// Every line that cannot be read, in order.
+    ///
+    /// Returns an error for every invalid line, in order.
     pub fn parse(text: &str) -> Result<Self, Vec<ScriptError>> {
         parse::script(text)
     }

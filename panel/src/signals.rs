@@ -1,4 +1,4 @@
-//! The table of PLC signals, `assets/tables/plc-signals.tsv` (manual PLC-I, III and the
+//! Reads the table of PLC signals, `assets/tables/plc-signals.tsv` (manual PLC-I, III and the
 //! tables of chapter IV).
 
 use std::sync::LazyLock;
@@ -11,15 +11,15 @@ static SIGNALS: LazyLock<Vec<Signal>> =
 /// A signal between machine, PLC and control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Signal {
-    /// Its address: a bit, `X0.5`, or some bytes of one meaning.
+    /// Its address: a bit (`X0.5`) or a range of bytes.
     pub address: &'static str,
-    /// Its abbreviation; empty where it has none.
+    /// Its abbreviation, or empty.
     pub symbol: &'static str,
-    /// Who says it to whom: `machine>PLC`.
+    /// Its sender and receiver: `machine>PLC`.
     pub direction: &'static str,
-    /// What it means, in Chinese.
+    /// Its meaning in Chinese.
     pub text_zh: &'static str,
-    /// What it means, in English.
+    /// Its meaning in English.
     pub text_en: &'static str,
     /// The sections of the manual.
     pub manual: &'static str,
@@ -45,12 +45,12 @@ impl Signal {
     }
 }
 
-/// All of them, in the order of the table.
+/// Returns all signals in the order of the table.
 pub fn rows() -> &'static [Signal] {
     &SIGNALS
 }
 
-/// The signal of an address.
+/// Returns the signal with an address.
 pub fn find(address: &str) -> Option<&'static Signal> {
     SIGNALS.iter().find(|row| row.address == address)
 }

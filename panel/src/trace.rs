@@ -1,5 +1,5 @@
-//! The path of the tool, kept for the graphic page: pieces that are only ever
-//! appended, so that a copy for another thread shares almost everything.
+//! Stores the tool path of the graphic page. Segments are only appended, so that a copy for
+//! another thread shares most of them.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -8,72 +8,72 @@ use gsk_core::command::Frame;
 use gsk_core::units::Point;
 use serde::{Deserialize, Serialize};
 
-/// Pieces kept at most; beyond it the oldest thousand goes.
+/// Greatest number of segments. Beyond it the oldest thousand is removed.
 pub const MOST_PIECES: usize = 64 * CHUNK;
 
-/// Pieces of one shared chunk.
+/// Segments of a shared chunk.
 const CHUNK: usize = 1024;
 
-/// Pieces kept that a pulse board may not have made: more ticks than it is ever behind
-/// but in a pass that it cuts by itself.
+/// Greatest number of ticks that a pulse board may not have executed. It is more than the
+/// board's lookahead, except in a thread pass that the board cuts autonomously.
 const MOST_AHEAD: usize = 2048;
 
-/// Ticks for which it may turn out later that the board had stopped before them: it is
-/// heard of 250 ms later at the most.
+/// Ticks that are kept after the board has executed them, because a stop is reported up to 250
+/// ms later.
 const HEARD_LATER: u64 = 500;
 
-/// How far a straight piece may pass beside the points it stands for, mm.
+/// Greatest distance of a straight segment from the points it replaces, mm.
 const TOLERANCE: f64 = 0.001;
 
-/// One straight piece of the path, in work coordinates (X as a radius, mm).
+/// A straight segment of the path, work coordinates (X as a radius, mm).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Piece {
-    /// Where it begins.
+    /// Start.
     pub from: Point,
-    /// Where it ends.
+    /// End.
     pub to: Point,
-    /// Whether it was a rapid move.
+    /// Whether it is a rapid move.
     pub rapid: bool,
 }
 
 /// The path of the tool.
 ///
-/// The motion of one tick after another is joined to straight pieces as long as
-/// they stay within a thousandth of a millimetre of every point.
+/// It joins the motion of successive ticks into straight segments, within 0.001 mm of every
+/// point.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trace {
     full: Vec<Arc<Vec<Piece>>>,
     last: Vec<Piece>,
     open: Option<Open>,
-    /// What a pulse board may not have made yet, tick by tick.
+    /// Motion that a pulse board may not have executed yet, by tick.
     ahead: VecDeque<Ahead>,
-    /// The last tick whose motion it has made, as far as is known.
+    /// The last tick that the board is known to have executed.
     made: u64,
 }
 
-/// The motion of a tick that may yet be taken back.
+/// The motion of a tick that may still be cancelled.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ahead {
     /// The tick.
     pub tick: u64,
-    /// Its coordinates.
+    /// Its coordinate frame.
     pub frame: Frame,
-    /// Its way.
+    /// Its motion.
     pub piece: Piece,
 }
 
-/// The piece that still grows, and the directions it may yet take.
+/// The last segment, with the directions in which it can still grow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Open {
     piece: Piece,
     reach: f64,
-    /// Directions in which every point so far is within the tolerance: from the
-    /// first, turning left, to the second.
+    /// Directions within the tolerance of every point so far: from the first, turning left, to
+    /// the second.
     cone: Option<(Point, Point)>,
 }
 
 impl Trace {
-    /// An empty path.
+    /// Creates an empty path.
     pub fn new() -> Self {
         Self::default()
     }
@@ -90,7 +90,7 @@ impl Trace {
         self.open = Some(Open::new(from, to, rapid));
     }
 
-    /// Appends the motion of a tick that a pulse board has not made yet.
+    /// Appends the motion of a tick that a pulse board has not executed yet.
     pub(crate) fn push_ahead(&mut self, ahead: Ahead) {
         self.ahead.push_back(ahead);
         if self.ahead.len() > MOST_AHEAD {
@@ -98,7 +98,7 @@ impl Trace {
         }
     }
 
-    /// As far as is known the board has made all motion up to a tick.
+    /// Records that the board is known to have executed all motion up to a tick.
     pub fn settle(&mut self, made: u64) {
         self.made = made;
         let sure = made.saturating_sub(HEARD_LATER);
@@ -113,8 +113,8 @@ impl Trace {
         }
     }
 
-    /// The board stands here (machine coordinates) and makes nothing of the rest: the
-    /// path ends where it comes by about the time of the stop. False: there is no rest.
+    /// Ends the path where the board has stopped (machine coordinates), at the pass nearest to
+    /// the time of the stop. Drops the rest. Returns false if there was no pending motion.
     pub fn cut(&mut self, stands: Point) -> bool {
         let off = |ahead: &Ahead| ahead.piece.distance(ahead.frame.program(stands));
         let Some(nearest) = self.ahead.iter().map(off).min_by(f64::total_cmp) else {
@@ -137,7 +137,7 @@ impl Trace {
         true
     }
 
-    /// Stores a finished piece.
+    /// Stores a complete segment.
     fn close(&mut self, piece: Piece) {
         self.last.push(piece);
         if self.last.len() < CHUNK {
@@ -149,23 +149,23 @@ impl Trace {
         }
     }
 
-    /// Forgets the whole path.
+    /// Clears the path.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// Whether nothing was drawn.
+    /// Returns whether the path is empty.
     pub fn is_empty(&self) -> bool {
         self.open.is_none() && self.ahead.is_empty()
     }
 
-    /// How many pieces there are.
+    /// Returns the number of segments.
     pub fn len(&self) -> usize {
         let made = self.full.len() * CHUNK + self.last.len() + usize::from(self.open.is_some());
         made + self.ahead.len()
     }
 
-    /// All pieces in the order of execution.
+    /// Returns all segments in the order of execution.
     pub fn pieces(&self) -> impl Iterator<Item = &Piece> {
         let open = self.open.as_ref().map(|open| &open.piece);
         let full = self.full.iter().flat_map(|chunk| chunk.iter());
@@ -175,7 +175,7 @@ impl Trace {
 }
 
 impl Piece {
-    /// How far a point is beside it, mm.
+    /// The distance of a point from the segment, mm.
     fn distance(&self, point: Point) -> f64 {
         let (way, arm) = (self.to - self.from, point - self.from);
         let length = way.dot(way);
@@ -198,7 +198,7 @@ impl Open {
         open
     }
 
-    /// Takes one more motion in, if the piece stays straight.
+    /// Extends the segment by a motion, if it stays straight. Returns whether it did.
     fn extend(&mut self, from: Point, to: Point, rapid: bool) -> bool {
         if rapid != self.piece.rapid || from != self.piece.to {
             return false;
@@ -225,7 +225,7 @@ impl Open {
             return;
         }
         let side = Point::new(-arm.z, arm.x) * (TOLERANCE / length);
-        // (x, z) turned left as `cross` counts it.
+        // (x, z) turned left in the sense of `cross`.
         let (mut right, mut left) = (arm - side, arm + side);
         if let Some((old_right, old_left)) = self.cone {
             if right.cross(old_right) < 0.0 {
@@ -344,7 +344,7 @@ mod tests {
         let mut trace = there_and_back(20);
         assert_eq!(trace.len(), 40);
         trace.settle(4);
-        // Z-7.5 of the program, beside its path by a part of a pulse.
+        // Z-7.5 of the program, a fraction of a pulse beside its path.
         assert!(trace.cut(Point::new(2.0004, -2.5)));
         let end = trace.pieces().last().unwrap().to;
         assert!((end - Point::new(0.0004, -7.5)).length() < 1e-9, "{end:?}");
@@ -355,7 +355,7 @@ mod tests {
             "the turn at Z-20 is not made"
         );
         assert!(trace.len() <= 2);
-        // Nothing of it is left, and what follows is appended.
+        // Nothing is pending, and later motion is appended.
         trace.settle(u64::MAX);
         assert!(!trace.cut(Point::default()));
         assert_eq!(trace.pieces().last().unwrap().to, end);
@@ -364,7 +364,7 @@ mod tests {
     #[test]
     fn of_two_passes_that_about_the_time_of_the_stop_is_the_last() {
         let mut trace = there_and_back(20);
-        // It stopped at tick 32 and was heard of later.
+        // It stopped at tick 32, reported later.
         trace.settle(38);
         assert!(trace.cut(Point::new(2.0, -2.5)));
         let pieces: Vec<&Piece> = trace.pieces().collect();

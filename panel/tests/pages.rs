@@ -1,5 +1,5 @@
-//! Pages in states that the cases of every page (`tests/cases/pages/`) do not show,
-//! and pages that must survive anything.
+//! Draws pages in states that the cases of every page (`tests/cases/pages/`) do not show, and
+//! with extreme values.
 
 #![expect(clippy::unwrap_used, reason = "the helpers of a test may fail it")]
 
@@ -36,7 +36,7 @@ fn shown(page: PageId, view: &View, simulation: &Simulation) -> String {
     framed(&pages::draw(page, view, &simulation.cnc))
 }
 
-/// The picture's extents of the acceptance program.
+/// The graphic extents of the acceptance program.
 fn graphic_view() -> View {
     let mut view = View::default();
     view.graphic = GraphicSettings {

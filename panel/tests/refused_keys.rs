@@ -1,4 +1,4 @@
-//! A key that does nothing has a reason; one that acts has none.
+//! Checks that a key without effect has a reason, and one with an effect has none.
 
 #![allow(
     clippy::unwrap_used,
@@ -18,7 +18,7 @@ fn awake(setup: Setup) -> Emulator {
     emulator
 }
 
-/// Presses a key; why it does nothing.
+/// Presses a key and returns the reason if it has no effect.
 fn pressed(emulator: &mut Emulator, key: Key) -> Option<String> {
     let press = Press::new(key, &emulator.simulation.cnc);
     let at_once = emulator.key_down(key);

@@ -1,4 +1,4 @@
-//! What somebody at the serial port does with the files of the memory.
+//! Gives a serial port client access to the files in memory.
 
 use gsk_core::alarm::number;
 use gsk_core::cnc::{Received, Request};
@@ -9,14 +9,14 @@ use crate::pages::Communication;
 use crate::panel::{FileId, FileRefusal, SerialFile, file_of, read_data};
 
 impl Emulator {
-    /// What a port of the computer does from now on: the word on the LCD, and F213.
+    /// Sets the state of the serial port: the word on the LCD, and F213.
     pub fn show_line(&mut self, shown: Communication) {
         let mut requests = Vec::new();
         self.panel.show_line(shown, &mut requests);
         self.ask(requests);
     }
 
-    /// The files that somebody at the port may see, programs first.
+    /// Returns the files that a client at the port can see, programs first.
     pub fn files(&self) -> Vec<SerialFile> {
         let cnc = &self.simulation.cnc;
         let numbers = cnc.programs().iter().map(|(number, _)| number);
@@ -27,10 +27,11 @@ impl Emulator {
             .collect()
     }
 
-    /// Whether a file may come in; a level that is too low raises its alarm.
+    /// Checks whether a file can be received. An insufficient authority level raises its alarm.
     ///
     /// # Errors
-    /// What stands against it.
+    ///
+    /// Returns the reason for refusing the file.
     pub fn may_take(&mut self, id: FileId, overwrite: bool) -> Result<(), FileRefusal> {
         self.store_edited();
         let cnc = &mut self.simulation.cnc;
@@ -43,7 +44,7 @@ impl Emulator {
             };
         };
         if let Err(refusal) = cnc.rights().receive_program(number) {
-            // What it raises stands on the alarm page.
+            // Its alarm is shown on the alarm page.
             let _ = cnc.request(Request::AskToReceive(number));
             return Err(refusal.into());
         }
@@ -53,11 +54,12 @@ impl Emulator {
         }
     }
 
-    /// Takes a whole file, or nothing of it. A program gets the number of its name; one
-    /// that is there is replaced, or raises 073.
+    /// Receives a file completely or not at all. A program gets the number of its name. If that
+    /// exists, `overwrite` replaces it, otherwise alarm 073 is raised.
     ///
     /// # Errors
-    /// Why it is not taken.
+    ///
+    /// Returns the reason for refusing the file.
     pub fn take_file(
         &mut self,
         id: FileId,
@@ -88,10 +90,11 @@ impl Emulator {
         self.carry_out(received)
     }
 
-    /// A file for somebody who asks for it.
+    /// Returns a file that a client requests.
     ///
     /// # Errors
-    /// There is none, or what stands against it.
+    ///
+    /// Returns the reason for refusing it, or that the file is missing.
     pub fn hand_out(&mut self, id: FileId) -> Result<SerialFile, FileRefusal> {
         self.store_edited();
         let cnc = &self.simulation.cnc;
@@ -102,19 +105,21 @@ impl Emulator {
         file_of(id, cnc).ok_or(FileRefusal::Missing)
     }
 
-    /// Deletes a program for somebody at the port.
+    /// Deletes a program for a client at the port.
     ///
     /// # Errors
-    /// Why not.
+    ///
+    /// Returns the reason for refusing it.
     pub fn delete_file(&mut self, id: FileId) -> Result<(), FileRefusal> {
         let number = self.changeable(id)?;
         self.carry_out(Received::Deletion(number))
     }
 
-    /// Gives a program another number for somebody at the port.
+    /// Renumbers a program for a client at the port.
     ///
     /// # Errors
-    /// Why not.
+    ///
+    /// Returns the reason for refusing it.
     pub fn rename_file(&mut self, from: FileId, to: FileId) -> Result<(), FileRefusal> {
         let from = self.changeable(from)?;
         let FileId::Program(to) = to else {
@@ -238,7 +243,7 @@ mod tests {
             .expect("taken");
         let out = emulator.hand_out(two).expect("handed out");
         assert_eq!(out.text, text.replace("O0001", "O0002"));
-        // Unasked it replaces none, and 073 says so.
+        // Without `overwrite` it replaces no program, and raises 073.
         let again = emulator.take_file(two, file("O0002.CNC", "O0002;\n"), false);
         assert_eq!(again, Err(FileRefusal::Exists));
         assert_eq!(emulator.hand_out(two).expect("handed out").text, out.text);
@@ -277,7 +282,7 @@ mod tests {
             emulator.run_until(&Condition::Text("输出".to_owned()), 1000) == Outcome::Reached
         };
         assert!(sending(&mut emulator));
-        // The line is busy until it says otherwise.
+        // The line stays busy until it reports otherwise.
         emulator.run(60_000);
         assert!(sending(&mut emulator) && !emulator.panel.take_broken_off());
         emulator.press(Key::Reset);

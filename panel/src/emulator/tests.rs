@@ -2,7 +2,7 @@ use gsk_core::operation::Mode;
 
 use super::*;
 
-/// An emulator past its self-test picture.
+/// An emulator after its self-test picture.
 fn awake() -> Emulator {
     let mut emulator = Emulator::new(Setup::default());
     let outcome = emulator.run_until(&Condition::SelfTestOver, 10_000);

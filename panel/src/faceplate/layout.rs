@@ -1,4 +1,4 @@
-//! Where everything stands.
+//! Lays out the parts of the panel.
 
 use super::{Area, Colour, Outline, Part, Rect, SIZE, What};
 use crate::keys::{Key, STRIP};
@@ -17,8 +17,8 @@ const MACHINE_PLATE: Rect = Rect::new(14.0, 562.0, 592.0, 184.0);
 const RUN_PLATE: Rect = Rect::new(614.0, 562.0, 346.0, 184.0);
 const ADDITIONAL_PLATE: Rect = Rect::new(970.0, 562.0, 296.0, 184.0);
 
-/// The panel in pieces, with a rim of its own around each: LCD, name plate, edit keyboard,
-/// modes and directions, spindle and start, additional panel.
+/// The sections of the panel, each with a margin: LCD, name plate, edit keyboard, modes and
+/// directions, spindle and start, additional panel.
 pub(super) const APART: [Area; 6] = [
     Area {
         rect: Rect::new(6.0, 2.0, 684.0, 560.0),
@@ -165,8 +165,8 @@ fn name_plate(parts: &mut Vec<Part>) {
     }
 }
 
-/// The edit keyboard: RESET, page and cursor keys; addresses; numbers; the row
-/// of functions below.
+/// The edit keyboard: RESET, page and cursor keys; addresses; numbers; the row of functions
+/// below.
 fn edit_keyboard(parts: &mut Vec<Part>) {
     let (w, h) = (47.0, 60.0);
     let left = EDIT_PLATE.x + 14.0;
@@ -180,7 +180,7 @@ fn edit_keyboard(parts: &mut Vec<Part>) {
         Rect::new(left, top, both, h),
         Colour::Danger,
     );
-    // As large as letters: they are pressed as often.
+    // As large as letters, because they are pressed as often.
     let moves = [
         [Key::PageUp, Key::Up],
         [Key::PageDown, Key::Down],
@@ -242,7 +242,7 @@ fn page_keys(parts: &mut Vec<Part>) {
     grid(parts, &pages, first, Colour::Page);
 }
 
-/// Rows of keys of one size; the first rectangle is the first key's.
+/// Rows of keys of one size. The first rectangle is that of the first key.
 fn grid<const N: usize>(parts: &mut Vec<Part>, rows: &[[Key; N]], first: Rect, colour: Colour) {
     for (row, keys) in rows.iter().enumerate() {
         for (column, name) in keys.iter().enumerate() {
@@ -262,8 +262,8 @@ fn grid<const N: usize>(parts: &mut Vec<Part>, rows: &[[Key; N]], first: Rect, c
     }
 }
 
-/// The machine panel: modes, toggles and increments; directions; spindle and
-/// auxiliary functions; overrides, hold and start.
+/// The machine panel: modes, toggles and increments; directions; spindle and auxiliary
+/// functions; overrides, hold and start.
 fn machine_keys(parts: &mut Vec<Part>) {
     let (w, h) = (56.0, 50.0);
     let x = MACHINE_PLATE.x + 14.0;

@@ -1,5 +1,4 @@
-//! Paints the panel into a picture, whole or part by part: for the window,
-//! `screen --panel` and the documentation.
+//! Paints the panel, or a part of it, for the window, `screen --panel` and the documentation.
 
 mod additional;
 
@@ -16,39 +15,38 @@ use super::{Area, Colour, LINE_HEIGHT, Outline, Part, Rect, What};
 use crate::keys::{Bit, Key, Role, STRIP, StripLamp};
 use additional::GRADUATIONS;
 
-/// The languages of what stands on the panel: it is printed in both.
+/// The panel is printed in both languages.
 const BOTH: [Language; 2] = [Language::Zh, Language::En];
 
-/// The name of the control on its plate, panel units.
+/// Size of the control's name on its plate, panel units.
 const NAME_SIZE: f32 = 32.0;
 
-/// Largest scale of [`paint`].
+/// Greatest scale of [`paint`].
 const MOST_SCALE: f32 = 8.0;
-/// How far a part paints beyond its rectangle: shadow, glow, pointer of the
-/// handwheel.
+/// Distance that a part paints beyond its rectangle: shadow, glow, pointer of the handwheel.
 const REACH: f32 = 3.0;
 const REACH_OF_WHEEL: f32 = 8.0;
-/// Painted around a piece of the picture and cut off, pixels.
+/// Margin painted around a section of the picture and cut off, pixels.
 const MARGIN: u32 = 4;
 
-/// What changes on the panel.
+/// The variable state of the panel.
 #[derive(Clone, Copy, Default)]
 pub struct FaceState<'a> {
-    /// The Y memory: lamps.
+    /// The Y memory with the lamps.
     pub y: &'a [u8],
-    /// Keys held down; the mushroom button while it is latched.
+    /// Keys held down, and the mushroom button while it is latched.
     pub pressed: &'a [Key],
-    /// The picture of the LCD, 320x240 or a whole multiple.
+    /// The picture of the LCD, 320x240 or an integer multiple.
     pub lcd: Option<PixmapRef<'a>>,
     /// Position of the handwheel, graduations.
     pub wheel: i32,
-    /// The keys move a real machine.
+    /// Whether the keys move a real machine.
     pub real: bool,
-    /// The control model, whose name stands on the plate.
+    /// The control model, whose name is on the plate.
     pub model: ModelId,
 }
 
-/// What of the state shows on a part: as long as it is the same, so is the part.
+/// Returns a value that changes whenever the picture of a part changes.
 pub fn look(part: &Part, state: &FaceState<'_>) -> u32 {
     match part.what {
         What::Key(key) => {
@@ -66,7 +64,8 @@ pub fn look(part: &Part, state: &FaceState<'_>) -> u32 {
     }
 }
 
-/// An area of the panel at so many pixels a panel unit.
+/// Paints an area of the panel at `scale` pixels a panel unit. `None` if the picture does not
+/// fit into memory.
 pub fn paint(area: Area, state: &FaceState<'_>, scale: f32) -> Option<Pixmap> {
     let scale = scale.clamp(0.1, MOST_SCALE);
     let size = |units: f32| (units * scale).round() as u32;
@@ -81,8 +80,8 @@ pub fn paint(area: Area, state: &FaceState<'_>, scale: f32) -> Option<Pixmap> {
     Some(painter.pixmap)
 }
 
-/// The piece of the picture of [`paint`] that holds a part, and the place of its
-/// upper left corner there, pixels.
+/// Paints the section of [`paint`]'s picture that contains a part. Returns it with its upper
+/// left corner in that picture, pixels.
 pub fn paint_part(
     area: Area,
     part: &Part,
@@ -96,7 +95,7 @@ pub fn paint_part(
     let (left, top) = (first(room.x), first(room.y));
     let width = (end(room.x + room.w) - left) as u32;
     let height = (end(room.y + room.h) - top) as u32;
-    // Outlines that cross the edge of a pixmap come out wrong on it.
+    // Outlines that cross the edge of a pixmap are drawn wrongly there.
     let mut painter = Painter {
         pixmap: Pixmap::new(width + 2 * MARGIN, height + 2 * MARGIN)?,
         scale,
@@ -114,7 +113,7 @@ pub fn paint_part(
     Some((piece, [(left - x) as u32, (top - y) as u32]))
 }
 
-/// The whole pixel of the panel that the picture of an area begins at.
+/// The pixel of the panel where the picture of an area begins.
 fn corner(area: Area, scale: f32) -> (f32, f32) {
     ((area.rect.x * scale).round(), (area.rect.y * scale).round())
 }
@@ -130,12 +129,12 @@ fn with_reach(part: &Part) -> Rect {
 struct Painter {
     pixmap: Pixmap,
     scale: f32,
-    /// The pixel of the whole picture that the pixmap begins at.
+    /// The pixel of the whole picture where the pixmap begins.
     corner: (f32, f32),
 }
 
 impl Painter {
-    /// From panel units to pixels.
+    /// Converts panel units to pixels.
     fn place(&self) -> Transform {
         let (left, top) = self.corner;
         Transform::from_row(self.scale, 0.0, 0.0, self.scale, -left, -top)
@@ -306,7 +305,7 @@ impl Painter {
         self.text(lamp.label, LINE_HEIGHT, label, part.colour.rgb());
     }
 
-    /// A lamp with its setting, and its glow when it is on.
+    /// A lamp, with a glow when it is on.
     fn bulb(&mut self, rect: Rect, shape: Outline, colour: Colour) {
         if colour != Colour::LampOff {
             for (reach, strength) in [(4.0, 0.14), (2.0, 0.22)] {
@@ -430,7 +429,7 @@ fn outline(rect: Rect, shape: Outline) -> Option<Path> {
     path.finish()
 }
 
-/// A colour made lighter (towards white) or darker (towards black).
+/// Makes a colour lighter (towards white) or darker (towards black).
 fn lighter(colour: [u8; 3], by: f32) -> [u8; 3] {
     let target = if by > 0.0 { 255.0 } else { 0.0 };
     colour.map(|part| (f32::from(part) + (target - f32::from(part)) * by.abs()) as u8)

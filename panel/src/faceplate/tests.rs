@@ -200,7 +200,7 @@ fn what_changes_the_picture_changes_the_look() {
     }
 }
 
-/// Each name is on the plate, and none is larger than its room.
+/// Each name is on the plate and fits into it.
 #[test]
 fn the_name_is_that_of_the_model() {
     let part = parts()

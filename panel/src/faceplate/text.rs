@@ -1,4 +1,4 @@
-//! Printed text: outlines of the program's fonts.
+//! Draws printed text with the outlines of the program's fonts.
 
 use skrifa::outline::OutlinePen;
 use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, PixmapPaint, Shader, Transform};
@@ -6,21 +6,21 @@ use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, PixmapPaint, Shader
 use super::Rect;
 use crate::fonts;
 
-/// Size of an em in heights of a line: Chinese characters leave a little of it free.
+/// Em size as a fraction of the line height. Chinese characters leave a margin.
 const EM: f32 = 0.94;
 /// The middle of capitals and of Chinese characters above the base line, ems.
 const MIDDLE: f32 = 0.37;
 
-/// How wide a text is in a line of some height, in the same unit.
+/// Returns the width of a text for a line height, in the same unit.
 pub(crate) fn width(text: &str, line: f32) -> f32 {
     let size = line * EM;
     text.chars().map(|it| fonts::advance(it, size)).sum()
 }
 
-/// Puts outlines into a path, y downwards.
+/// Adds outlines to a path, y downwards.
 struct Pen {
     path: PathBuilder,
-    /// Where the character begins on the base line, pixels.
+    /// Origin of the character on the base line, pixels.
     x: f32,
     y: f32,
 }
@@ -57,8 +57,8 @@ impl OutlinePen for Pen {
     }
 }
 
-/// Draws a text centred in a rectangle of panel units; `size` is the height of its line.
-/// The target begins at a `corner` of the whole picture, pixels.
+/// Draws a text centred in a rectangle of panel units. `size` is the line height. `corner` is
+/// the pixel of the whole picture where the target begins.
 pub(super) fn draw(
     target: &mut Pixmap,
     corner: (f32, f32),
@@ -71,12 +71,13 @@ pub(super) fn draw(
     let em = size * scale * EM;
     let wide = width(text, size * scale);
     let (cx, cy) = rect.center();
-    // The base line lies between two pixels: horizontal strokes stay sharp.
+    // The base line is between two pixels, so that horizontal strokes stay sharp.
     let (x, y) = (
         (cx * scale - wide / 2.0).round(),
         (cy * scale + MIDDLE * em).round(),
     );
-    // In a picture of its own: outlines that cross the edge of a pixmap come out otherwise.
+    // Use a separate picture, because outlines that cross the edge of a pixmap are drawn
+    // wrongly.
     let (left, top) = (x - 2.0, (y - 1.1 * em).floor());
     let room = [wide + 4.0, 1.5 * em].map(|side| side.ceil().max(1.0) as u32);
     let Some(mut picture) = Pixmap::new(room[0], room[1]) else {
@@ -112,7 +113,7 @@ pub(super) fn draw(
     target.draw_pixmap(x, y, picture.as_ref(), &plain, place, None);
 }
 
-/// An opaque colour.
+/// Returns an opaque colour.
 pub(super) fn opaque([red, green, blue]: [u8; 3]) -> Color {
     Color::from_rgba8(red, green, blue, u8::MAX)
 }

@@ -1,4 +1,4 @@
-//! The rows of the key table.
+//! Contains the rows of the key table.
 
 use super::{Bit, Key, KeyRow, Role};
 
@@ -25,7 +25,7 @@ const fn row(
     }
 }
 
-/// The key table.
+/// The key table, in the order of [`Key`].
 #[rustfmt::skip] // One row a line.
 pub static KEYS: [KeyRow; 93] = [
     row(Key::Reset, "RESET", &["复位 //", "RESET"], "复位", "Reset", Role::Machine(Bit::new(26, 0)), None, "Escape"),

@@ -42,7 +42,7 @@ fn assert_unique<T: Ord + core::fmt::Debug + Clone>(mut all: Vec<T>) {
 
 #[test]
 fn every_contact_of_the_key_matrix_has_its_key() {
-    // PLC-I 3.1.2: X20.0 to X26.0 without the cells that carry no key.
+    // PLC-I 3.1.2: X20.0 to X26.0 without the cells that have no key.
     let mut contacts: Vec<Bit> = (20..25)
         .flat_map(|byte| (0..8).map(move |bit| Bit::new(byte, bit)))
         .filter(|bit| ![Bit::new(22, 2), Bit::new(23, 0)].contains(bit))
@@ -55,7 +55,7 @@ fn every_contact_of_the_key_matrix_has_its_key() {
 
 #[test]
 fn every_lamp_of_the_keys_is_in_a_key() {
-    // Y5.0 to Y9.1; Y9.1 is on the strip.
+    // Y5.0 to Y9.1. Y9.1 is on the strip.
     let expected: Vec<Bit> = (5..9)
         .flat_map(|byte| (0..8).map(move |bit| Bit::new(byte, bit)))
         .chain([Bit::new(9, 0)])

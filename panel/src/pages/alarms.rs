@@ -1,5 +1,5 @@
-//! The alarm pages: messages of the machine's ladder and alarms of the control
-//! (manual III-2.4).
+//! Draws the alarm pages: messages of the machine's ladder and alarms of the control (manual
+//! III-2.4).
 
 use gsk_core::alarm::{self, Alarm, groups};
 use gsk_core::cnc::Cnc;
@@ -12,7 +12,7 @@ use crate::screen::{COLUMNS, Screen};
 const FIRST_ROW: usize = 2;
 const LAST_ROW: usize = 12;
 
-/// 外部信息.
+/// Draws the ladder messages (外部信息).
 pub fn messages(screen: &mut Screen, cnc: &Cnc) {
     let english = screen.language() == Language::En;
     let messages = cnc.plc_messages().map(|(number, text)| {
@@ -23,7 +23,7 @@ pub fn messages(screen: &mut Screen, cnc: &Cnc) {
     list(screen, messages);
 }
 
-/// 报警信息.
+/// Draws the alarms (报警信息).
 pub fn alarms(screen: &mut Screen, cnc: &Cnc) {
     let language = screen.language();
     let lines = cnc.alarms().iter().map(|alarm| line(alarm, language));
@@ -43,7 +43,7 @@ fn line(alarm: &Alarm, language: Language) -> String {
     }
 }
 
-/// One entry after the other; a long one goes on in the next row.
+/// Writes one entry after the other. A long one continues in the next row.
 fn list(screen: &mut Screen, entries: impl Iterator<Item = String>) {
     let mut row = FIRST_ROW;
     for entry in entries {

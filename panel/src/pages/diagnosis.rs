@@ -1,6 +1,5 @@
-//! The diagnosis page (manual III-2.7): contacts and outputs of the machine, drives
-//! and encoder, mirrored status parameters, the tool in place. All but the tool is
-//! read-only.
+//! Draws the diagnosis page (manual III-2.7): machine contacts and outputs, drives and encoder,
+//! mirrored status parameters, the current tool. All but the tool is read-only.
 
 use gsk_core::cnc::Cnc;
 use gsk_core::memory;
@@ -17,22 +16,21 @@ use super::table::PageId;
 use super::view::View;
 use crate::screen::Screen;
 
-/// How many numbers there are, and how many on one screen.
+/// Count of diagnosis numbers, and of those on one screen.
 pub(crate) const DIAGNOSES: usize = 128;
 const SCREEN: usize = 16;
 
-/// A register made of contacts or outputs.
+/// A register of contacts or outputs.
 struct Register {
     number: usize,
     group: fn() -> Message,
     area: Area,
-    /// Byte and bit of each place, bit 7 first; `None` where nothing is wired.
+    /// Byte and bit of each position, bit 7 first. `None` where nothing is wired.
     bits: [Option<(u16, u8)>; 8],
     names: [&'static str; 8],
 }
 
-/// A register of signals that are no contacts: names, bit 7 first, and what they
-/// are.
+/// A register of signals other than contacts: names, bit 7 first, and meanings.
 struct Signals {
     number: usize,
     group: fn() -> Message,
@@ -165,13 +163,13 @@ const fn wired(bits: [(u16, u8); 8]) -> [Option<(u16, u8)>; 8] {
     places
 }
 
-/// Diagnosis number of the tool in place.
+/// Diagnosis number of the current tool.
 const TOOL: usize = 75;
-/// Status parameters that are mirrored a hundred lower.
+/// Diagnosis numbers that mirror the status parameters a hundred higher.
 const MIRRORED: [usize; 5] = [64, 68, 72, 73, 74];
-/// Times and limits of gear change, pressure, tool change, M and S: on the control
-/// before this one they were set here; now they are the data parameters of the same
-/// numbers (manual I-3.5, IV-2.8), shown as they count.
+/// Times and limits of gear change, pressure, tool change, M and S. An earlier control set them
+/// here. They are now the data parameters of the same numbers (manual I-3.5, IV-2.8), shown in
+/// decimal.
 const TIMES: [u16; 12] = [65, 66, 67, 69, 76, 78, 80, 81, 82, 83, 84, 85];
 
 /// The data parameter that a diagnosis number shows.
@@ -255,8 +253,8 @@ fn value(number: usize, cnc: &Cnc) -> u8 {
     }
 }
 
-/// DGN.008. The printed picture of an idle machine, 00110011, has both axes on
-/// their zero signals and both drives well.
+/// DGN.008. The manual's picture of an idle machine, 00110011, has both axes on their zero
+/// signals and both drives ready.
 fn sensor_bits(sensors: Sensors) -> u8 {
     u8::from(sensors.zero_signal.x)
         | u8::from(sensors.zero_signal.z) << 1

@@ -1,9 +1,9 @@
-//! Numbers as the pages show them (manual III-2).
+//! Formats numbers as the pages show them (manual III-2).
 
 use gsk_core::cnc::Cnc;
 use gsk_core::units::Axis;
 
-/// Millimetres of an inch.
+/// Millimetres in an inch.
 const INCH: f64 = 25.4;
 
 /// Ten-thousandths of the F word that the per-revolution display drops.
@@ -12,14 +12,14 @@ const PER_REVOLUTION_UNIT: f64 = 100.0;
 /// How coordinates are shown: X as diameter or radius, mm or inch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Display {
-    /// X is shown as a diameter (001.2 = 0).
+    /// Whether X is a diameter (001.2 = 0).
     pub diameter: bool,
-    /// Inch machine (004.0 SCW): four decimals.
+    /// Whether the machine is in inches (004.0 SCW), with four decimals.
     pub inch: bool,
 }
 
 impl Display {
-    /// The display of a control, by its parameters.
+    /// Reads the format from the parameters of a control.
     pub fn of(cnc: &Cnc) -> Self {
         Self {
             diameter: !cnc.parameters().radius_programming(),
@@ -27,7 +27,7 @@ impl Display {
         }
     }
 
-    /// One coordinate; X is given as a radius, mm.
+    /// Formats a coordinate. X is given as a radius, mm.
     pub fn coordinate(self, axis: Axis, value: f64) -> String {
         match axis {
             Axis::X if self.diameter => self.length(value * 2.0),
@@ -35,7 +35,7 @@ impl Display {
         }
     }
 
-    /// A length in mm.
+    /// Formats a length given in mm.
     pub fn length(self, value: f64) -> String {
         if self.inch {
             decimals(value / INCH, 4)
@@ -55,12 +55,12 @@ fn decimals(value: f64, count: usize) -> String {
     }
 }
 
-/// A length in thousandths of a millimetre, as settings hold it.
+/// Formats a length in thousandths of a millimetre, the unit of settings.
 pub fn thousandths(value: i32) -> String {
     decimals(f64::from(value) / 1000.0, 3)
 }
 
-/// A rate per minute, whole; above 15000 it is not shown.
+/// Formats a rate per minute without decimals. Above 15000 it shows `***`.
 pub fn per_minute(rate: f64) -> String {
     if rate > 15_000.0 {
         return "***".to_owned();
@@ -68,8 +68,8 @@ pub fn per_minute(rate: f64) -> String {
     format!("{:.0}", cut(rate))
 }
 
-/// A rate per revolution in hundredths of a millimetre, what is below cut off;
-/// above 500 mm it is not shown.
+/// Formats a rate per revolution, mm, in hundredths of a millimetre, rounded down. Above 500 mm
+/// it shows `***`.
 pub fn per_revolution(rate: f64) -> String {
     if rate > 500.0 {
         return "***".to_owned();
@@ -78,12 +78,12 @@ pub fn per_revolution(rate: f64) -> String {
     format!("{:.0}", (units / PER_REVOLUTION_UNIT).floor())
 }
 
-/// The whole part; a value a rounding error below a whole number counts as it.
+/// The integer part. A value a rounding error below an integer counts as that integer.
 fn cut(value: f64) -> f64 {
     (value + 1e-6).floor()
 }
 
-/// A jog rate as the table of the manual prints it: one decimal below 20.
+/// Formats a jog rate as the manual's table does, with one decimal below 20.
 pub fn jog_rate(rate: f64) -> String {
     if rate > 0.0 && rate < 19.95 {
         format!("{rate:.1}")
@@ -92,7 +92,7 @@ pub fn jog_rate(rate: f64) -> String {
     }
 }
 
-/// The rapid override: a percentage, or `F0`.
+/// Formats the rapid override: a percentage, or `F0`.
 pub fn rapid_override(percent: u8) -> String {
     match percent {
         0 => "F0".to_owned(),
@@ -100,19 +100,19 @@ pub fn rapid_override(percent: u8) -> String {
     }
 }
 
-/// Hours, minutes and seconds; after 99:59:59 it starts again.
+/// Formats hours, minutes and seconds. After 99:59:59 it restarts at 0.
 pub fn clock(milliseconds: u64) -> String {
     let seconds = milliseconds / 1000;
     let (hours, minutes) = (seconds / 3600 % 100, seconds / 60 % 60);
     format!("{hours:02}:{minutes:02}:{:02}", seconds % 60)
 }
 
-/// Eight binary digits, bit 7 first.
+/// Formats eight binary digits, bit 7 first.
 pub fn byte(value: u8) -> String {
     format!("{value:08b}")
 }
 
-/// A number of four digits; more do not fit and read 9999.
+/// Formats a number with four digits, at most 9999.
 pub fn four(value: f64) -> String {
     format!("{:04.0}", value.abs().round().min(9999.0))
 }

@@ -1,5 +1,5 @@
-//! What every page shares: title and program number above, spindle, tool, state
-//! and mode below (manual III-1.3).
+//! Draws the frame of every page: title and program number above, spindle, tool, state and mode
+//! below (manual III-1.3).
 
 use gsk_core::cnc::Cnc;
 use gsk_core::command::ProgramId;
@@ -12,17 +12,17 @@ use super::table::PageId;
 use super::view::{Communication, View};
 use crate::screen::{Look, Screen};
 
-/// The input line, and the S and T display.
+/// Row of the input line, and of the S and T display.
 pub(crate) const INPUT_ROW: usize = 13;
-/// State and mode.
+/// Row of state and mode.
 const STATUS_ROW: usize = 14;
-/// Where program and sequence number stand in the title row.
+/// Columns of program and sequence number in the title row.
 const PROGRAM_COLUMN: usize = 28;
 const SEQUENCE_COLUMN: usize = 34;
-/// The input line ends in front of this column.
+/// The input line ends before this column.
 const INPUT_END: usize = 27;
 
-/// Where the texts of the status row begin.
+/// Columns of the texts in the status row.
 const ALARM_COLUMN: usize = 0;
 const HOLD_COLUMN: usize = 5;
 const MODE_COLUMN: usize = 20;
@@ -45,7 +45,7 @@ pub fn draw(screen: &mut Screen, page: PageId, view: &View, cnc: &Cnc) {
     draw_communication(screen, view);
 }
 
-/// 准备未绪 takes the place of both 报警 and 暂停.
+/// 准备未绪 replaces both 报警 and 暂停.
 fn draw_state(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let lit = view.flash_on();
     if cnc.not_ready() {
@@ -60,7 +60,7 @@ fn draw_state(screen: &mut Screen, view: &View, cnc: &Cnc) {
     }
 }
 
-/// The mode as it stands in the status row.
+/// The text of the mode in the status row.
 fn mode_text(mode: Mode) -> Message {
     match mode {
         Mode::Edit => say::lcd_mode_edit(),
@@ -90,20 +90,20 @@ fn draw_communication(screen: &mut Screen, view: &View) {
     screen.say_flashing(STATUS_ROW, COMMUNICATION_COLUMN, &text, lit);
 }
 
-/// The input line: the prompt and, a column behind it, what was keyed in.
+/// Draws the input line: the prompt and, one column after it, the typed text.
 pub(crate) fn input_line(screen: &mut Screen, prompt: &Message, view: &View) {
     let end = screen.say(INPUT_ROW, 0, prompt);
     keyed_in(screen, end + 1, view);
 }
 
-/// The input line of a setting: `序号ISO=`, and what was keyed in.
+/// Draws the input line of a setting: `序号ISO=`, and the typed text.
 pub(crate) fn setting_line(screen: &mut Screen, name: &str, view: &View) {
     let end = screen.say(INPUT_ROW, 0, &say::lcd_setting_prompt(name));
     keyed_in(screen, end, view);
 }
 
-/// What was keyed in, from a column on. A trailing address letter flashes until its
-/// number follows.
+/// Draws the typed text from a column on. A trailing address letter flashes until its number
+/// follows.
 fn keyed_in(screen: &mut Screen, start: usize, view: &View) {
     let room = INPUT_END.saturating_sub(start);
     let length = view.input.chars().count();
@@ -118,12 +118,12 @@ fn keyed_in(screen: &mut Screen, start: usize, view: &View) {
     }
 }
 
-/// The program that is selected.
+/// Returns the selected program.
 pub(crate) fn current_program(cnc: &Cnc) -> Option<&Program> {
     cnc.programs().get(selected(cnc)?)
 }
 
-/// Whether 012.4 PRG9 hides the selected program.
+/// Returns whether 012.4 PRG9 hides the selected program.
 pub(crate) fn program_is_hidden(cnc: &Cnc) -> bool {
     matches!(selected(cnc), Some(ProgramId::Stored(number)) if cnc.rights().hides(number))
 }
@@ -152,7 +152,7 @@ fn program_number(cnc: &Cnc) -> u16 {
     }
 }
 
-/// The sequence number of the block in execution or of the block at the cursor.
+/// The sequence number of the block in execution, or of the block at the cursor.
 fn sequence(view: &View, cnc: &Cnc) -> u32 {
     let cursor = cnc.cursor();
     if let Some(sequence) = cursor.sequence {
@@ -167,7 +167,7 @@ fn sequence(view: &View, cnc: &Cnc) -> u32 {
         .unwrap_or(0)
 }
 
-/// The N word at the head of a block.
+/// The N word at the start of a block.
 fn sequence_of(line: &str) -> Option<u32> {
     let head = line.trim_start_matches(|c: char| c == '/' || c.is_whitespace());
     let digits = head.strip_prefix(['N', 'n'])?.trim_start();
@@ -177,8 +177,8 @@ fn sequence_of(line: &str) -> Option<u32> {
     digits[..end].parse().ok()
 }
 
-/// Measured speed with an encoder, else the commanded one; with stepped speeds
-/// (001.4 = 0) the step.
+/// Returns the measured speed with an encoder, otherwise the commanded one. With stepped speeds
+/// (001.4 = 0) it is the step.
 pub fn spindle_speed(cnc: &Cnc) -> f64 {
     if let Some(measured) = cnc.spindle_measured() {
         return measured;

@@ -1,5 +1,4 @@
-//! The graphic pages: its parameters and the picture of the path
-//! (manual III-2.5.2).
+//! Draws the graphic pages: the parameters and the picture of the path (manual III-2.5.2).
 
 use gsk_core::cnc::Cnc;
 use gsk_core::units::{Axis, Point};
@@ -14,7 +13,7 @@ use crate::bitmap::{Area, Bitmap, Stroke};
 use crate::screen::Screen;
 use crate::trace::Trace;
 
-/// Where the path is drawn.
+/// The area of the path.
 pub(crate) const PLOT: Area = Area {
     left: 8,
     top: 24,
@@ -28,7 +27,7 @@ const CENTER: (f64, f64) = (116.0, 112.0);
 /// Half the length of the tool marker's arms, dots.
 const MARKER: f64 = 3.0;
 
-/// The parameters.
+/// Draws the page of the graphic parameters.
 pub fn parameters(screen: &mut Screen, view: &View) {
     let settings = &view.graphic;
     let rows: [(Message, String, Option<Message>); 8] = [
@@ -69,7 +68,7 @@ pub fn parameters(screen: &mut Screen, view: &View) {
     frame::setting_line(screen, &format!("{:03}", cursor + 1), view);
 }
 
-/// The picture.
+/// Draws the page with the picture of the path.
 pub fn picture(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let display = Display::of(cnc);
     let at = cnc.position_absolute();
@@ -94,13 +93,13 @@ pub fn picture(screen: &mut Screen, view: &View, cnc: &Cnc) {
     plot.marker(dots, at);
 }
 
-/// From work coordinates to dots.
+/// Converts work coordinates to dots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Plot {
     center: Point,
     dots_per_mm: f64,
     zx: bool,
-    /// +X points up in the ZX picture (rear tool post, 175.0 = 1).
+    /// Whether +X points up in the ZX picture (rear tool post, 175.0 = 1).
     x_up: bool,
 }
 
@@ -135,7 +134,7 @@ impl Plot {
         }
     }
 
-    /// A cross at the tool's place.
+    /// Draws a cross at the position of the tool.
     fn marker(&self, dots: &mut Bitmap, at: Point) {
         let (x, y) = self.dot(at);
         dots.line((x - MARKER, y), (x + MARKER, y), Stroke::Solid, PLOT);

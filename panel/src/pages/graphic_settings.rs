@@ -1,13 +1,13 @@
-//! The settings of the graphic page (manual III-2.5.2).
+//! Stores the settings of the graphic page (manual III-2.5.2).
 
 use gsk_core::units::{Axis, Point};
 use serde::{Deserialize, Serialize};
 
-/// Lengths in thousandths of a millimetre as the page shows them: X in the
-/// display's unit (diameter), Z in mm.
+/// The settings of the graphic page. Lengths are in thousandths of a millimetre as shown: X in
+/// the display's unit (diameter), Z in mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GraphicSettings {
-    /// 坐标选择: false = XZ (0), true = ZX (1, Z horizontal).
+    /// 坐标选择: false is XZ (0), true is ZX (1, Z horizontal).
     pub zx: bool,
     /// 缩放比例: hundredths of a dot for a millimetre.
     pub scale: u32,
@@ -23,16 +23,15 @@ pub struct GraphicSettings {
     pub min_x: i32,
     /// Z最小值.
     pub min_z: i32,
-    /// Whether motion is recorded (S), not stopped (T).
+    /// Whether motion is recorded (S) or not (T).
     pub drawing: bool,
 }
 
-/// Dots that the larger range is spread over, in hundredths, times 1000.
+/// Dots for the larger range, in hundredths, times 1000.
 const SPREAD: i64 = 15_000 * 1000;
 
 impl GraphicSettings {
-    /// Computes scale and centre from the extents; nothing changes before both
-    /// ranges are positive.
+    /// Computes scale and centre from the extents, once both ranges are positive.
     pub fn recompute(&mut self) {
         let range_x = i64::from(self.max_x) - i64::from(self.min_x);
         let range_z = i64::from(self.max_z) - i64::from(self.min_z);
@@ -45,20 +44,20 @@ impl GraphicSettings {
         self.center_z = center(self.max_z, self.min_z);
     }
 
-    /// Dots for a millimetre.
+    /// Returns the dots for a millimetre.
     pub(crate) fn dots_per_mm(&self) -> f64 {
         f64::from(self.scale) / 100.0
     }
 
-    /// The centre of the picture; X as a radius. `diameter` says whether the
-    /// display counts X in diameters.
+    /// Returns the centre of the picture with X as a radius. `diameter`: whether the display
+    /// shows X as a diameter.
     pub fn center(&self, diameter: bool) -> Point {
         let x = f64::from(self.center_x) / 1000.0;
         let x = if diameter { x / 2.0 } else { x };
         Point::new(x, f64::from(self.center_z) / 1000.0)
     }
 
-    /// The axis drawn from left to right.
+    /// Returns the axis drawn from left to right.
     pub const fn horizontal(&self) -> Axis {
         if self.zx { Axis::Z } else { Axis::X }
     }

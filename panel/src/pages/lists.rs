@@ -1,5 +1,5 @@
-//! What the list pages share: numbered rows in one or two columns, a cursor in
-//! front of a number, screens of eight or sixteen.
+//! Draws the lists that pages share: numbered rows in one or two columns, a cursor before a
+//! number, screens of eight or sixteen.
 
 use crate::glyphs;
 use crate::screen::{COLUMNS, Screen};
@@ -14,11 +14,11 @@ pub(crate) const FIRST_ROW: usize = 2;
 /// Columns of one half of a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// Where the cursor stands.
+    /// Column of the cursor.
     pub cursor: usize,
-    /// Where the number begins.
+    /// First column of the number.
     pub number: usize,
-    /// In front of which column the value ends.
+    /// Column before which the value ends.
     pub value_end: usize,
 }
 
@@ -36,15 +36,15 @@ pub(crate) const NUMBERED: [Column; 2] = [
     },
 ];
 
-/// One item: its number as shown, and its value.
+/// An item: its number as shown, and its value.
 pub type Item = (String, String);
 
-/// The place of an item on its screen: row and which half.
+/// The row of an item on its screen, and its half.
 fn place(index: usize) -> (usize, usize) {
     (FIRST_ROW + index % LIST_ROWS, index / LIST_ROWS)
 }
 
-/// Writes the items of one screen, filling the first half before the second.
+/// Writes the items of one screen, the first half before the second.
 pub fn draw(
     screen: &mut Screen,
     halves: &[Column],
@@ -64,8 +64,8 @@ pub fn draw(
     }
 }
 
-/// Writes the names of the eight bits, bit 7 first; when they do not fit in the
-/// row, the longest ones are cut.
+/// Writes the names of the eight bits, bit 7 first. If they do not fit in the row, the longest
+/// ones are cut.
 pub(crate) fn bit_names<N: AsRef<str>>(screen: &mut Screen, row: usize, name: impl Fn(u8) -> N) {
     let names: Vec<N> = (0..8).rev().map(name).collect();
     let cut = |width: usize| {
@@ -82,7 +82,7 @@ pub(crate) fn bit_names<N: AsRef<str>>(screen: &mut Screen, row: usize, name: im
     screen.put(row, 0, &text.unwrap_or_default());
 }
 
-/// The beginning of a text, at most so many columns wide.
+/// The start of a text, at most `width` columns wide.
 fn head(text: &str, width: usize) -> &str {
     let mut column = 0;
     for (at, character) in text.char_indices() {

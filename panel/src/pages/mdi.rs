@@ -1,4 +1,4 @@
-//! The MDI page: the words of a block and the modal values (manual III-2.2.2).
+//! Draws the MDI page: the words of a block and the modal values (manual III-2.2.2).
 
 use gsk_core::cnc::Cnc;
 use gsk_core::operation::{Mode, RunState};
@@ -16,17 +16,16 @@ const WORDS: &[u8] = b"XZUWRFMSTPQ";
 const LENGTHS: &[u8] = b"XZUWR";
 /// Row of the first word.
 const FIRST_ROW: usize = 2;
-/// Columns: address and end of the value on the left; codes, address and end of
-/// the value on the right.
+/// Columns: address and end of the value on the left; codes, address and end of the value on
+/// the right.
 const WORD_COLUMN: usize = 5;
 const WORD_END: usize = 18;
 const CODE_COLUMN: usize = 24;
 const MODAL_COLUMN: usize = 30;
 const MODAL_END: usize = 39;
-/// A statement of macro B stands above the input line, in the place of the words that
-/// it has none of.
+/// Row of a macro B statement, which has no words.
 const STATEMENT_ROW: usize = 1;
-/// Highest speed that stands for none.
+/// Greatest speed, which means no limit.
 const NO_LIMIT: f64 = 9999.0;
 
 /// Draws the page.
@@ -49,7 +48,7 @@ pub fn draw(screen: &mut Screen, view: &View, cnc: &Cnc) {
     }
 }
 
-/// The block keyed in, or in AUTO the block in execution, with its text.
+/// The MDI block, or in AUTO the block in execution, with its text.
 fn shown_block(cnc: &Cnc) -> Option<(Block, String)> {
     let syntax = Syntax::from(cnc.parameters());
     if !matches!(cnc.mode(), Mode::Auto | Mode::Dnc) {

@@ -1,4 +1,4 @@
-//! The pages of the LCD: what each shows of the control and the panel.
+//! Draws the pages of the LCD from the state of the control and the panel.
 
 mod alarms;
 mod diagnosis;
@@ -51,7 +51,7 @@ pub use view::{Communication, Cursor, Cursors, Editor, FLASH_TICKS, View};
 
 use crate::screen::Screen;
 
-/// The language of the LCD (184.0 CH_EN).
+/// Returns the language of the LCD (184.0 CH_EN).
 pub fn language(cnc: &Cnc) -> Language {
     if cnc.parameters().in_english() {
         Language::En
@@ -117,8 +117,8 @@ mod tests {
         behind.collect()
     }
 
-    /// Titles stand alone in their row; what else is English takes at most the cells of
-    /// the Chinese, so that every page keeps its layout.
+    /// Titles are alone in their row. Other English texts take at most the cells of the Chinese
+    /// ones, so that every page keeps its layout.
     #[test]
     fn english_takes_no_more_room_than_chinese() {
         let titles: Vec<Id> = PAGES.iter().map(|row| row.page.title().id()).collect();
@@ -143,7 +143,7 @@ mod tests {
         for row in PAGES {
             let screen = draw(row.page, &View::default(), &cnc);
             for line in screen.text().lines() {
-                // The ladder's own header is what its author wrote.
+                // The ladder's header is in the language of its author.
                 let own = row.page == PageId::Version
                     && ["LADDER", "NOTE"].iter().any(|label| line.contains(label));
                 assert!(line.is_ascii() || own, "{}: {line}", row.name);

@@ -1,4 +1,4 @@
-//! The offset pages and the macro variables (manual III-2.3).
+//! Draws the pages of offsets and macro variables (manual III-2.3).
 
 use gsk_core::cnc::Cnc;
 use gsk_core::memory::OFFSETS;
@@ -12,14 +12,14 @@ use super::table::PageId;
 use super::view::View;
 use crate::screen::Screen;
 
-/// Variables of one screen.
+/// Variables on one screen.
 const VARIABLE_SCREEN: usize = 16;
-/// A variable with a value that does not fit (manual I-3.7.3.3).
+/// Shown for a value that does not fit (manual I-3.7.3.3).
 const TOO_LONG: &str = "******";
 /// The greatest value that fits.
 const GREATEST_SHOWN: u64 = 9_999_999;
 
-/// Sizes of real values that fit.
+/// Least and greatest real values that fit.
 const LEAST_REAL: f64 = 0.000_000_1;
 const GREATEST_REAL: f64 = 99_999_999.0;
 
@@ -36,7 +36,7 @@ const VARIABLE_COLUMNS: [Column; 2] = [
     },
 ];
 
-/// 偏置.
+/// Draws the offsets (偏置).
 pub fn offsets(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let item = view.cursors.get(PageId::Oft).item.min(OFFSETS - 1);
     let display = Display::of(cnc);
@@ -57,7 +57,7 @@ pub fn offsets(screen: &mut Screen, view: &View, cnc: &Cnc) {
     frame::input_line(screen, &say::lcd_address_prompt(), view);
 }
 
-/// 宏变量.
+/// Draws the macro variables (宏变量).
 pub fn variables(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let numbers = cnc.variable_numbers();
     let real = cnc.variables_are_real();
@@ -83,8 +83,8 @@ pub fn variables(screen: &mut Screen, view: &View, cnc: &Cnc) {
     frame::input_line(screen, &say::lcd_address_prompt(), view);
 }
 
-/// A real value with its eight digits; null is blank, and what has too many places is
-/// stars (manual of macro B, 2.3).
+/// A real value with eight digits. Null is blank, and a value with too many digits is stars
+/// (manual of macro B, 2.3).
 fn real_value(value: Option<f64>) -> String {
     /// Digits that a variable keeps.
     const DIGITS: i32 = 8;

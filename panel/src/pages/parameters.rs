@@ -1,5 +1,5 @@
-//! The parameter pages (manual III-2.6): values, and what the one at the cursor
-//! means.
+//! Draws the parameter pages (manual III-2.6): the values, and the meaning of the one at the
+//! cursor.
 
 use gsk_core::cnc::Cnc;
 use gsk_core::memory::{self, ParameterRow};
@@ -14,7 +14,7 @@ use super::view::View;
 use crate::glyphs;
 use crate::screen::Screen;
 
-/// Parameters of one screen.
+/// Parameters on one screen.
 const SCREEN: usize = 16;
 /// Points of the pitch error table, and of one of its screens.
 pub(crate) const PITCH_POINTS: usize = 256;
@@ -34,12 +34,12 @@ pub const BITS: [Column; 2] = [
     },
 ];
 
-/// The numbers of the state parameters, ascending.
+/// Returns the numbers of the state parameters, ascending.
 pub(crate) fn state_numbers() -> impl Iterator<Item = u16> {
     numbers(true)
 }
 
-/// The numbers of the data parameters, ascending.
+/// Returns the numbers of the data parameters, ascending.
 pub(crate) fn data_numbers() -> impl Iterator<Item = u16> {
     numbers(false)
 }
@@ -53,7 +53,7 @@ fn numbers(state: bool) -> impl Iterator<Item = u16> {
         .map(|row| row.number)
 }
 
-/// 状态参数.
+/// Draws the state parameters (状态参数).
 pub fn states(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let cursor = view.cursors.get(PageId::ParBit);
     let values: Vec<u16> = state_numbers().collect();
@@ -78,7 +78,7 @@ pub fn states(screen: &mut Screen, view: &View, cnc: &Cnc) {
     frame::input_line(screen, &prompt, view);
 }
 
-/// What it means, in the language of the screen.
+/// Returns the meaning of a parameter in the language of the screen.
 pub(super) const fn meaning(screen: &Screen, row: &ParameterRow) -> &'static str {
     match screen.language() {
         Language::En => row.meaning_en,
@@ -86,7 +86,7 @@ pub(super) const fn meaning(screen: &Screen, row: &ParameterRow) -> &'static str
     }
 }
 
-/// The short name of a bit, in the room of the Chinese.
+/// The short name of a bit, as wide as the Chinese one.
 fn name(number: u16, bit: u8, language: Language) -> String {
     if let Some(name) = chinese_name(number, bit) {
         let room = glyphs::text_columns(&name.text(Language::Zh));
@@ -112,7 +112,7 @@ fn chinese_name(number: u16, bit: u8) -> Option<Message> {
     })
 }
 
-/// 数据参数.
+/// Draws the data parameters (数据参数).
 pub fn data(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let values: Vec<u16> = data_numbers().collect();
     let item = view.cursors.get(PageId::ParData).item;
@@ -139,7 +139,7 @@ fn heading(screen: &mut Screen) {
     screen.say(HEADING_ROW, 0, &say::lcd_parameters_heading());
 }
 
-/// 螺距补偿参数.
+/// Draws the pitch error table (螺距补偿参数).
 pub fn pitch(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let item = view.cursors.get(PageId::Pitch).item.min(PITCH_POINTS - 1);
     screen.say(HEADING_ROW, 0, &say::lcd_pitch_heading());

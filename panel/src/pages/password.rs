@@ -1,5 +1,5 @@
-//! 密码设置: the operation level, and the passwords that change it
-//! (manual III-2.5.1).
+//! Draws the password page 密码设置: the operation level, and the passwords that change it (manual
+//! III-2.5.1).
 
 use gsk_core::cnc::Cnc;
 use gsk_messages::say;

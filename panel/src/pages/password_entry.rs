@@ -1,13 +1,12 @@
-//! What is keyed in on the password page, and what the page answers
-//! (manual III-2.5.1).
+//! Stores the input of the password page and its response (manual III-2.5.1).
 
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-/// What the page says about the last key.
+/// The response of the page to the last key.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Hint {
-    /// Nothing.
+    /// None.
     #[default]
     None,
     /// No level has this password.
@@ -16,7 +15,7 @@ pub enum Hint {
     Different,
     /// The level of the password is in force.
     LevelEntered,
-    /// The level is given up.
+    /// The level was left.
     LevelLeft,
     /// The password was replaced.
     Changed,
@@ -35,17 +34,17 @@ impl Hint {
     }
 }
 
-/// What is keyed in on the page.
+/// The input of the page.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PasswordEntry {
     /// 输入密码, 更改密码, 确认密码.
     pub rows: [String; 3],
-    /// What the page answers.
+    /// The response of the page.
     pub hint: Hint,
 }
 
 impl PasswordEntry {
-    /// Forgets every digit.
+    /// Clears all digits.
     pub fn clear(&mut self) {
         *self = Self::default();
     }

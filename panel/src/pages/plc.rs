@@ -1,5 +1,5 @@
-//! The pages of the PLC: signals, values, soft machine panel, and the version
-//! page, which names the ladder (manual III-2.7).
+//! Draws the PLC pages: signals, values, soft machine panel, and the version page, which names
+//! the ladder (manual III-2.7).
 
 use gsk_core::cnc::Cnc;
 use gsk_core::operation::SoftSwitch;
@@ -27,35 +27,35 @@ const BIT_AREAS: [Area; 7] = [
 ];
 const VALUE_AREAS: [Area; 3] = [Area::D, Area::T, Area::C];
 
-/// Bytes of one screen of the signal page.
+/// Bytes on one screen of the signal page.
 const BIT_SCREEN: usize = 2 * LIST_ROWS;
 
-/// The address of an item of the signal page; items count through the areas.
+/// Returns the address of an item of the signal page. Items are counted through all areas.
 pub(crate) fn bit_item(item: usize) -> ByteAddress {
     address(&BIT_AREAS, item)
 }
 
-/// The item of an address of the signal page.
+/// Returns the item of an address on the signal page.
 pub(crate) fn bit_item_of(address: ByteAddress) -> Option<usize> {
     item(&BIT_AREAS, address)
 }
 
-/// How many items the signal page has.
+/// Returns the number of items on the signal page.
 pub(crate) fn bit_items() -> usize {
     count(&BIT_AREAS)
 }
 
-/// The address of an item of the value page.
+/// Returns the address of an item of the value page.
 pub(crate) fn value_item(item: usize) -> ByteAddress {
     address(&VALUE_AREAS, item)
 }
 
-/// The item of an address of the value page.
+/// Returns the item of an address on the value page.
 pub(crate) fn value_item_of(address: ByteAddress) -> Option<usize> {
     item(&VALUE_AREAS, address)
 }
 
-/// How many items the value page has.
+/// Returns the number of items on the value page.
 pub(crate) fn value_items() -> usize {
     count(&VALUE_AREAS)
 }
@@ -64,7 +64,7 @@ fn count(areas: &[Area]) -> usize {
     areas.iter().map(|area| usize::from(area.count())).sum()
 }
 
-/// Items beyond the end are the last one.
+/// Items beyond the end give the last address.
 fn address(areas: &[Area], item: usize) -> ByteAddress {
     let mut rest = item;
     for area in areas {
@@ -84,7 +84,7 @@ fn item(areas: &[Area], address: ByteAddress) -> Option<usize> {
     inside.then(|| count(&areas[..at]) + usize::from(address.byte))
 }
 
-/// The addresses of the screen that holds an address: each area begins a screen.
+/// The addresses on the screen with an address. Each area starts a new screen.
 fn screen_of(address: ByteAddress, size: usize) -> impl Iterator<Item = ByteAddress> {
     let size = size as u16;
     let first = address.byte / size * size;
@@ -92,7 +92,7 @@ fn screen_of(address: ByteAddress, size: usize) -> impl Iterator<Item = ByteAddr
         .map(move |byte| ByteAddress::new(address.area, byte))
 }
 
-/// PLC信号状态.
+/// Draws the PLC signals (PLC信号状态).
 pub fn signals(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let cursor = view.cursors.get(PageId::PlcBits);
     let at = bit_item(cursor.item);
@@ -120,7 +120,7 @@ pub fn signals(screen: &mut Screen, view: &View, cnc: &Cnc) {
     frame::input_line(screen, &say::lcd_number_prompt(at), view);
 }
 
-/// PLC数值诊断.
+/// Draws the PLC values (PLC数值诊断).
 pub fn values(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let at = value_item(view.cursors.get(PageId::PlcValues).item);
     screen.say(HEADING_ROW, 0, &say::lcd_plc_values_heading());
@@ -144,7 +144,7 @@ pub fn values(screen: &mut Screen, view: &View, cnc: &Cnc) {
     frame::input_line(screen, &say::lcd_number_prompt(at), view);
 }
 
-/// 机床面板: the states that the ladder has raised.
+/// Draws the soft machine panel (机床面板) with the states that the ladder has set.
 pub fn soft_panel(screen: &mut Screen, cnc: &Cnc) {
     let texts = [
         say::lcd_machine_lock(),
@@ -168,10 +168,10 @@ pub fn soft_panel(screen: &mut Screen, cnc: &Cnc) {
     }
 }
 
-/// 系统版本信息.
+/// Draws the version page (系统版本信息).
 pub fn version(screen: &mut Screen, cnc: &Cnc) {
     let header = cnc.plc().ladder().header();
-    // Row, label, blanks behind it, value.
+    // Row, label, blanks after it, value.
     let rows = [
         (2, say::lcd_model(), 3, "GSK-980TD-1"),
         (3, say::lcd_software_version(), 1, "V05.01.15"),

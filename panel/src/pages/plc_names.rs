@@ -1,4 +1,4 @@
-//! Names of PLC signals for the bit rows of the pages.
+//! Finds names of PLC signals for the bit rows of the pages.
 
 use std::sync::LazyLock;
 
@@ -21,7 +21,7 @@ fn row(address: BitAddress) -> Option<&'static Signal> {
     ROWS.get(at).map(|(_, row)| *row)
 }
 
-/// The name in the row of eight names: the first of several; a dash without one.
+/// Returns the short name for a row of eight names: the first of several, or a dash.
 pub fn short(address: BitAddress) -> &'static str {
     let name = row(address).map_or("", |row| row.symbol);
     match name.split('/').next() {
@@ -30,7 +30,7 @@ pub fn short(address: BitAddress) -> &'static str {
     }
 }
 
-/// What a bit means: the ladder's own comment, else the table's text.
+/// Returns the meaning of a bit: the ladder's comment, or else the text of the signal table.
 pub fn meaning(ladder: &Ladder, address: BitAddress, language: Language) -> String {
     let english = language == Language::En;
     let comment = ladder.comment(PlcAddress::Bit(address));
@@ -43,8 +43,7 @@ pub fn meaning(ladder: &Ladder, address: BitAddress, language: Language) -> Stri
     }
 }
 
-/// What the table of signals says of a bit, in Chinese or English; nothing of a bit
-/// that is none of its signals.
+/// Returns the meaning of a bit from the signal table in Chinese or English, or an empty text.
 pub fn signal_meaning(address: BitAddress, language: Language) -> &'static str {
     row(address).map_or("", |row| match language {
         Language::Zh => row.text_zh,

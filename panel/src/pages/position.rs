@@ -1,4 +1,4 @@
-//! The four position pages (manual III-2.1).
+//! Draws the four position pages (manual III-2.1).
 
 use gsk_core::cnc::Cnc;
 use gsk_core::operation::Mode;
@@ -16,17 +16,17 @@ const THREADS: [u8; 5] = [32, 33, 34, 76, 92];
 
 /// The rows of the big figures.
 const BIG_ROWS: [usize; 2] = [3, 6];
-/// Where the big letters and figures stand: in the text, and on the picture.
+/// Columns of the big letters, and end columns of the figures: in the text, and on the picture.
 const BIG_LETTER: (usize, usize) = (4, 4);
 const BIG_FIGURE_END: (usize, usize) = (24, 34);
 
-/// Relative coordinates.
+/// Draws the relative coordinates.
 pub fn relative(screen: &mut Screen, view: &View, cnc: &Cnc) {
     big_figures(screen, ["U", "W"], cnc.position_relative(), view, cnc);
     state_rows(screen, view, cnc);
 }
 
-/// Absolute coordinates.
+/// Draws the absolute coordinates.
 pub fn absolute(screen: &mut Screen, view: &View, cnc: &Cnc) {
     big_figures(screen, ["X", "Z"], cnc.position_absolute(), view, cnc);
     state_rows(screen, view, cnc);
@@ -103,7 +103,7 @@ fn increment(cnc: &Cnc) -> String {
     INCREMENTS[usize::from(code)].to_owned()
 }
 
-/// What the page calls the actual rate: F and override. By hand, the speed.
+/// The actual rate: F with override. In manual modes the speed of motion.
 fn actual_rate(cnc: &Cnc) -> String {
     match cnc.mode().motion() {
         Mode::Jog | Mode::Step | Mode::Handwheel => format!("{:.0}", cnc.feed_actual()),
@@ -133,7 +133,7 @@ fn threads(cnc: &Cnc) -> bool {
     THREADS.contains(&cnc.modal().motion)
 }
 
-/// All coordinates.
+/// Draws all coordinates.
 pub(crate) fn overall(screen: &mut Screen, cnc: &Cnc) {
     group(screen, 2, 2, RELATIVE, cnc.position_relative(), cnc);
     group(screen, 2, 22, ABSOLUTE, cnc.position_absolute(), cnc);
@@ -163,7 +163,7 @@ fn group(screen: &mut Screen, row: usize, column: usize, what: Heading, at: Poin
     }
 }
 
-/// Coordinates and program; 180.0 SPOS shows the remaining distance.
+/// Draws coordinates and program. With 180.0 SPOS it shows the distance to go.
 pub fn with_program(screen: &mut Screen, cnc: &Cnc) {
     let (what, at) = if cnc.parameters().shows_remaining() {
         (REMAINING, cnc.distance_to_go())

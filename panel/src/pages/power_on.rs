@@ -1,14 +1,14 @@
-//! The picture of the self-test (manual III-3.1).
+//! Draws the self-test picture (manual III-3.1).
 
 use gsk_core::model::ModelId;
 use gsk_messages::{Language, say};
 
 use crate::screen::Screen;
 
-/// How long it stands, ticks.
+/// Duration of the self-test picture, ticks.
 pub const POWER_ON_TICKS: u64 = 3000;
 
-/// Draws it.
+/// Draws the picture.
 pub fn draw(language: Language, model: ModelId) -> Screen {
     let mut screen = Screen::in_language(language);
     screen.put(4, 13, model.name());

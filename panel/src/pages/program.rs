@@ -1,4 +1,4 @@
-//! The program page and the directory (manual III-2.2).
+//! Draws the program page and the directory (manual III-2.2).
 
 use gsk_core::cnc::Cnc;
 use gsk_core::operation::Mode;
@@ -9,13 +9,13 @@ use super::program_text::{self, Mark};
 use super::view::View;
 use crate::screen::Screen;
 
-/// Programs of one screen of the directory, and of one of its rows.
+/// Programs on one screen of the directory, and in one of its rows.
 pub(crate) const DIRECTORY_SCREEN: usize = 36;
 const DIRECTORY_ROW: usize = 6;
-/// The version string the directory shows.
+/// The version in the directory.
 const VERSION: &str = "Gsk-980TD V05.05.12";
 
-/// The program page: editor in EDIT, else the block in execution.
+/// Draws the program page: the editor in EDIT, otherwise the block in execution.
 pub fn text(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let mode = cnc.mode();
     if mode.edits() || mode == Mode::Auto {
@@ -56,12 +56,12 @@ pub fn text(screen: &mut Screen, view: &View, cnc: &Cnc) {
     program_text::draw(screen, program, listing, mark, cnc);
 }
 
-/// How many screens the directory has.
+/// Returns the number of screens of the directory.
 pub(crate) fn directory_screens(cnc: &Cnc) -> usize {
     listed(cnc).count().div_ceil(DIRECTORY_SCREEN).max(1)
 }
 
-/// The numbers the directory lists, ascending.
+/// The program numbers in the directory, ascending.
 fn listed(cnc: &Cnc) -> impl Iterator<Item = u16> {
     let rights = cnc.rights();
     cnc.programs()
@@ -70,7 +70,7 @@ fn listed(cnc: &Cnc) -> impl Iterator<Item = u16> {
         .filter(move |number| !rights.hides(*number))
 }
 
-/// The directory.
+/// Draws the directory.
 pub fn directory(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let memory = cnc.programs();
     let (stored, room) = (memory.count(), memory.free_count());

@@ -1,4 +1,4 @@
-//! Program text in rows of 40 columns: wrapping, end-of-block sign, cursor.
+//! Draws program text in rows of 40 columns with wrapping, end-of-block sign and cursor.
 
 use core::ops::Range;
 
@@ -11,33 +11,33 @@ use crate::screen::{COLUMNS, Look, Screen};
 /// The rows of the program page.
 pub(crate) const PAGE_ROWS: usize = 12;
 
-/// Which part of a program is listed where.
+/// The part of a program that is listed, and its rows on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Listing {
     /// First screen row.
     pub top: usize,
-    /// Screen rows.
+    /// Number of screen rows.
     pub rows: usize,
     /// First line, from 1.
     pub first: u32,
-    /// Rows of that line left out because it is longer than the screen.
+    /// Number of rows of the first line that are left out, if it is longer than the screen.
     pub skip: usize,
 }
 
-/// What is marked in a listing.
+/// The mark in a listing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
-    /// The block in execution, inverse; by its line.
+    /// The block in execution, inverse, by its line.
     Block(u32),
     /// The edit cursor.
     Edit {
         /// Its line.
         line: u32,
-        /// Its character in that line, from 0.
+        /// Its character in the line, from 0.
         column: u32,
-        /// Alter mode: inverse; else a bar.
+        /// Whether alter mode is on. The cursor is then inverse, otherwise a bar.
         alter: bool,
-        /// The block is not ended yet: it has no sign.
+        /// Whether the block has not ended yet, so that it has no sign.
         open: bool,
     },
 }
@@ -48,8 +48,7 @@ impl Mark {
     }
 }
 
-/// A block as the control writes it: without trailing blanks, with the sign for
-/// the end of the block.
+/// A block as the control writes it: without trailing blanks, with the end-of-block sign.
 fn shown(line: &str, end_of_block: char) -> String {
     let text = line.trim_end();
     if text == "%" {
@@ -62,7 +61,7 @@ fn shown(line: &str, end_of_block: char) -> String {
     block
 }
 
-/// The sign for the end of a block: 012.1 EBCL.
+/// The end-of-block sign: 012.1 EBCL.
 fn end_of_block(cnc: &Cnc) -> char {
     if cnc.parameters().semicolon_ends_blocks() {
         ';'
@@ -71,7 +70,7 @@ fn end_of_block(cnc: &Cnc) -> char {
     }
 }
 
-/// A line of the listing; `None` outside it.
+/// A line of the listing, or `None` outside it.
 fn listed(program: &Program, line: u32, end_of_block: char) -> Option<String> {
     let last = program.last_listed();
     if line < last {
@@ -80,7 +79,7 @@ fn listed(program: &Program, line: u32, end_of_block: char) -> Option<String> {
     (line == last).then(|| "%".to_owned())
 }
 
-/// Byte ranges of the rows a text takes.
+/// Byte ranges of the rows that a text takes.
 fn wrap(text: &str, most: usize) -> Vec<Range<usize>> {
     let mut rows = Vec::new();
     let (mut start, mut column) = (0, 0);
@@ -99,8 +98,8 @@ fn wrap(text: &str, most: usize) -> Vec<Range<usize>> {
     rows
 }
 
-/// The listing of the program page that holds a place of the program: fixed
-/// pages of twelve lines, moved on only as far as wrapped lines demand.
+/// Returns the listing of the program page with a position of the program. Pages are a fixed
+/// twelve lines, shifted only as far as wrapped lines require.
 pub(crate) fn page_of(program: &Program, line: u32, column: u32) -> Listing {
     let top = program.first_listed();
     let line = line.max(top);
@@ -121,7 +120,7 @@ pub(crate) fn page_of(program: &Program, line: u32, column: u32) -> Listing {
     }
 }
 
-/// The row of a text that holds a character.
+/// The row of a text with a character.
 fn row_of(text: &str, column: u32) -> usize {
     let at = byte_of(text, column);
     wrap(text, usize::MAX)
@@ -130,7 +129,7 @@ fn row_of(text: &str, column: u32) -> usize {
         .unwrap_or(0)
 }
 
-/// The byte of a character, the last one when there are not so many.
+/// The byte of a character, or of the last one if the text is shorter.
 fn byte_of(text: &str, column: u32) -> usize {
     let mut last = 0;
     for (index, (at, _)) in text.char_indices().enumerate() {
@@ -142,7 +141,7 @@ fn byte_of(text: &str, column: u32) -> usize {
     last
 }
 
-/// Writes a listing.
+/// Draws a listing.
 pub fn draw(screen: &mut Screen, program: &Program, listing: Listing, mark: Mark, cnc: &Cnc) {
     let sign = end_of_block(cnc);
     let end = listing.top + listing.rows;

@@ -1,4 +1,4 @@
-//! The setting pages (manual III-2.5.1).
+//! Draws the setting pages (manual III-2.5.1).
 
 use gsk_core::cnc::Cnc;
 use gsk_messages::say;
@@ -8,7 +8,7 @@ use super::table::PageId;
 use super::view::View;
 use crate::screen::Screen;
 
-/// 设置: codes.
+/// Draws the settings (设置): codes.
 pub fn codes(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let settings = cnc.settings();
     let rows = [
@@ -28,7 +28,7 @@ pub fn codes(screen: &mut Screen, view: &View, cnc: &Cnc) {
     }
 }
 
-/// 设置: parameter switch and program switch.
+/// Draws the settings (设置): parameter switch and program switch.
 pub fn switches(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let cursor = view.cursors.get(PageId::SetSwitch).item.min(1);
     let rows = [
@@ -45,7 +45,7 @@ pub fn switches(screen: &mut Screen, view: &View, cnc: &Cnc) {
     }
 }
 
-/// 电子盘设置.
+/// Draws the electronic disk (电子盘设置).
 pub fn disk(screen: &mut Screen, view: &View) {
     for disk in 0..5 {
         screen.say(2 + disk, 0, &say::lcd_disk_read(disk, disk));

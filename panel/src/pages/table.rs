@@ -1,10 +1,10 @@
-//! The table of pages: which key opens them, in which order the page keys step
-//! through them, and what the title row says (manual III-2).
+//! Contains the table of pages: the key that opens them, the order of the page keys, and the
+//! title (manual III-2).
 
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-/// One page of the LCD.
+/// A page of the LCD.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
@@ -40,11 +40,11 @@ pub enum PageId {
     Edisk,
     /// Password.
     Password,
-    /// Parameters of the graphic.
+    /// Parameters of the graphic page.
     GraphPar,
-    /// The graphic.
+    /// The graphic page.
     Graph,
-    /// Status parameters.
+    /// State parameters.
     ParBit,
     /// Data parameters.
     ParData,
@@ -65,23 +65,23 @@ pub enum PageId {
 /// The key that opens a group of pages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum PageKey {
-    /// 位置 POS
+    /// 位置 POS.
     Pos,
-    /// 程序 PRG
+    /// 程序 PRG.
     Prg,
-    /// 刀补 OFT
+    /// 刀补 OFT.
     Oft,
-    /// 报警 ALM
+    /// 报警 ALM.
     Alm,
-    /// 设置 SET
+    /// 设置 SET.
     Set,
-    /// 参数 PAR
+    /// 参数 PAR.
     Par,
-    /// 诊断 DGN
+    /// 诊断 DGN.
     Dgn,
 }
 
-/// What the table says about a page.
+/// A row of the page table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PageRow {
     /// The page.
@@ -90,10 +90,10 @@ pub struct PageRow {
     pub name: &'static str,
     /// The key of its group.
     pub key: PageKey,
-    /// Which display of that key: pressing the key again goes to the next one,
-    /// the page keys stay inside one.
+    /// Its display of that key. Pressing the key again selects the next display. The page keys
+    /// stay inside one.
     pub display: u8,
-    /// Screens the page has; the page keys step through them first.
+    /// Number of screens of the page. The page keys step through them first.
     pub screens: u16,
 }
 
@@ -107,10 +107,10 @@ const fn row(page: PageId, name: &'static str, key: PageKey, display: u8, screen
     }
 }
 
-/// How many pages there are.
+/// Number of pages.
 pub(crate) const PAGE_COUNT: usize = 25;
 
-/// Every page, in the order of the page keys.
+/// All pages, in the order of the page keys.
 pub const PAGES: [PageRow; PAGE_COUNT] = {
     use PageId as P;
     use PageKey as K;
@@ -144,17 +144,17 @@ pub const PAGES: [PageRow; PAGE_COUNT] = {
 };
 
 impl PageId {
-    /// The page's row in the table.
+    /// Returns the page's row in the table.
     pub fn row(self) -> &'static PageRow {
         &PAGES[self as usize]
     }
 
-    /// Its name on the command line.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         self.row().name
     }
 
-    /// Its title.
+    /// Returns the title.
     pub fn title(self) -> Message {
         match self {
             Self::PosRel => say::lcd_position_relative(),
@@ -180,7 +180,7 @@ impl PageId {
         }
     }
 
-    /// The page of a name.
+    /// Returns the page with a name.
     pub fn from_name(name: &str) -> Option<Self> {
         PAGES
             .iter()
@@ -188,7 +188,7 @@ impl PageId {
             .map(|row| row.page)
     }
 
-    /// The next (or previous) page of the same display, wrapping at both ends.
+    /// Returns the next or previous page of the same display, wrapping at both ends.
     pub(crate) fn neighbour(self, forward: bool) -> Self {
         let own = self.row();
         let group: Vec<Self> = PAGES
@@ -201,7 +201,7 @@ impl PageId {
         group[(at + step) % group.len()]
     }
 
-    /// The first page of a display of a key; the displays wrap.
+    /// Returns the first page of a display of a key. Display numbers wrap.
     pub fn first_of(key: PageKey, display: u8) -> Self {
         let displays = PAGES
             .iter()

@@ -1,30 +1,30 @@
-//! Points taught by hand, and the program that they are.
+//! Stores points taught by hand, and writes them as a program.
 
 use serde::{Deserialize, Serialize};
 
-/// What is taught since the power came on.
+/// The points taught since power-on.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Teaching {
     /// The number of the program.
     pub program: u16,
-    /// The next point is reached by G00.
+    /// Whether the next point is reached by G00.
     pub rapid: bool,
-    /// The F of cuts, as it was keyed in.
+    /// The F of cuts as typed.
     pub feed: String,
     /// The points, in order.
     pub points: Vec<Taught>,
-    /// 命令: the first points are shown instead of the last.
+    /// 命令: whether the first points are shown instead of the last.
     pub from_first: bool,
 }
 
-/// One point.
+/// A taught point.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Taught {
-    /// Reached by G00; none: by G01 with this F.
+    /// The F of a G01 to the point. `None` for G00.
     pub feed: Option<String>,
-    /// X and Z as the program says them.
+    /// X as programmed.
     pub x: String,
-    /// Z.
+    /// Z as programmed.
     pub z: String,
 }
 
@@ -41,7 +41,7 @@ impl Default for Teaching {
 }
 
 impl Teaching {
-    /// The blocks: a number, G0 or G1, where to; the last one is the end.
+    /// Returns the blocks of the program: number, G0 or G1 and end point. The last block is M2.
     pub fn blocks(&self) -> Vec<String> {
         let points = (1..).zip(&self.points).map(|(number, point)| {
             let Taught { feed, x, z } = point;
@@ -55,7 +55,7 @@ impl Teaching {
         points.chain([end]).collect()
     }
 
-    /// The program.
+    /// Returns the text of the program.
     pub fn text(&self) -> String {
         let mut text = format!("O{:04};\n", self.program);
         for block in self.blocks() {

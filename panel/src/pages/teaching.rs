@@ -1,5 +1,5 @@
-//! Teaching: points that the axes are moved to by hand become a program (NC-B08, key
-//! 示教).
+//! Draws the teaching page: points that the operator moves the axes to become a program
+//! (NC-B08, key 示教).
 
 use gsk_core::cnc::Cnc;
 use gsk_core::operation::Mode;
@@ -15,11 +15,11 @@ use crate::screen::Screen;
 /// Rows of taught blocks.
 const FIRST_ROW: usize = 2;
 const ROWS: usize = 8;
-/// Rows of the position and of what the next point gets.
+/// Rows of the position and of the words for the next point.
 const POSITION_ROW: usize = 11;
 const NEXT_ROW: usize = 12;
 
-/// Whether the graphic page teaches now: the model does, and the axes are moved by hand.
+/// Returns whether the graphic page teaches: the model supports it and the mode is manual.
 pub fn teaches(cnc: &Cnc) -> bool {
     let by_hand = matches!(cnc.mode(), Mode::Jog | Mode::Step | Mode::Handwheel);
     by_hand && cnc.model().record().teaches

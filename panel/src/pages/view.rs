@@ -1,4 +1,4 @@
-//! What drawing needs to know of the panel besides the control's own state.
+//! Stores the panel's state that drawing needs beside that of the control.
 
 use gsk_core::program::Editing;
 use gsk_core::units::Axis;
@@ -10,7 +10,7 @@ use super::table::{PAGE_COUNT, PageId};
 use super::taught::Teaching;
 use crate::trace::Trace;
 
-/// Ticks of one half of a flashing period.
+/// Half a period of flashing, ticks.
 pub const FLASH_TICKS: u64 = 500;
 
 /// Steps of the LCD's brightness.
@@ -19,35 +19,34 @@ pub const BRIGHTNESS_STEPS: u8 = 16;
 /// Brightness of a new panel.
 pub(crate) const DEFAULT_BRIGHTNESS: u8 = 8;
 
-/// The panel's part of the picture.
+/// The state of the panel that pages show.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct View {
-    /// Ticks since power-on: the phase of everything that flashes.
+    /// Ticks since power-on, the phase of flashing.
     pub ticks: u64,
     /// Brightness, 0 (darkest) to 15.
     pub brightness: u8,
-    /// Characters keyed in and not yet committed.
+    /// Characters typed but not committed.
     pub input: String,
-    /// The axis whose letter flashes on the relative page (U or W was pressed).
+    /// The axis whose letter flashes on the relative page after U or W.
     pub flashing: Option<Axis>,
-    /// Whether the position pages show the spindle override in place of the
-    /// rapid override (转换).
+    /// Whether the position pages show the spindle override instead of the rapid override (转换).
     pub spindle_override: bool,
     /// Cursors of the list pages.
     pub cursors: Cursors,
     /// The program editor.
     pub editor: Editor,
-    /// Which 36 programs the directory shows, from 0.
+    /// The screen of 36 programs that the directory shows, from 0.
     pub directory_screen: usize,
-    /// What is keyed in on the password page.
+    /// The input of the password page.
     pub password: PasswordEntry,
-    /// How the last operation with an electronic disk ended.
+    /// Whether the last operation on an electronic disk succeeded.
     pub disk_done: Option<bool>,
-    /// Settings of the graphic.
+    /// Settings of the graphic page.
     pub graphic: GraphicSettings,
     /// The path drawn on the graphic page.
     pub trace: Trace,
-    /// Serial communication, as the status row shows it.
+    /// State of serial communication in the status row.
     pub communication: Communication,
     /// Points taught by hand.
     #[serde(default)]
@@ -76,29 +75,29 @@ impl Default for View {
 }
 
 impl View {
-    /// Whether flashing texts are visible now.
+    /// Returns whether flashing texts are visible now.
     pub(crate) const fn flash_on(&self) -> bool {
         (self.ticks / FLASH_TICKS).is_multiple_of(2)
     }
 }
 
-/// The cursor of one list page.
+/// The cursor of a list page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Cursor {
-    /// The item it stands on, from 0; the screen that holds it is shown.
+    /// The selected item, from 0. Its screen is shown.
     pub item: usize,
-    /// The bit it stands on, on pages with bits.
+    /// The selected bit, on pages with bits.
     pub bit: u8,
-    /// Whether `转换` chose entry of single bits.
+    /// Whether `转换` selected the entry of single bits.
     pub bit_entry: bool,
 }
 
-/// One cursor for each page.
+/// A cursor for each page.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Cursors([Cursor; PAGE_COUNT]);
 
 impl Default for Cursors {
-    /// Every cursor on the first item, on the password page on the second.
+    /// Every cursor is on the first item, but on the second of the password page.
     fn default() -> Self {
         let mut cursors = Self([Cursor::default(); PAGE_COUNT]);
         cursors.get_mut(PageId::Password).item = 1;
@@ -107,40 +106,40 @@ impl Default for Cursors {
 }
 
 impl Cursors {
-    /// The cursor of a page.
+    /// Returns the cursor of a page.
     pub const fn get(&self, page: PageId) -> Cursor {
         self.0[page as usize]
     }
 
-    /// The cursor of a page, to be moved.
+    /// Returns the cursor of a page for moving.
     pub const fn get_mut(&mut self, page: PageId) -> &mut Cursor {
         &mut self.0[page as usize]
     }
 }
 
-/// The program editor as it is seen.
+/// The state of the program editor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Editor {
-    /// Text and cursor; `None` shows the stored program at the control's cursor.
+    /// Text and cursor. `None` shows the stored program at the control's cursor.
     pub editing: Option<Editing>,
-    /// Alter mode (inverse cursor) instead of insert mode (bar).
+    /// Whether alter mode (inverse cursor) is on instead of insert mode (bar).
     pub alter: bool,
-    /// Search state of `转换`: the prompt changes.
+    /// Whether `转换` has started a search, which changes the prompt.
     pub searching: bool,
 }
 
-/// What the status row says about the serial port (manual III-9.8).
+/// The state of the serial port in the status row (manual III-9.8).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Communication {
-    /// Nothing to say.
+    /// Nothing is shown.
     #[default]
     Idle,
     /// Receiving.
     Receiving,
-    /// Sending; flashes.
+    /// Sending. The text flashes.
     Sending,
-    /// The link could not be made.
+    /// The connection failed.
     NotConnected,
-    /// The link broke during a transfer.
+    /// The connection was lost during a transfer.
     Failed,
 }

@@ -1,4 +1,4 @@
-//! Characters and the input line (manual III-1.2.4, III-1.3).
+//! Handles characters and the input line (manual III-1.2.4, III-1.3).
 
 use gsk_core::cnc::{Cnc, Request};
 use gsk_core::operation::Mode;
@@ -8,22 +8,22 @@ use super::{INPUT_LENGTH, Panel};
 use crate::keys::Key;
 use crate::pages::PageId;
 
-/// Characters that a search takes; the last one is overwritten.
+/// Characters of a search. The last one is overwritten.
 const SEARCH_LENGTH: usize = 5;
 
-/// Whether a character can be entered: ASCII, without the quotation mark, which
-/// no program uses.
+/// Returns whether a character can be typed: ASCII without the quotation mark, which no program
+/// uses.
 pub(crate) fn is_typable(character: char) -> bool {
     character == ' ' || character.is_ascii_graphic() && character != '"'
 }
 
-/// Whether programs are selected and searched on the program page in a mode.
+/// Whether a mode selects and searches programs on the program page.
 const fn lists_programs(mode: Mode) -> bool {
     mode.edits() || matches!(mode, Mode::Auto)
 }
 
 impl Panel {
-    /// A character from the PC keyboard.
+    /// Handles a character from the PC keyboard.
     pub(super) fn typed(&mut self, character: char, cnc: &Cnc, requests: &mut Vec<Request>) {
         let character = character.to_ascii_uppercase();
         if character == ';' {
@@ -36,8 +36,8 @@ impl Panel {
         }
     }
 
-    /// A character key. Pressed again with nothing in between, a compound key
-    /// replaces its character by the other one.
+    /// Handles a character key. A compound key pressed again immediately replaces its character
+    /// by the other one.
     pub(super) fn character_key(
         &mut self,
         key: Key,
@@ -101,7 +101,7 @@ impl Panel {
         }
     }
 
-    /// A character while 取消 is held.
+    /// Handles a character while 取消 is held.
     fn chord(&self, character: char, requests: &mut Vec<Request>) {
         let relative = matches!(self.page, PageId::PosRel | PageId::PosAll);
         let counters = matches!(self.page, PageId::PosRel | PageId::PosAbs);
@@ -116,7 +116,7 @@ impl Panel {
         }
     }
 
-    /// W and D move the bit cursor; the key D/U enters U first.
+    /// W and D move the bit cursor. The key D/U enters U first.
     fn bit_command(&mut self, character: char) -> bool {
         let bits = matches!(self.page, PageId::ParBit | PageId::Dgn | PageId::PlcBits);
         if !bits || !self.view.input.is_empty() {
@@ -130,7 +130,7 @@ impl Panel {
         true
     }
 
-    /// Whether the page shows the input line and reads it.
+    /// Returns whether the page has an input line.
     pub(super) fn takes_input(&self, cnc: &Cnc) -> bool {
         match self.page {
             PageId::Prg => lists_programs(cnc.mode()),
@@ -157,11 +157,11 @@ impl Panel {
         }
     }
 
-    /// 输入: the input line is read and cleared.
+    /// 输入: reads and clears the input line.
     pub(super) fn commit(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
         match self.page {
             PageId::Password => return self.password_input(cnc, requests),
-            // The program page is searched with the cursor keys.
+            // The cursor keys search on the program page.
             PageId::Prg => return,
             _ if self.view.input.is_empty() => return,
             PageId::GraphPar if cnc.mode() == Mode::Mdi => self.set_graphic(cnc),
@@ -171,7 +171,7 @@ impl Panel {
         self.clear_input();
     }
 
-    /// 转换.
+    /// Handles 转换.
     pub(super) fn change_key(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
         match self.page {
             PageId::Prg if self.edits(cnc) && self.view.input.starts_with('O') => {
@@ -194,7 +194,7 @@ impl Panel {
         }
     }
 
-    /// The cursor keys.
+    /// Handles the cursor keys.
     pub(super) fn cursor_key(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
         if self.page == PageId::Prg && lists_programs(cnc.mode()) {
             self.program_cursor(key, cnc, requests);

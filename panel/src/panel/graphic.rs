@@ -1,5 +1,4 @@
-//! The graphic pages: entering the extents, drawing the path
-//! (manual III-2.5.2).
+//! Handles the graphic pages: entering the extents, drawing the path (manual III-2.5.2).
 
 use gsk_core::cnc::Cnc;
 use gsk_core::units::Point;
@@ -8,13 +7,13 @@ use super::Panel;
 use crate::pages::PageId;
 use crate::trace::{Ahead, Piece};
 
-/// Largest value of a row, thousandths of a millimetre.
+/// Greatest value of a row, thousandths of a millimetre.
 const LARGEST: i64 = 9_999_999;
-/// An undotted number up to here is in millimetres, above in thousandths.
+/// A number without a point is in millimetres up to this value, in thousandths above.
 const LARGEST_MM: i64 = 9999;
 
 impl Panel {
-    /// S draws, T stops, R erases.
+    /// S draws, T stops, R clears.
     pub(super) fn graphic_command(&mut self, character: char, cnc: &Cnc) {
         match character {
             'S' => {
@@ -31,9 +30,9 @@ impl Panel {
         }
     }
 
-    /// Appends the motion of the last tick to the path. A new coordinate frame
-    /// is no motion. What a pulse board has not made yet may be taken back: behind a
-    /// stop the path ends where the board stands.
+    /// Appends the motion of the last tick to the path. A new coordinate frame is not motion.
+    /// Motion that a pulse board has not executed yet may be cancelled: after a stop the path
+    /// ends at the board's position.
     pub(super) fn trace(&mut self, cnc: &Cnc) {
         if !self.view.graphic.drawing {
             return;
@@ -69,9 +68,8 @@ impl Panel {
         }
     }
 
-    /// Keys in the extents of a program that was opened, as an operator would, and
-    /// starts drawing; extents that are set already stay. `min` and `max` are
-    /// points of the program (X as a radius).
+    /// Enters the extents of an opened program, as an operator would, and starts drawing.
+    /// Existing extents are kept. `min` and `max` are points of the program (X as a radius).
     pub fn fit_graphic(&mut self, min: Point, max: Point, cnc: &Cnc) {
         let settings = &mut self.view.graphic;
         let unset = settings.scale == 0 && settings.max_x == 0 && settings.max_z == 0;
@@ -93,8 +91,8 @@ impl Panel {
         self.graphic_command('S', cnc);
     }
 
-    /// Stores the input line in the row at the cursor; what does not fit is
-    /// ignored. New extents recompute scale and centre.
+    /// Stores the input line in the row at the cursor. Ignores invalid values. New extents
+    /// recompute scale and centre.
     pub(super) fn set_graphic(&mut self, cnc: &Cnc) {
         let input = self.view.input.trim();
         let settings = &mut self.view.graphic;
@@ -134,8 +132,8 @@ impl Panel {
     }
 }
 
-/// A length: with a point in millimetres, without one in millimetres up to 9999
-/// and in thousandths above.
+/// Parses a length in thousandths: in millimetres with a point or up to 9999, otherwise in
+/// thousandths.
 fn thousandths(text: &str) -> Option<i32> {
     let (sign, digits) = match text.strip_prefix('-') {
         Some(rest) => (-1, rest),

@@ -1,4 +1,4 @@
-//! Which page is shown, and the cursor on list pages (manual III-1.2.5).
+//! Selects pages, and moves the cursor on list pages (manual III-1.2.5).
 
 use gsk_core::cnc::{Cnc, Request};
 
@@ -6,12 +6,12 @@ use super::{Panel, group};
 use crate::keys::Key;
 use crate::pages::{self, PageId, PageKey};
 
-/// Numbers of tool offsets and diagnosis bytes listed.
+/// Count of tool offsets and of diagnosis bytes.
 const OFFSETS: usize = 33;
 const DIAGNOSES: usize = 128;
 
 impl Panel {
-    /// Selects a page; what was typed for the old one is dropped.
+    /// Selects a page and clears the input line of the old one.
     pub(super) fn go_to(&mut self, page: PageId) {
         if page == self.page {
             return;
@@ -20,7 +20,7 @@ impl Panel {
         self.clear_input();
         self.view.flashing = None;
         if page == PageId::Password {
-            // The cursor begins on the row of the password.
+            // The cursor starts on the row of the password.
             self.view.cursors.get_mut(page).item = 1;
         }
         self.view.disk_done = None;
@@ -34,8 +34,8 @@ impl Panel {
         self.last_shown[slot] = page;
     }
 
-    /// POS, PRG, OFT and ALM open what was last shown; SET, PAR and DGN open
-    /// their first display and step through them when pressed again.
+    /// POS, PRG, OFT and ALM open their last page. SET, PAR and DGN open their first display,
+    /// and step through the displays when pressed again.
     pub(super) fn page_key(&mut self, key: Key, cnc: &Cnc) {
         let Some(group) = group(key) else {
             return;
@@ -57,7 +57,7 @@ impl Panel {
         self.go_to(page);
     }
 
-    /// The page keys: screens of the page first, then the next page.
+    /// The page keys step through the screens of a page, then to the next page.
     pub(super) fn turn_page(&mut self, forward: bool, cnc: &Cnc, requests: &mut Vec<Request>) {
         if self.page == PageId::Prg && cnc.mode().edits() {
             self.turn_text(forward, cnc, requests);
@@ -95,7 +95,7 @@ impl Panel {
         }
     }
 
-    /// Steps through the directory; false at its end.
+    /// Steps through the directory. Returns false at its end.
     fn turn_directory(&mut self, forward: bool, cnc: &Cnc) -> bool {
         let shown = self.view.directory_screen;
         let last = pages::directory_screens(cnc) - 1;
@@ -111,13 +111,13 @@ impl Panel {
         true
     }
 
-    /// The next screen of the directory, cyclic.
+    /// Shows the next screen of the directory, cyclic.
     pub(super) fn next_directory_screen(&mut self, cnc: &Cnc) {
         let screens = pages::directory_screens(cnc);
         self.view.directory_screen = (self.view.directory_screen + 1) % screens;
     }
 
-    /// Moves the cursor of a list page; the ends are joined.
+    /// Moves the cursor of a list page, cyclic.
     pub(super) fn move_item(&mut self, forward: bool, cnc: &Cnc) {
         let items = item_count(self.page, cnc);
         if items == 0 {
@@ -136,7 +136,7 @@ impl Panel {
     }
 }
 
-/// How many items the cursor of a page walks over.
+/// Returns the number of items on a page.
 pub(super) fn item_count(page: PageId, cnc: &Cnc) -> usize {
     match page {
         PageId::Oft => OFFSETS,
@@ -173,8 +173,7 @@ fn list_screen(page: PageId, cnc: &Cnc) -> Option<ListScreen> {
 }
 
 impl ListScreen {
-    /// The first item of the screen that shows an item. Each area of the PLC
-    /// begins a new screen.
+    /// The first item of the screen that shows an item. Each PLC area starts a new screen.
     fn start(self, item: usize) -> usize {
         let within = match self.page {
             PageId::PlcBits => usize::from(pages::bit_item(item).byte),
@@ -184,8 +183,8 @@ impl ListScreen {
         item - within % self.size
     }
 
-    /// The first item of the next or previous screen; `None` beyond the ends of
-    /// a page that has neighbours.
+    /// The first item of the next or previous screen. `None` beyond the end of a page that has
+    /// a neighbour.
     fn turn(self, item: usize, forward: bool) -> Option<usize> {
         let items = self.items;
         let start = self.start(item.min(items - 1));

@@ -1,5 +1,5 @@
-//! The program page: selecting, searching and editing programs
-//! (manual III-5.1, III-8.1, III-8.2).
+//! Handles the program page: selecting, searching and editing programs (manual III-5.1,
+//! III-8.1, III-8.2).
 
 use gsk_core::cnc::{Cnc, Request};
 use gsk_core::command::ProgramId;
@@ -10,17 +10,17 @@ use super::Panel;
 use crate::keys::Key;
 use crate::pages::{PAGE_ROWS, PageId};
 
-/// `O-` and these digits mean all programs.
+/// `O-` with these digits means all programs.
 const ALL_PROGRAMS: [&str; 2] = ["999", "9999"];
 
 impl Panel {
-    /// Whether keys change a program text: the program page in EDIT and in teach-in.
+    /// Returns whether keys change a program text: on the program page in EDIT and in teach-in.
     pub(super) fn edits(&self, cnc: &Cnc) -> bool {
         self.page == PageId::Prg && cnc.mode().edits()
     }
 
-    /// Whether a character goes into the input line of the editor instead of the
-    /// text: a search, or a program number.
+    /// Returns whether a character goes into the editor's input line instead of the text: in a
+    /// search, or for a program number.
     pub(super) fn keyed_beside_text(&self, character: char, cnc: &Cnc) -> bool {
         let editor = &self.view.editor;
         let editing = editor.editing.as_ref();
@@ -31,8 +31,8 @@ impl Panel {
         editor.searching || !self.view.input.is_empty() || names_program
     }
 
-    /// A character for the text. `key`: a compound key, whose other character may
-    /// follow in its place.
+    /// Types a character into the text. `key`: a compound key, whose other character may
+    /// replace it.
     pub(super) fn type_into_text(
         &mut self,
         character: char,
@@ -56,7 +56,8 @@ impl Panel {
         }
     }
 
-    /// A compound key again: its other character replaces the one just typed.
+    /// Replaces the character just typed by the other one of the compound key. Returns whether
+    /// it did.
     pub(super) fn alternate_in_text(
         &mut self,
         key: Key,
@@ -67,7 +68,8 @@ impl Panel {
         let Some(editing) = &self.view.editor.editing else {
             return false;
         };
-        // Behind the cursor, it stands on what was typed, but at the end of a block.
+        // With insertion after the cursor, the cursor is on the typed character, except at the
+        // end of a block.
         let behind = cnc.parameters().inserts_behind() && editing.at_cursor().is_some();
         let alter = self.view.editor.alter || behind;
         let entered = if alter {
@@ -93,7 +95,7 @@ impl Panel {
         done
     }
 
-    /// EOB, DEL, INS/ALT, CHG, CAN and OUT on the program page in EDIT.
+    /// Handles EOB, DEL, INS/ALT, CHG, CAN and OUT on the program page in EDIT.
     pub(super) fn edit_key(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
         let input = self.view.input.clone();
         if let Some(number) = input.strip_prefix('O').filter(|_| key != Key::Cancel) {
@@ -125,7 +127,7 @@ impl Panel {
         }
     }
 
-    /// `O`, a number and a key: what becomes of that program.
+    /// Handles `O`, a number and a key, which create, save, rename or delete the program.
     fn program_command(&mut self, key: Key, digits: &str, requests: &mut Vec<Request>) {
         let all = is_all_programs(digits);
         let number = number(digits);
@@ -148,7 +150,7 @@ impl Panel {
         self.clear_input();
     }
 
-    /// Search state, `N`, a number, 删除: from the cursor to the end of that block.
+    /// Search state, `N`, a number, 删除: deletes from the cursor to the end of that block.
     fn delete_range(&mut self, input: &str, cnc: &Cnc, requests: &mut Vec<Request>) {
         let Some(sequence) = input.strip_prefix('N').and_then(number) else {
             return;
@@ -163,8 +165,8 @@ impl Panel {
         }
     }
 
-    /// A cursor key on the program page in EDIT or AUTO: with `O` typed it
-    /// selects a program, in search state it searches, in EDIT it moves.
+    /// Handles a cursor key on the program page in EDIT or AUTO. With `O` typed it selects a
+    /// program, in search state it searches, in EDIT it moves the cursor.
     pub(super) fn program_cursor(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
         let input = self.view.input.clone();
         if self.view.editor.searching {
@@ -174,7 +176,7 @@ impl Panel {
         if let Some(rest) = input.strip_prefix('O') {
             match key {
                 Key::Down if rest.is_empty() => {
-                    // The letter stays, so that the next press goes on.
+                    // The letter remains, so that the next press selects the next program.
                     self.store_edited(requests);
                     requests.extend(next_program(cnc).map(Request::SelectProgram));
                 }
@@ -207,7 +209,7 @@ impl Panel {
         }
     }
 
-    /// 转换, up to five characters, a cursor key.
+    /// Handles 转换, up to five characters and a cursor key.
     fn search_text(&mut self, wanted: &str, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
         let forward = match key {
             Key::Down => true,
@@ -228,7 +230,7 @@ impl Panel {
         }
     }
 
-    /// The page keys in EDIT: a screen on or back.
+    /// Moves one screen forward or back in EDIT.
     pub(super) fn turn_text(&mut self, forward: bool, cnc: &Cnc, requests: &mut Vec<Request>) {
         if let Some(editing) = self.editing(cnc) {
             editing.turn_page(forward, PAGE_ROWS as u32);
@@ -236,14 +238,14 @@ impl Panel {
         }
     }
 
-    /// The next run begins at the cursor.
+    /// The next run starts at the cursor.
     fn cursor_moved(&mut self, requests: &mut Vec<Request>) {
         if let Some(editing) = &self.view.editor.editing {
             requests.push(Request::CursorTo(editing.cursor().0));
         }
     }
 
-    /// The editor of the selected program, begun at the control's cursor.
+    /// The editor of the selected program, opened at the control's cursor.
     fn editing(&mut self, cnc: &Cnc) -> Option<&mut Editing> {
         let hidden = stored_number(cnc).is_some_and(|number| cnc.rights().hides(number));
         let program = current(cnc).filter(|_| !hidden)?;
@@ -252,7 +254,7 @@ impl Panel {
         Some(self.view.editor.editing.get_or_insert_with(begun))
     }
 
-    /// Whether the selected program may be edited; the control says why not.
+    /// Whether the selected program may be edited. The control reports the reason if not.
     fn may_edit(&self, cnc: &Cnc, requests: &mut Vec<Request>) -> bool {
         // A program outside the memory is read-only.
         let Some(number) = stored_number(cnc) else {
@@ -267,7 +269,8 @@ impl Panel {
         }
     }
 
-    /// Changes the text, as far as that is allowed and the memory has room.
+    /// Changes the text, if that is allowed and the memory has enough space. Returns whether it
+    /// did.
     pub(super) fn edit(
         &mut self,
         cnc: &Cnc,
@@ -290,7 +293,7 @@ impl Panel {
         let stored = editing.stored().characters();
         let grown = changed.program().characters().saturating_sub(stored);
         if grown > cnc.programs().free_characters() {
-            // The memory refuses it with its alarm; the text stays as it was.
+            // The memory refuses it with its alarm, and the text does not change.
             let program = changed.finish().clone();
             requests.push(Request::StoreEdited { number, program });
             return false;
@@ -300,8 +303,8 @@ impl Panel {
         true
     }
 
-    /// The program that is being edited, as it would be stored now: the memory of
-    /// the control is buffered by its battery key by key.
+    /// Returns the edited program as it would be stored now. The battery of the control's
+    /// memory keeps every key press.
     pub fn edited(&self) -> Option<(u16, Program)> {
         let number = self.edited?;
         let editing = self.view.editor.editing.as_ref()?;
@@ -310,8 +313,7 @@ impl Panel {
             .then(|| (number, editing.clone().finish().clone()))
     }
 
-    /// Stores the text when it was changed: before another program, on another
-    /// page, in another mode.
+    /// Stores the text if it has changed: before another program, page or mode.
     pub(super) fn store_edited(&mut self, requests: &mut Vec<Request>) {
         let (Some(editing), Some(number)) = (&mut self.view.editor.editing, self.edited.take())
         else {
@@ -329,8 +331,8 @@ impl Panel {
         editing.saved(program);
     }
 
-    /// What a tick brings: text is stored when its page or mode is left, and the
-    /// editor follows the control when that shows another program or place.
+    /// Stores the text when its page or mode is left. Moves the editor when the control shows
+    /// another program or line.
     pub(super) fn follow_program(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
         if self.view.editor.editing.is_none() && self.created.is_none() {
             return;
@@ -370,7 +372,7 @@ fn current(cnc: &Cnc) -> Option<&Program> {
     cnc.programs().get(cnc.programs().current()?)
 }
 
-/// The number of the selected program, when it is one of the memory.
+/// The number of the selected program, if it is in the memory.
 fn stored_number(cnc: &Cnc) -> Option<u16> {
     match cnc.programs().current()? {
         ProgramId::Stored(number) => Some(number),
@@ -382,7 +384,7 @@ fn running(cnc: &Cnc) -> bool {
     cnc.rights().operating
 }
 
-/// 自动序号 and decimal points, as the control is set.
+/// 自动序号 and decimal points, by the settings of the control.
 fn completion(cnc: &Cnc) -> Completion {
     let step = cnc.parameters().block_number_step();
     Completion {
@@ -391,7 +393,7 @@ fn completion(cnc: &Cnc) -> Completion {
     }
 }
 
-/// The stored program after the selected one; after the last the first.
+/// The stored program after the selected one, or the first after the last.
 fn next_program(cnc: &Cnc) -> Option<u16> {
     let rights = cnc.rights();
     let listed = cnc.programs().iter().map(|(number, _)| number);
@@ -401,13 +403,13 @@ fn next_program(cnc: &Cnc) -> Option<u16> {
     after.or(numbers.first()).copied()
 }
 
-/// `-999` behind the O: every program.
+/// Returns whether the digits after the O are `-999`: every program.
 pub(super) fn is_all_programs(digits: &str) -> bool {
     let digits = digits.strip_prefix('-');
     digits.is_some_and(|digits| ALL_PROGRAMS.contains(&digits))
 }
 
-/// A number of up to four digits.
+/// Parses a number of up to four digits.
 pub(super) fn number(digits: &str) -> Option<u16> {
     let number: u16 = digits.trim().parse().ok()?;
     (number <= 9999).then_some(number)

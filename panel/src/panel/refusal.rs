@@ -1,4 +1,4 @@
-//! Why a key of page or text would do nothing now.
+//! Explains why a page or text key would have no effect now.
 
 use gsk_core::cnc::Cnc;
 use gsk_core::command::ProgramId;
@@ -10,8 +10,8 @@ use crate::keys::{Key, Role};
 use crate::pages::PageId;
 
 impl Panel {
-    /// Why a key would do nothing if it went down now; none: it acts, the control
-    /// tells, or it has nothing to do with page and text.
+    /// Returns why a key would have no effect if it were pressed now. `None` if it acts, if the
+    /// control reports the reason, or if it is neither a page nor a text key.
     pub fn refuses(&self, key: Key, cnc: &Cnc) -> Option<Message> {
         if !self.powered() {
             return (key != Key::EmergencyStop && key != Key::OvertravelRelease)
@@ -39,7 +39,7 @@ impl Panel {
         }
     }
 
-    /// The same for a character of the PC's keyboard.
+    /// Returns the reason for a character of the PC keyboard.
     pub(crate) fn refuses_character(&self, character: char, cnc: &Cnc) -> Option<Message> {
         if !self.powered() || self.in_self_test() || self.is_held(Key::Cancel) {
             return None;
@@ -61,7 +61,7 @@ impl Panel {
         }
     }
 
-    /// The text of a program.
+    /// Reasons for keys of the program text.
     fn refuses_text(&self, input: bool, cnc: &Cnc) -> Option<Message> {
         match cnc.mode() {
             Mode::Edit if input => None,
@@ -82,7 +82,7 @@ impl Panel {
         }
     }
 
-    /// An entry that is no value here is dropped.
+    /// An invalid value is ignored.
     fn refuses_value(&self, cnc: &Cnc) -> Option<Message> {
         let mut requests = Vec::new();
         let entered = !self.view().input.trim().is_empty();

@@ -1,4 +1,4 @@
-//! `P`, a number, 输入: the cursor of a list page jumps there.
+//! Handles `P`, a number and 输入: the cursor of a list page moves to that item.
 
 use gsk_core::cnc::Cnc;
 use gsk_core::plc::address::{Area, ByteAddress};
@@ -8,8 +8,7 @@ use super::navigation::item_count;
 use crate::pages::{self, PageId};
 
 impl Panel {
-    /// Moves the cursor to the item that the input line names; nothing happens
-    /// when there is none.
+    /// Moves the cursor to the item in the input line, if it exists.
     pub(super) fn search_item(&mut self, cnc: &Cnc) {
         let Some(wanted) = self.view.input.strip_prefix('P') else {
             return;
@@ -39,8 +38,8 @@ fn found(page: PageId, wanted: &str, cnc: &Cnc) -> Option<usize> {
     }
 }
 
-/// A PLC address; keys that the keyboard lacks have stand-ins: H is Y, I is A,
-/// J is C, and U, the first character of its key, is D.
+/// A PLC address. Letters without a key have substitutes: H is Y, I is A, J is C. U, the first
+/// character of its key, is D.
 fn plc_item(page: PageId, wanted: &str) -> Option<usize> {
     let letter = wanted.chars().next()?;
     let byte: u16 = wanted.get(1..)?.parse().ok()?;

@@ -1,5 +1,5 @@
-//! Teach-in: the axes are moved by hand, and where they stand is taken into the
-//! program (manual PLC-II 3.6).
+//! Handles teach-in: the operator moves the axes and stores their position in the program
+//! (manual PLC-II 3.6).
 
 use gsk_core::cnc::{Cnc, Request};
 use gsk_core::program::Editing;
@@ -9,12 +9,12 @@ use super::Panel;
 use crate::keys::Key;
 use crate::pages::{PageId, Taught, teaches};
 
-/// Millimetres of an inch.
+/// Millimetres in an inch.
 const MM_PER_INCH: f64 = 25.4;
 
 impl Panel {
-    /// 输入 in a teach-in mode: the axis word at the cursor takes the absolute
-    /// coordinate. Nothing is taken while an axis moves.
+    /// 输入 in a teach-in mode: sets the axis word at the cursor to the absolute coordinate,
+    /// unless an axis moves.
     pub(super) fn teach(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
         if self.view.editor.searching || !self.view.input.is_empty() || cnc.is_moving() {
             return;
@@ -31,14 +31,14 @@ impl Panel {
 /// Digits of a feed and of a program number.
 const DIGITS: usize = 5;
 
-/// Points taught by hand (NC-B08, key 示教; the page is the graphic one).
+/// Points taught by hand (NC-B08, key 示教, on the graphic page).
 impl Panel {
-    /// Whether keys teach.
+    /// Returns whether keys teach.
     pub(super) fn is_teaching(&self, cnc: &Cnc) -> bool {
         self.page == PageId::Graph && teaches(cnc)
     }
 
-    /// A key that teaches; whether it was one.
+    /// Handles a teaching key. Returns whether it was one.
     pub(super) fn teaching_key(
         &mut self,
         key: Key,
@@ -75,7 +75,7 @@ impl Panel {
         true
     }
 
-    /// G changes between G00 and G01; F and P begin a word.
+    /// G changes between G00 and G01. F and P begin a word.
     pub(super) fn teaching_character(&mut self, character: char) {
         let input = &mut self.view.input;
         match character {
@@ -89,7 +89,7 @@ impl Panel {
         }
     }
 
-    /// F: the feed of cuts; P: another program, which begins at its first line.
+    /// F sets the feed of cuts. P selects another program without points.
     fn take_teaching_word(&mut self) {
         let input = core::mem::take(&mut self.view.input);
         let teaching = &mut self.view.teaching;
@@ -113,7 +113,7 @@ impl Panel {
     }
 }
 
-/// Where an axis stands, as a program says it: diameter or radius, mm or inch.
+/// The position of an axis as programmed: diameter or radius, mm or inch.
 fn programmed(cnc: &Cnc, axis: Axis) -> String {
     let at = cnc.position_absolute().get(axis);
     let radius = axis == Axis::Z || cnc.parameters().radius_programming();

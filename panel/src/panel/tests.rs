@@ -14,7 +14,7 @@ fn awake() -> Emulator {
     emulator
 }
 
-/// A key pressed for a moment too short for the ladder: display only.
+/// Presses a key too briefly for the ladder, so that only the display reacts.
 fn tap(emulator: &mut Emulator, key: Key) {
     emulator.key_down(key);
     emulator.key_up(key);
@@ -395,7 +395,7 @@ fn graphic_extents_are_entered_and_the_path_is_drawn() {
     emulator.press(Key::CycleStart);
     emulator.run_until(&Condition::Stopped, 120_000);
     let trace = &emulator.panel.view().trace;
-    // X and Z need the same time here, so that the rapid is one straight piece.
+    // X and Z need the same time here, so that the rapid is one straight segment.
     assert_eq!(trace.pieces().count(), 2);
     let last = trace.pieces().last().unwrap();
     assert!(!last.rapid);

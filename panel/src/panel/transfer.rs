@@ -1,5 +1,5 @@
-//! The serial port: 输出 in EDIT sends programs and data to the partner, what the
-//! partner sends is taken, and the bottom line says what goes on (manual III-9).
+//! Handles the serial port: 输出 in EDIT sends programs and data, files from the partner are
+//! received, and the status row shows the state (manual III-9).
 
 mod files;
 mod line;
@@ -16,41 +16,41 @@ use crate::pages::{Communication, PageId};
 pub use files::LineError;
 pub use line::{FileId, FileRefusal, file_of, number_of_name, read_data};
 
-/// A PC talks at this rate or a higher one (manual III-9.3).
+/// Least rate of a PC connection, bit/s (manual III-9.3).
 const SLOWEST: u64 = 4800;
-/// A character on the line: start bit, eight bits, stop bit.
+/// Bits of a character: start bit, eight data bits, stop bit.
 const CHARACTER_BITS: u64 = 10;
-/// Ticks of a second.
+/// Ticks in a second.
 const SECOND: u64 = 1000;
 
-/// Why the control takes no file.
+/// The reason why the control does not receive a file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum NotTaken {
-    /// Parameter 002.5.
+    /// The port is off (parameter 002.5).
     PortOff,
-    /// Another file is on its way.
+    /// Another transfer is in progress.
     Busy,
-    /// The rate of the port.
+    /// The rate of the port is too low.
     TooSlow,
-    /// The file cannot be read.
+    /// The content of the file is invalid.
     Unreadable {
-        /// Its name.
+        /// The name of the file.
         name: String,
-        /// What is wrong with it.
+        /// The invalid line.
         cause: LineError,
     },
-    /// The file may not come in now.
+    /// The control refuses the file in its current state.
     Refused {
-        /// Its name.
+        /// The name of the file.
         name: String,
-        /// What forbids it.
+        /// The reason.
         why: Refusal,
     },
 }
 
 impl NotTaken {
-    /// What is said of it.
+    /// Returns the message to the partner.
     pub fn message(&self) -> Message {
         match self {
             Self::PortOff => say::transfer_port_off(),
@@ -62,16 +62,16 @@ impl NotTaken {
     }
 }
 
-/// A file on its way through the port.
+/// A file that passes through the port.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SerialFile {
     /// Its name.
     pub name: String,
-    /// What it holds.
+    /// Its content.
     pub text: String,
 }
 
-/// What 输出 asked for.
+/// What 输出 sends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Wanted {
     Program(u16),
@@ -81,38 +81,38 @@ enum Wanted {
     Parameters,
 }
 
-/// Who is at the other end of the port.
+/// The partner at the other end of the port.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Partner {
-    /// Nobody.
+    /// No partner.
     #[default]
     Nobody,
-    /// Somebody who takes everything, without a port.
+    /// A simulated partner that accepts everything, without a port of the computer.
     Imagined,
-    /// Whoever speaks through a port of the computer.
+    /// A partner at a port of the computer.
     Line,
 }
 
-/// The serial port.
+/// The state of the serial port.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Transfer {
     partner: Partner,
-    /// Begins with the next tick: what was edited is stored then.
+    /// Starts at the next tick, after the editor has stored its text.
     wanted: Option<Wanted>,
-    /// What goes out, what comes in, and until when.
+    /// Outgoing files, incoming file, and the tick at which the transfer ends.
     files: Vec<SerialFile>,
     incoming: Option<SerialFile>,
     until: u64,
-    /// What has arrived and is to be fetched.
+    /// Files that have arrived at the partner.
     sent: Vec<SerialFile>,
-    /// What goes out through a port of the computer.
+    /// Files to send through a port of the computer.
     for_line: Vec<SerialFile>,
-    /// 复位 has broken off what a port of the computer does.
+    /// Whether 复位 has aborted a transfer through a port of the computer.
     broken_off: bool,
 }
 
 impl Transfer {
-    /// After power-off the cable is still there.
+    /// The cable remains connected over power-off.
     pub(super) fn at_power_on(&self) -> Self {
         Self {
             partner: self.partner,
@@ -123,7 +123,7 @@ impl Transfer {
 }
 
 impl Panel {
-    /// Connects a partner that takes what is sent, or pulls out the cable.
+    /// Connects a simulated partner, or disconnects the cable.
     pub const fn connect(&mut self, partner: bool) {
         self.transfer.partner = match partner {
             true => Partner::Imagined,
@@ -131,17 +131,17 @@ impl Panel {
         };
     }
 
-    /// Fetches what has arrived at the partner.
+    /// Takes the files that have arrived at the partner.
     pub fn take_sent(&mut self) -> Vec<SerialFile> {
         core::mem::take(&mut self.transfer.sent)
     }
 
-    /// The partner could not take what was sent.
+    /// Shows that the partner could not receive the files.
     pub const fn transfer_failed(&mut self) {
         self.view.communication = Communication::Failed;
     }
 
-    /// A key was pressed: what went wrong has been read.
+    /// Clears the error in the status row after a key press.
     pub(super) const fn read_transfer_error(&mut self) {
         if matches!(
             self.view.communication,
@@ -151,7 +151,7 @@ impl Panel {
         }
     }
 
-    /// 复位 ends a transfer.
+    /// 复位 aborts a transfer.
     pub(super) fn break_transfer(&mut self, requests: &mut Vec<Request>) {
         self.transfer.wanted = None;
         if self.line_is_busy() {
@@ -184,16 +184,17 @@ impl Panel {
             || self.line_is_busy()
     }
 
-    /// How long so many characters take on the line, ticks.
+    /// Duration of a number of characters on the line, ticks.
     fn line_time(characters: usize, cnc: &Cnc) -> u64 {
         let bits = characters as u64 * CHARACTER_BITS;
         (bits * SECOND).div_ceil(baud(cnc).max(1))
     }
 
-    /// The partner begins to send a file; nothing is to be done at the panel.
+    /// Starts receiving a file from the partner. The operator does not have to do anything.
     ///
     /// # Errors
-    /// Why the control does not take it, as a sentence.
+    ///
+    /// Returns the reason why the control does not receive it.
     pub fn receive(
         &mut self,
         file: SerialFile,
@@ -227,7 +228,7 @@ impl Panel {
         };
         if let Err(refusal) = allowed {
             if refusal == Refusal::Level && matches!(received, Received::Program(_)) {
-                // Its alarm is the control's.
+                // The control raises its alarm.
                 requests.push(Request::Receive(received));
             }
             return Err(NotTaken::Refused {
@@ -241,7 +242,7 @@ impl Panel {
         Ok(())
     }
 
-    /// 输出: in EDIT the page says what goes out.
+    /// 输出 in EDIT: sends what the page shows.
     pub(super) fn output(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
         requests.push(Request::OutputKey(true));
         if cnc.mode() != Mode::Edit || self.port_is_busy() {
@@ -259,7 +260,7 @@ impl Panel {
         let answers = match self.transfer.partner {
             Partner::Nobody => false,
             Partner::Imagined => baud(cnc) >= SLOWEST,
-            // Whether somebody is there, the port finds out.
+            // The port finds out whether a partner is connected.
             Partner::Line => true,
         };
         if !answers {
@@ -312,7 +313,7 @@ impl Panel {
         }
     }
 
-    /// What a tick brings: a transfer begins or ends.
+    /// Starts or ends a transfer at a tick.
     pub(super) fn follow_transfer(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
         if let Some(wanted) = self.transfer.wanted.take() {
             let files = files::of(wanted, cnc);
@@ -341,7 +342,7 @@ impl Panel {
     }
 }
 
-/// Why nothing was taken, as the partner reads it.
+/// The reason for a refusal, for the partner.
 fn reason(refusal: Refusal) -> Message {
     match refusal {
         Refusal::Mode => say::refusal_mode(),

@@ -1,5 +1,5 @@
-//! Values keyed in on the data pages: what the input line means there, and the
-//! pages whose keys act at once (manual III-2.3, III-2.5, III-2.6, III-2.7).
+//! Handles values typed on the data pages, and pages whose keys act immediately (manual
+//! III-2.3, III-2.5, III-2.6, III-2.7).
 
 use gsk_core::cnc::{Cnc, OffsetEntry, Request};
 use gsk_core::memory::{Disk, Setting, Variables};
@@ -9,11 +9,11 @@ use gsk_core::units::{Axis, parse_finite};
 use super::Panel;
 use crate::pages::{self, Hint, PageId};
 
-/// Digits of a status parameter.
+/// Digits of a state parameter.
 const BITS: usize = 8;
-/// Digits that a row of the password page takes.
+/// Greatest number of digits in a row of the password page.
 const PASSWORD_LENGTH: usize = 8;
-/// Diagnosis number of the tool in position.
+/// Diagnosis number of the current tool.
 const TOOL: usize = 75;
 /// The rows of the setting page.
 const SETTINGS: [Setting; 4] = [
@@ -25,8 +25,8 @@ const SETTINGS: [Setting; 4] = [
 const DISKS: [Disk; 5] = [Disk::N0, Disk::N1, Disk::N2, Disk::N3, Disk::N4];
 
 impl Panel {
-    /// 输入 on a data page: the input line as a value for the item at the cursor.
-    /// `false` when the line is none there: it may be a search.
+    /// 输入 on a data page: requests the input line as a value of the item at the cursor. Returns
+    /// `false` if the line cannot be a value there. It may then be a search.
     pub(super) fn commit_value(&self, cnc: &Cnc, requests: &mut Vec<Request>) -> bool {
         let input = self.view.input.trim();
         let cursor = self.view.cursors.get(self.page);
@@ -81,7 +81,7 @@ impl Panel {
         true
     }
 
-    /// Keys that act at once on their page; `true` when this was one.
+    /// Handles a key that acts immediately on its page. Returns whether it was one.
     pub(super) fn command_character(
         &mut self,
         character: char,
@@ -113,7 +113,7 @@ impl Panel {
         true
     }
 
-    /// 0 to 4 read a disk, 5 to 8 save on one.
+    /// 0 to 4 read a disk, 5 to 8 save to one.
     fn disk_command(&mut self, character: char, cnc: &Cnc, requests: &mut Vec<Request>) {
         let Some(key) = character.to_digit(10) else {
             return;
@@ -207,7 +207,7 @@ impl Panel {
     }
 }
 
-/// An entry of the offset page: a letter with a number, or U or W alone.
+/// Parses an entry of the offset page: a letter with a number, or U or W alone.
 fn offset_entry(input: &str) -> Option<OffsetEntry> {
     let letter = input.chars().next()?;
     let value = input.get(1..)?.trim();
@@ -225,7 +225,7 @@ fn offset_entry(input: &str) -> Option<OffsetEntry> {
     })
 }
 
-/// An entry of the pitch error table: X or Z with a number.
+/// Parses an entry of the pitch error table: X or Z with a number.
 fn pitch_entry(input: &str, point: usize) -> Option<Request> {
     let axis = match input.chars().next()? {
         'X' => Axis::X,
@@ -236,12 +236,12 @@ fn pitch_entry(input: &str, point: usize) -> Option<Request> {
     Some(Request::SetPitch {
         axis,
         point: u8::try_from(point).ok()?,
-        // One that does not fit is as far out of range as the largest.
+        // A value beyond i16 is as much out of range as the greatest.
         value: i16::try_from(value).unwrap_or(i16::MAX),
     })
 }
 
-/// A decimal number as it is keyed in: digits, one point, a minus sign in front.
+/// Parses a decimal number: digits, one point, a minus sign in front.
 fn number(text: &str) -> Option<f64> {
     let digits = text.strip_prefix('-').unwrap_or(text);
     let plain = digits
@@ -255,7 +255,7 @@ fn number(text: &str) -> Option<f64> {
     }
 }
 
-/// A whole number; one that no parameter can hold is as good as the largest.
+/// Parses an integer. A value that no parameter can hold becomes the greatest or least.
 fn whole(text: &str) -> Option<i32> {
     let digits = text.strip_prefix('-').unwrap_or(text);
     if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
@@ -269,8 +269,8 @@ fn whole(text: &str) -> Option<i32> {
     Some(text.parse().unwrap_or(limit))
 }
 
-/// Binary digits, those in front left out; more or other digits are a number that
-/// no byte can hold.
+/// Parses binary digits with optional leading ones. More or other digits give a number beyond a
+/// byte.
 fn word(text: &str) -> Option<i32> {
     let number = whole(text)?;
     let binary = text.bytes().all(|byte| matches!(byte, b'0' | b'1'));
@@ -288,7 +288,7 @@ fn digit(text: &str) -> Option<bool> {
     }
 }
 
-/// A tool number, or the eight binary digits that the page shows.
+/// Parses a tool number, or the eight binary digits that the page shows.
 fn tool(text: &str) -> Option<u8> {
     if text.len() == BITS {
         return u8::from_str_radix(text, 2).ok();

@@ -1,4 +1,4 @@
-//! What `expect` compares, and what it says when it is not so.
+//! Checks the expectations of scripts and reports what was found instead.
 
 use core::ops::RangeInclusive;
 
@@ -10,7 +10,7 @@ use super::state::State;
 use crate::emulator::{Emulator, folded};
 use crate::keys::Bit;
 
-/// Coordinates are equal when they are shown alike.
+/// Coordinates are equal if the display shows them alike.
 const TOLERANCE: f64 = 0.000_500_1;
 
 /// A set of coordinates.
@@ -25,7 +25,7 @@ pub enum Coordinates {
 }
 
 impl Coordinates {
-    /// X as it is displayed (diameter or radius) and Z, mm.
+    /// Returns X as displayed (diameter or radius) and Z, mm.
     pub(super) fn shown(self, emulator: &Emulator) -> (f64, f64) {
         let cnc = &emulator.simulation.cnc;
         let at = match self {
@@ -40,25 +40,24 @@ impl Coordinates {
     }
 }
 
-/// What should be.
+/// An expectation of a script.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Expect {
-    /// A row of the LCD contains a text, blanks folded.
+    /// A row of the LCD contains a text. Runs of blanks count as one.
     Row(usize, String),
-    /// X as it is displayed (diameter or radius) and Z, mm.
+    /// X as displayed (diameter or radius) and Z, mm.
     Position(Coordinates, f64, f64),
-    /// Where the slides of the machine stand: X as a diameter and Z, mm from the
-    /// reference point.
+    /// Position of the machine's slides: X as a diameter and Z, mm from the reference point.
     Slides(f64, f64),
-    /// The command pulses given out since the power was switched on.
+    /// The command pulses since power-on, X and Z.
     Pulses(RangeInclusive<i64>, RangeInclusive<i64>),
     /// The analog spindle output, V.
     Volts(f64),
-    /// A lamp, by the name in the script, is on or off.
+    /// A lamp, with its name in the script, is on or off.
     Lamp(String, Bit, bool),
-    /// An alarm or a message of this number stands.
+    /// An alarm or a message with this number is active.
     Alarm(u16),
-    /// No alarm and no message stands.
+    /// No alarm and no message is active.
     NoAlarm,
     /// The operating mode.
     Mode(Mode),
@@ -68,27 +67,27 @@ pub enum Expect {
     Value(ByteAddress, i32),
     /// A state of control, panel or lathe.
     State(State),
-    /// The opposite.
+    /// The expectation is not met.
     Not(Box<Expect>),
 }
 
-/// What is there instead of what was expected.
+/// The actual state instead of the expected one.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum Unmet {
     /// A row of the LCD.
     Row(usize, String),
-    /// Coordinates as the display counts them.
+    /// Coordinates as displayed, mm.
     Position(f64, f64),
-    /// Places of the slides, X as a diameter.
+    /// Position of the slides, X as a diameter, mm.
     Slides(f64, f64),
-    /// Pulses given to the drives.
+    /// Pulses to the drives.
     Pulses(i64, i64),
-    /// The analogue output for the spindle.
+    /// The analog spindle output, V.
     Volts(f64),
     /// A lamp.
     Lamp(String, &'static str),
-    /// Alarms and messages that stand.
+    /// Active alarms and messages.
     Alarms(Vec<String>),
     /// The mode.
     Mode(&'static str),
@@ -98,12 +97,12 @@ pub enum Unmet {
     Value(ByteAddress, i32),
     /// A state of control, panel or lathe.
     State(Message),
-    /// What should not be so.
+    /// The state that a `not` excludes.
     Holds,
 }
 
 impl Unmet {
-    /// What is said of it.
+    /// Returns the message about the actual state.
     pub fn message(&self) -> Message {
         match self {
             Self::Row(row, text) => say::script_row_reads(row, text),
@@ -124,7 +123,7 @@ impl Unmet {
 }
 
 impl Expect {
-    /// Whether it is about where the slides are.
+    /// Returns whether it is about the position of the slides.
     pub fn is_position(&self) -> bool {
         match self {
             Self::Position(..) | Self::Slides(..) | Self::State(State::At(..)) => true,
@@ -133,10 +132,11 @@ impl Expect {
         }
     }
 
-    /// Compares.
+    /// Compares the expectation with the emulator.
     ///
     /// # Errors
-    /// What was seen instead.
+    ///
+    /// Returns the actual state.
     pub fn check(&self, emulator: &Emulator) -> Result<(), Unmet> {
         let cnc = &emulator.simulation.cnc;
         match self {
@@ -208,7 +208,7 @@ fn verdict(fits: bool, seen: impl FnOnce() -> Unmet) -> Result<(), Unmet> {
     if fits { Ok(()) } else { Err(seen()) }
 }
 
-/// Alarms and messages that stand.
+/// Active alarms and messages.
 fn standing(emulator: &Emulator) -> Vec<(u16, String)> {
     let cnc = &emulator.simulation.cnc;
     let alarms = cnc.alarms().iter();

@@ -1,4 +1,4 @@
-//! From text to actions.
+//! Parses operator scripts.
 
 use core::ops::RangeInclusive;
 
@@ -14,9 +14,9 @@ use crate::keys::{self, Key};
 use crate::panel::is_typable;
 use crate::screen::ROWS;
 
-/// How long `wait` waits for something when no limit is given, milliseconds.
+/// Time limit of `wait` without one, milliseconds.
 const DEFAULT_LIMIT: u64 = 60_000;
-/// Longest time that can be written, milliseconds: a hundred days.
+/// Greatest time in a script, milliseconds: a hundred days.
 const LONGEST: f64 = 100.0 * 24.0 * 3600.0 * 1000.0;
 
 pub(super) fn script(text: &str) -> Result<Script, Vec<ScriptError>> {
@@ -39,7 +39,7 @@ pub(super) fn script(text: &str) -> Result<Script, Vec<ScriptError>> {
     }
 }
 
-/// One word of a line.
+/// A word of a line.
 #[derive(Clone, Debug, PartialEq)]
 struct Word<'a> {
     text: &'a str,
@@ -159,7 +159,7 @@ fn shot(path: &str, panel: bool) -> Action {
     }
 }
 
-/// A file name: in quotation marks, or the rest of the line.
+/// A file name in quotation marks, or else the rest of the line.
 fn path(rest: &str, words: &[Word<'_>]) -> String {
     match words {
         [Word { text, quoted: true }] => (*text).to_owned(),
@@ -281,7 +281,7 @@ fn whole_number(text: &str) -> Result<i32, ParseError> {
         .map_err(|_| ParseError::NotWhole(text.to_owned()))
 }
 
-/// A machine input: X0.0 to X3.7, and X4.0 to X4.7 of models that count inputs so far.
+/// A machine input: X0.0 to X3.7, and X4.0 to X4.7 of models with more inputs.
 fn input(text: &str) -> Result<BitAddress, ParseError> {
     let address = bit(text)?;
     if address.area == Area::X && address.byte <= 4 {
@@ -337,10 +337,11 @@ fn wait(words: &[Word<'_>]) -> Result<Action, ParseError> {
 }
 
 impl Expect {
-    /// Reads what stands after `expect`.
+    /// Parses the words after `expect`.
     ///
     /// # Errors
-    /// What is wrong, and what would be right.
+    ///
+    /// Returns the error with a correct form.
     pub fn parse(text: &str) -> Result<Self, ParseError> {
         let code = without_comment(text)?;
         let words = words(code);
@@ -418,7 +419,7 @@ fn voltage(text: &str) -> Result<f64, ParseError> {
     coordinate(number).map_err(|_| ParseError::NoVoltage(text.to_owned()))
 }
 
-/// A number of pulses, or from which to which.
+/// A number of pulses, or a range.
 fn pulses(text: &str) -> Result<RangeInclusive<i64>, ParseError> {
     let (low, high) = text.split_once("..").unwrap_or((text, text));
     let number = |text: &str| {

@@ -1,127 +1,127 @@
-//! What is wrong with a line of a script, and what would be right.
+//! Defines the errors in a line of a script.
 
 use gsk_core::plc::address::AddressError;
 use gsk_messages::{Message, say};
 
-/// Why a line of a script cannot be read.
+/// The reason why a line of a script is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum ParseError {
     /// `@` without a tick.
     NoTick(String),
-    /// A text without its end.
+    /// A text without its closing quotation mark.
     NotClosed,
-    /// An action in another form.
+    /// An action with wrong words.
     Form {
         /// The action.
         verb: String,
         /// Its form.
         form: &'static str,
     },
-    /// An action that resembles one.
+    /// An unknown action that resembles an existing one.
     NearAction {
-        /// What was written.
+        /// The word in the script.
         verb: String,
-        /// The form of the one that is near.
+        /// The form of the similar action.
         form: &'static str,
     },
-    /// No action.
+    /// An unknown action.
     UnknownAction {
-        /// What was written.
+        /// The word in the script.
         verb: String,
-        /// What there is.
+        /// All actions.
         all: String,
     },
-    /// No key.
+    /// An unknown key.
     UnknownKey(String),
-    /// A name that resembles that of a key.
+    /// An unknown key that resembles an existing one.
     NearKey {
-        /// What was written.
+        /// The word in the script.
         name: String,
-        /// Keys.
+        /// The similar keys.
         near: String,
     },
     /// A character without a key.
     NotTypable(char),
-    /// No number of graduations.
+    /// An invalid number of graduations.
     NoGraduations {
-        /// What was written.
+        /// The word in the script.
         text: String,
         /// The form of `turn`.
         form: &'static str,
     },
-    /// No time.
+    /// An invalid time.
     NoTime(String),
-    /// Neither on nor off.
+    /// Neither `on` nor `off`.
     NotOnOff(String),
     /// Neither 0 nor 1.
     NotZeroOne(String),
-    /// No fault.
+    /// An unknown fault.
     UnknownFault {
-        /// What was written.
+        /// The word in the script.
         name: String,
-        /// What there is.
+        /// All faults.
         all: String,
     },
-    /// No address of the PLC.
+    /// An invalid PLC address.
     Address(#[from] AddressError),
-    /// No whole number.
+    /// Not an integer.
     NotWhole(String),
-    /// An address that is no machine input.
+    /// An address that is not a machine input.
     NoInput(String),
-    /// A window that ends before it begins.
+    /// A time window that ends before it begins.
     Backward {
         /// Its begin, ms.
         earliest: u64,
         /// Its end, ms.
         latest: u64,
     },
-    /// No row of the LCD.
+    /// An invalid row of the LCD.
     NoRow(String),
-    /// No alarm.
+    /// An invalid alarm number.
     NoAlarm(String),
-    /// No mode.
+    /// An unknown mode.
     UnknownMode {
-        /// What was written.
+        /// The word in the script.
         text: String,
-        /// What there is.
+        /// All modes.
         all: String,
     },
-    /// No coordinate.
+    /// An invalid coordinate.
     NoCoordinate(String),
-    /// No voltage.
+    /// An invalid voltage.
     NoVoltage(String),
-    /// No number of pulses.
+    /// An invalid number of pulses.
     NoPulses(String),
-    /// No range.
+    /// An invalid range.
     NoRange(String),
-    /// No page.
+    /// An unknown page.
     UnknownPage {
-        /// What was written.
+        /// The word in the script.
         name: String,
-        /// What there is.
+        /// All pages.
         all: String,
     },
     /// A key without a lamp.
     DarkKey(String),
-    /// No lamp.
+    /// An unknown lamp.
     UnknownLamp {
-        /// What was written.
+        /// The word in the script.
         name: String,
         /// Lamps of the strip.
         strip: String,
     },
-    /// A name that resembles that of a lamp.
+    /// An unknown lamp that resembles an existing one.
     NearLamp {
-        /// What was written.
+        /// The word in the script.
         name: String,
-        /// Lamps.
+        /// The similar lamps.
         near: String,
     },
 }
 
 impl ParseError {
-    /// What is wrong and what would be right.
+    /// Returns the message about the error with a correct form.
     pub fn message(&self) -> Message {
         match self {
             Self::NoTick(text) => say::script_no_tick(text),

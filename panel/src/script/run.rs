@@ -1,4 +1,4 @@
-//! Carries a script out, a few ticks at a time.
+//! Runs a script on an emulator, a few ticks at a time.
 
 use core::fmt;
 
@@ -11,64 +11,64 @@ use crate::keys::Key;
 use crate::pages::POWER_ON_TICKS;
 use crate::panel::KeyEvent;
 
-/// Ticks that [`run`] lets pass between two looks at the effects.
+/// Ticks between two returns of the runner in [`run`].
 const SLICE: u64 = 100_000;
 
 /// A handwheel turned at two turns a second.
 const TICKS_A_GRADUATION: u64 = 5;
 
-/// What a script asks of whoever runs it.
+/// An action that the caller of the runner has to execute.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Effect {
-    /// Print this: the LCD's rows.
+    /// Print these rows of the LCD.
     Show(String),
-    /// Store a picture of what is shown now.
+    /// Save a picture of the current state.
     Shot {
-        /// Where to.
+        /// Path of the picture.
         path: String,
-        /// The whole panel.
+        /// Whether it shows the whole panel.
         panel: bool,
     },
-    /// Read this file and give its text to [`Emulator::load_program`].
+    /// Read this file and pass its text to [`Emulator::load_program`].
     Load(String),
-    /// Read this file and give it to [`Emulator::receive`]; what is said then is for
-    /// the partner, and no failure of the script.
+    /// Read this file and pass it to [`Emulator::receive`]. A refusal is for the partner, and
+    /// does not fail the script.
     Receive(String),
-    /// Be the partner that sends this file, from its beginning whenever
-    /// [`Cnc::dnc_calls`](gsk_core::cnc::Cnc::dnc_calls) counts on; `None`: no partner
-    /// any more.
+    /// Act as the partner that sends this file from its beginning whenever
+    /// [`Cnc::dnc_calls`](gsk_core::cnc::Cnc::dnc_calls) increases. `None` disconnects the
+    /// partner.
     Dnc(Option<String>),
-    /// The partner may send ([`Cnc::dnc_room`](gsk_core::cnc::Cnc::dnc_room)); it sends
-    /// something, has no more, or breaks off.
+    /// The partner can send ([`Cnc::dnc_room`](gsk_core::cnc::Cnc::dnc_room)): send data, the
+    /// end, or abort.
     DncRoom,
 }
 
-/// How far a script has come.
+/// The progress of a script.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// The ticks allowed are used up.
+    /// The permitted ticks have elapsed.
     Running,
-    /// Something is to be done before it goes on.
+    /// The caller has to execute an effect before the script continues.
     Effect(Effect),
-    /// A line failed; the script is over.
+    /// A line failed and the script has ended.
     Failed(Failure),
-    /// The last line is done.
+    /// The last line is complete.
     Finished,
 }
 
-/// A line that did not come out as written.
+/// A failed line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
     /// Line of the file, from 1.
     pub line: u32,
     /// The line.
     pub text: String,
-    /// What was seen instead.
+    /// The actual state.
     pub seen: Message,
 }
 
 impl Failure {
-    /// What is said of it.
+    /// Returns the message with the line.
     pub fn message(&self) -> Message {
         say::script_failed(self.line, &self.text, self.seen.clone())
     }
@@ -82,42 +82,42 @@ impl fmt::Display for Failure {
 
 impl core::error::Error for Failure {}
 
-/// A script under way.
+/// A running script.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Runner {
     script: Script,
     next: usize,
-    /// The clock at the start of the script.
+    /// The emulator's clock at the start of the script.
     origin: u64,
     stage: Stage,
-    /// A partner sends programs in DNC mode.
+    /// Whether a partner sends programs in DNC mode.
     dnc: bool,
-    /// When it was asked last.
+    /// The tick of its last request.
     asked: Option<u64>,
 }
 
-/// What the runner is in the middle of.
+/// The action in progress.
 #[derive(Clone, Debug, PartialEq)]
 enum Stage {
     /// The self-test picture, at most until this tick.
     SelfTest(Option<u64>),
-    /// Nothing: the next line is due.
+    /// No action: the next line is due.
     Ready,
-    /// A key is down until this tick; then a rest of so many.
+    /// A key is down until this tick, then follows a pause of a number of ticks.
     Holding(Key, u64, u64),
-    /// Time passes until this tick.
+    /// A pause until this tick.
     Resting(u64),
     /// The next character is typed at this tick.
     Typing(u64, Vec<char>, u64),
-    /// The handwheel is turned evenly from one tick on, for so many ticks; so many
-    /// graduations are done.
+    /// The handwheel turns evenly from a tick on for a number of ticks. `done` counts the
+    /// graduations so far.
     Turning {
         graduations: i32,
         from: u64,
         ticks: u64,
         done: i32,
     },
-    /// Something is waited for, from the first tick to the last.
+    /// A wait for a condition, from the earliest to the latest tick.
     Waiting {
         watch: Box<Watch>,
         since: u64,
@@ -128,7 +128,7 @@ enum Stage {
     Over,
 }
 
-/// What to do next.
+/// What the runner does next.
 enum Next {
     Tick,
     Look,
@@ -136,7 +136,7 @@ enum Next {
 }
 
 impl Runner {
-    /// A script before its first line.
+    /// Creates a runner before the first line.
     pub const fn new(script: Script) -> Self {
         Self {
             script,
@@ -148,12 +148,12 @@ impl Runner {
         }
     }
 
-    /// The line under way or just done: for messages about its effects.
+    /// Returns the current or last line, for messages about its effects.
     pub fn line(&self) -> Option<&Line> {
         self.script.lines.get(self.next.saturating_sub(1))
     }
 
-    /// A failure of the line just done, by what was seen.
+    /// Creates a failure of the current line.
     pub fn failure(&self, seen: impl Into<Message>) -> Failure {
         let (line, text) = self
             .line()
@@ -166,7 +166,7 @@ impl Runner {
         }
     }
 
-    /// Goes on for at most so many ticks.
+    /// Continues for at most a number of ticks.
     pub fn advance(&mut self, emulator: &mut Emulator, ticks: u64) -> Progress {
         let mut left = ticks;
         loop {
@@ -270,7 +270,7 @@ impl Runner {
         Next::Look
     }
 
-    /// Begins the next line when it is due.
+    /// Starts the next line when it is due.
     fn begin(&mut self, emulator: &mut Emulator, now: u64) -> Next {
         let Some(line) = self.script.lines.get(self.next) else {
             return Next::Say(Progress::Finished);
@@ -359,10 +359,11 @@ impl Runner {
     }
 }
 
-/// Runs a script to its end; `carry_out` does what needs files.
+/// Runs a script to its end. `carry_out` executes the effects.
 ///
 /// # Errors
-/// The line that failed, also when its effect could not be carried out.
+///
+/// Returns the line that failed, or whose effect could not be executed.
 pub fn run<E: fmt::Display>(
     script: Script,
     emulator: &mut Emulator,

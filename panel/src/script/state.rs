@@ -1,5 +1,5 @@
-//! What lessons ask of control, panel and lathe beside the rest of `expect`: ranges in place
-//! of values, offsets, parameters, programs, the state of a run.
+//! Defines the expectations of lessons: ranges, offsets, parameters, programs, and the state of
+//! a run.
 
 use gsk_core::command::ProgramId;
 use gsk_core::operation::RunState;
@@ -12,7 +12,7 @@ use crate::keys::{self, Key};
 use crate::pages::{PAGES, PageId};
 use crate::screen::ROWS;
 
-/// Values are equal when they are shown alike.
+/// Values are equal if the display shows them alike.
 const TOLERANCE: f64 = 0.000_500_1;
 
 /// The forms, for help and messages.
@@ -20,7 +20,7 @@ pub(super) const FORM: &str = "expect screen \"TEXT\" | page oft | key ESTOP dow
      param 22 3800 | param 1.4 1 | program 1 \"G01 X20\" | selected 1 | tool 2 | tool 0202 | \
      spindle 500..600 | run run|hold|stop|reset | parts 1..9999 | power on | referenced X";
 
-/// From one value to another, both included.
+/// A range of values that includes both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     from: f64,
@@ -50,7 +50,7 @@ impl Range {
 /// A column of the offset page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Column {
-    /// X as it is keyed in.
+    /// X as typed.
     X,
     /// Z.
     Z,
@@ -60,28 +60,28 @@ pub enum Column {
     Tip,
 }
 
-/// What should be.
+/// An expected state.
 #[derive(Clone, Debug, PartialEq)]
 pub enum State {
-    /// A row of the LCD contains this text, blanks folded.
+    /// A row of the LCD contains this text. Runs of blanks count as one.
     Screen(String),
     /// This page is shown.
     Page(PageId),
-    /// A key is down; the emergency stop: latched.
+    /// A key is down, or the emergency stop is latched.
     Key(Key, bool),
-    /// One coordinate, mm: X as it is displayed.
+    /// One coordinate, mm. X as displayed.
     At(Coordinates, Axis, Range),
     /// A value of an offset, mm.
     Offset(u8, Column, Range),
     /// A parameter, or one bit of it.
     Parameter(u16, Option<u8>, i32),
-    /// The memory has a program, with this text in it, blanks aside.
+    /// The memory has a program, which contains this text without regard to blanks.
     Program(u16, Option<String>),
-    /// The program that is selected.
+    /// The selected program.
     Selected(u16),
-    /// The tool in position, and the offset in force.
+    /// The current tool, and the offset in force.
     Tool(u8, Option<u8>),
-    /// Speed of the spindle, r/min; backwards less than 0.
+    /// Speed of the spindle, r/min, negative in reverse.
     Spindle(Range),
     /// The state of the run.
     Run(RunState),
@@ -89,12 +89,12 @@ pub enum State {
     Parts(Range),
     /// The power.
     Power(bool),
-    /// An axis has its reference since power-on.
+    /// An axis has returned to its reference since power-on.
     Referenced(Axis),
 }
 
 impl State {
-    /// Reads the words after `expect`; none where they begin with none of these.
+    /// Parses the words after `expect`. `None` if they do not name a state.
     pub(super) fn read(words: &[&str]) -> Option<Result<Self, ParseError>> {
         Some(match words {
             ["screen", text] => Ok(Self::Screen(folded(text))),
@@ -153,10 +153,11 @@ impl State {
         })
     }
 
-    /// Compares.
+    /// Compares the state with the emulator.
     ///
     /// # Errors
-    /// What is there instead.
+    ///
+    /// Returns the actual state.
     pub(super) fn check(&self, emulator: &Emulator) -> Result<(), Message> {
         let (cnc, lathe) = (&emulator.simulation.cnc, &emulator.simulation.lathe);
         match self {
@@ -274,7 +275,7 @@ fn verdict(fits: bool, seen: impl FnOnce() -> Message) -> Result<(), Message> {
     if fits { Ok(()) } else { Err(seen()) }
 }
 
-/// Without blanks, in capitals.
+/// Removes blanks and converts to upper case.
 fn tight(text: &str) -> String {
     let solid = text.chars().filter(|c| !c.is_whitespace());
     solid.collect::<String>().to_ascii_uppercase()
@@ -327,7 +328,7 @@ fn parameter(name: &str, value: &str) -> Result<State, ParseError> {
     Ok(State::Parameter(whole(number)?, bit, whole(value)?))
 }
 
-/// `2`: the tool; `0202`: tool and offset.
+/// `2` is the tool, `0202` tool and offset.
 fn tool(word: &str) -> Result<State, ParseError> {
     match word.len() {
         4 if word.is_ascii() => Ok(State::Tool(whole(&word[..2])?, Some(whole(&word[2..])?))),

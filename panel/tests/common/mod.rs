@@ -1,4 +1,4 @@
-//! A lathe with something on its pages.
+//! Sets up a lathe with programs in its memory.
 
 use gsk_core::cnc::Request;
 use gsk_core::plc::address::{Area, BitAddress};
@@ -42,7 +42,7 @@ pub fn lathe() -> Simulation {
     lathe_from(Setup::default())
 }
 
-/// The same with a setup of its own.
+/// The same lathe with a given setup.
 pub fn lathe_from(mut setup: Setup) -> Simulation {
     for number in [8, 23, 88, 1000] {
         let text = format!("O{number:04};\nG50 X0 Z0;\nM3 S2;\nM30;\n%\n");
@@ -55,14 +55,14 @@ pub fn lathe_from(mut setup: Setup) -> Simulation {
     simulation
 }
 
-/// Lets time pass.
+/// Runs a number of ticks.
 pub fn ticks(simulation: &mut Simulation, count: u32) {
     for _ in 0..count {
         simulation.tick();
     }
 }
 
-/// A finger on a key: down 100 ms, up 100 ms.
+/// Presses a key for 100 ms, then waits 100 ms.
 pub fn press(simulation: &mut Simulation, key: BitAddress) {
     for down in [true, false] {
         simulation.cnc.set_panel_key(key, down);

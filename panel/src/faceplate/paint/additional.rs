@@ -1,5 +1,4 @@
-//! The round things of the additional panel: mushroom button, release button,
-//! handwheel.
+//! Paints the round parts of the additional panel: mushroom button, release button, handwheel.
 
 use tiny_skia::PathBuilder;
 
@@ -46,7 +45,7 @@ impl Painter {
         }
     }
 
-    /// One of the arrows that show which way the mushroom button is turned free.
+    /// One of the arrows that show in which direction the mushroom button unlatches.
     fn turn_arrow(&mut self, (x, y): (f32, f32), radius: f32, start: f32) {
         let at = |angle: f32, radius: f32| (x + radius * angle.cos(), y + radius * angle.sin());
         let mut arc = PathBuilder::new();

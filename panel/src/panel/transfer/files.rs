@@ -1,4 +1,4 @@
-//! What goes through the serial port, as plain text: programs as they are, offsets,
+//! Reads and writes the files of the serial port as plain text: programs unchanged; offsets,
 //! pitch errors and parameters one a line.
 
 use gsk_core::alarm::Alarm;
@@ -11,12 +11,12 @@ use gsk_messages::{Message, say};
 use super::{FileId, SerialFile, Wanted};
 use crate::pages;
 
-/// Names of the data files; programs are called by their number.
+/// Names of the data files. Programs have their number as a name.
 pub(super) const OFFSETS: &str = "Tofs.ofs";
 pub(super) const PITCH: &str = "Wcomp.wmp";
 pub(super) const PARAMETERS: &str = "ParaW.par";
 
-/// The files of what is wanted.
+/// Returns the files to send.
 pub(super) fn of(wanted: Wanted, cnc: &Cnc) -> Vec<SerialFile> {
     let file = |name: &str, text: String| SerialFile {
         name: name.to_owned(),
@@ -42,7 +42,7 @@ pub(super) fn of(wanted: Wanted, cnc: &Cnc) -> Vec<SerialFile> {
     }
 }
 
-/// The file of a program or of data; none for a program that is not there.
+/// Returns the file of a program or of data. `None` for a missing program.
 pub(super) fn one(id: FileId, cnc: &Cnc) -> Option<SerialFile> {
     let wanted = match id {
         FileId::Program(number) => Wanted::Program(number),
@@ -84,7 +84,7 @@ fn pitch(cnc: &Cnc) -> String {
     lines.collect()
 }
 
-/// A status parameter as eight digits.
+/// A state parameter as eight digits.
 fn parameters(cnc: &Cnc) -> String {
     let states = pages::state_numbers()
         .map(|number| format!("{number:03}={:08b}\n", cnc.parameters().byte(number)));
@@ -93,29 +93,29 @@ fn parameters(cnc: &Cnc) -> String {
     states.chain(data).collect()
 }
 
-/// Why a file cannot be read, with its line from 1.
+/// The reason why a line of a file is invalid, with its number from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum LineError {
-    /// A line in another form.
+    /// The line does not have the form `NUMBER=VALUE`.
     Form(usize),
-    /// A line without a number.
+    /// The line has no valid number.
     NoNumber(usize, String),
-    /// A value that cannot be read.
+    /// The line has an invalid value.
     NoValue(usize, String),
-    /// An offset that the control refuses.
+    /// The control refuses the offset.
     Offset {
         /// Line, from 1.
         line: usize,
-        /// Why.
+        /// The alarm of the control.
         alarm: Box<Alarm>,
     },
-    /// A pitch error that the control refuses.
+    /// The control refuses the pitch error.
     Pitch(usize, PitchError),
 }
 
 impl LineError {
-    /// What is said of it.
+    /// Returns the message with the line.
     pub fn message(&self) -> Message {
         match self {
             Self::Form(line) => say::in_line(line, say::data_line_form()),
@@ -127,10 +127,11 @@ impl LineError {
     }
 }
 
-/// What a file holds, by its name.
+/// Parses a file by the extension of its name.
 ///
 /// # Errors
-/// The line that cannot be read, and why.
+///
+/// Returns the first invalid line.
 pub(super) fn read(file: &SerialFile) -> Result<Received, LineError> {
     let extension = file.name.rsplit('.').next().unwrap_or_default();
     match extension.to_ascii_lowercase().as_str() {
@@ -141,12 +142,12 @@ pub(super) fn read(file: &SerialFile) -> Result<Received, LineError> {
     }
 }
 
-/// The number of a program; one without a number has the rights of O0000.
+/// Returns the number of a program. One without a number has the rights of O0000.
 pub(super) fn number_of(text: &str) -> u16 {
     Program::new(text).number().unwrap_or(0)
 }
 
-/// The lines `NUMBER=VALUE`, with their place for messages.
+/// The lines `NUMBER=VALUE` with their line number.
 fn lines(text: &str) -> impl Iterator<Item = Result<(usize, u16, &str), LineError>> {
     let lines = text
         .lines()

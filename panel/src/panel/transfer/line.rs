@@ -1,5 +1,5 @@
-//! The memory as whoever speaks through a port of the computer sees it: files by their
-//! names, and what may be done with them when (manual III-9.8.2, V-3.5).
+//! Defines the files of the memory for a client at a port of the computer, and its access
+//! rights (manual III-9.8.2, V-3.5).
 
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::cnc::{Cnc, Received, Request, SerialPort};
@@ -23,10 +23,11 @@ pub enum FileId {
 }
 
 impl FileId {
-    /// The data files, beside the programs.
+    /// The data files, without the programs.
     pub const DATA: [Self; 3] = [Self::Offsets, Self::Pitch, Self::Parameters];
 
-    /// From its name, in capital or small letters; none for one that the control never has.
+    /// Returns the file with a name, ignoring case. `None` for a name that the control does not
+    /// use.
     pub fn of(name: &str) -> Option<Self> {
         let data = [
             (files::OFFSETS, Self::Offsets),
@@ -47,26 +48,26 @@ impl FileId {
     }
 }
 
-/// Why the control does not do with a file what it is asked for.
+/// The reason why the control refuses a request about a file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum FileRefusal {
-    /// A right, a switch, a mode.
+    /// A right, a switch or a mode forbids it.
     Refused(Refusal),
-    /// There is none.
+    /// The file does not exist.
     Missing,
-    /// There is one already.
+    /// The file exists already.
     Exists,
-    /// Data have no other name, and are never deleted.
+    /// Data files cannot be renamed or deleted.
     OnlyPrograms,
-    /// It cannot be read.
+    /// The content is invalid.
     Unreadable(LineError),
     /// The control raises an alarm.
     Alarm(Box<Alarm>),
 }
 
 impl FileRefusal {
-    /// What is said of it.
+    /// Returns the message to the client.
     pub fn message(&self) -> Message {
         match self {
             Self::Refused(refusal) => reason(*refusal),
@@ -78,7 +79,7 @@ impl FileRefusal {
         }
     }
 
-    /// Whether the memory has no room for it.
+    /// Returns whether the memory is full.
     pub fn is_for_room(&self) -> bool {
         match self {
             Self::Alarm(alarm) => {
@@ -89,20 +90,21 @@ impl FileRefusal {
     }
 }
 
-/// What a data file holds.
+/// Parses a data file.
 ///
 /// # Errors
-/// The line that cannot be read.
+///
+/// Returns the first invalid line.
 pub fn read_data(file: &SerialFile) -> Result<Received, LineError> {
     files::read(file)
 }
 
-/// A file of the memory; none for a program that is not there.
+/// Returns a file of the memory. `None` for a missing program.
 pub fn file_of(id: FileId, cnc: &Cnc) -> Option<SerialFile> {
     files::one(id, cnc)
 }
 
-/// The program number in the name of a file (`O0001`, `o12.nc`).
+/// Returns the program number in the name of a file (`O0001`, `o12.nc`).
 pub fn number_of_name(name: &str) -> Option<u16> {
     let stem = name.rsplit(['/', '\\']).next()?;
     let stem = stem.split_once('.').map_or(stem, |(stem, _)| stem);
@@ -118,30 +120,30 @@ impl From<Refusal> for FileRefusal {
 }
 
 impl Panel {
-    /// Whoever speaks through a port of the computer is the partner: what is sent is
-    /// fetched by [`Self::take_for_line`].
+    /// Connects a port of the computer as the partner. [`Self::take_for_line`] takes the files
+    /// to send.
     pub const fn connect_line(&mut self) {
         self.transfer.partner = Partner::Line;
     }
 
-    /// Fetches what 输出 sends through a port of the computer.
+    /// Takes the files that 输出 sends through a port of the computer.
     pub fn take_for_line(&mut self) -> Vec<SerialFile> {
         core::mem::take(&mut self.transfer.for_line)
     }
 
-    /// Whether 复位 has broken off what the port does, since the last call.
+    /// Returns whether 复位 has aborted the port's transfer since the last call.
     pub const fn take_broken_off(&mut self) -> bool {
         core::mem::replace(&mut self.transfer.broken_off, false)
     }
 
-    /// The rate at which the control is at its port, bits a second; none when it is off,
-    /// or the port is (002.5).
+    /// Returns the control's baud rate, bit/s. `None` while the control or its port (002.5) is
+    /// off.
     pub fn line_rate(&self, cnc: &Cnc) -> Option<u32> {
         let on = self.awake() && cnc.parameters().has_serial_port();
         on.then(|| cnc.parameters().baud())
     }
 
-    /// What a port of the computer does from now on: the word on the LCD, and F213.
+    /// Sets the state of the serial port: the word on the LCD, and F213.
     pub fn show_line(&mut self, shown: Communication, requests: &mut Vec<Request>) {
         let port = match shown {
             Communication::Sending => SerialPort::Sending,
@@ -151,7 +153,7 @@ impl Panel {
         self.show_transfer(shown, port, requests);
     }
 
-    /// Whether a port of the computer is sending or receiving.
+    /// Returns whether a port of the computer is sending or receiving.
     pub(super) fn line_is_busy(&self) -> bool {
         self.transfer.partner == Partner::Line
             && self.transfer.incoming.is_none()
