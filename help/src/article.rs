@@ -4,7 +4,7 @@ use core::fmt;
 
 use gsk_messages::{Language, say};
 
-use crate::facts::{facts, name};
+use crate::facts::{facts, subject_name};
 use crate::subject::Subject;
 use crate::table::Topic;
 
@@ -26,12 +26,12 @@ pub struct Article {
 
 /// Returns the article of a topic in a language.
 pub fn article(topic: &Topic, language: Language) -> Article {
-    let name = name(topic.subject, language);
-    let called = called(topic.subject, language);
+    let name = subject_name(topic.subject, language);
+    let designation = designation(topic.subject, language);
     Article {
         heading: match name.is_empty() {
-            true => called,
-            false => format!("{called}  {name}"),
+            true => designation,
+            false => format!("{designation}  {name}"),
         },
         rule: topic.rule(language),
         facts: facts(topic.subject, language),
@@ -53,8 +53,8 @@ fn label_in(label: &str, language: Language) -> &str {
 }
 
 /// Returns the designation of a subject in headings. A search accepts it too.
-pub fn called(subject: Subject<'_>, language: Language) -> String {
-    let said = match subject {
+pub fn designation(subject: Subject<'_>, language: Language) -> String {
+    let message = match subject {
         Subject::Alarm(number) => say::help_alarm(format!("{number:03}")),
         Subject::Parameter(number) => say::help_parameter(format!("{number:03}")),
         Subject::Bit(number, bit) => say::help_parameter(format!("{number:03}.{bit}")),
@@ -68,7 +68,7 @@ pub fn called(subject: Subject<'_>, language: Language) -> String {
             return name.to_owned();
         }
     };
-    said.text(language)
+    message.text(language)
 }
 
 /// Writes the article as text, one paragraph a line.

@@ -97,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_topic_stands_in_one_chapter() {
+    fn every_topic_is_in_one_chapter() {
         for topic in topics() {
             let chapters = CHAPTERS
                 .iter()

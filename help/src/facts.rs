@@ -11,8 +11,8 @@ use crate::subject::Subject;
 
 /// Returns the name of a subject from its table, or an empty text for codes, fields, diagnosis
 /// numbers and notions.
-pub fn name(subject: Subject<'_>, language: Language) -> String {
-    let text = |zh: &str, en: &str| by(language, zh, en).to_owned();
+pub fn subject_name(subject: Subject<'_>, language: Language) -> String {
+    let text = |zh: &str, en: &str| by_language(language, zh, en).to_owned();
     match subject {
         Subject::Alarm(number) => alarm::row(number).map(|row| text(row.text_zh, row.meaning_en)),
         Subject::Parameter(number) => {
@@ -38,22 +38,22 @@ pub fn name(subject: Subject<'_>, language: Language) -> String {
 /// Returns what the table contains about a subject besides its name, one sentence an entry.
 pub fn facts(subject: Subject<'_>, language: Language) -> Vec<String> {
     match subject {
-        Subject::Alarm(number) => alarm::row(number).map(|row| of_alarm(row, language)),
+        Subject::Alarm(number) => alarm::row(number).map(|row| alarm_facts(row, language)),
         Subject::Parameter(number) => {
-            parameter(number, None).map(|row| of_parameter(row, language))
+            parameter(number, None).map(|row| parameter_facts(row, language))
         }
         Subject::Bit(number, bit) => {
-            parameter(number, Some(bit)).map(|row| of_parameter(row, language))
+            parameter(number, Some(bit)).map(|row| parameter_facts(row, language))
         }
-        Subject::Key(id) => key(id).map(|row| of_key(row, language)),
-        Subject::Lamp(id) => lamp(id).map(|row| vec![lit_by(row.lamp, language)]),
-        Subject::Signal(address) => signals::find(address).map(|row| of_signal(row, language)),
+        Subject::Key(id) => key(id).map(|row| key_facts(row, language)),
+        Subject::Lamp(id) => lamp(id).map(|row| vec![lamp_signal(row.lamp, language)]),
+        Subject::Signal(address) => signals::find(address).map(|row| signal_facts(row, language)),
         _ => None,
     }
     .unwrap_or_default()
 }
 
-fn by<'a>(language: Language, zh: &'a str, en: &'a str) -> &'a str {
+fn by_language<'a>(language: Language, zh: &'a str, en: &'a str) -> &'a str {
     match language {
         Language::Zh => zh,
         Language::En => en,
@@ -74,9 +74,9 @@ fn lamp(id: &str) -> Option<&'static StripLamp> {
     STRIP.iter().find(|row| row.id == id)
 }
 
-fn of_alarm(row: &AlarmRow, language: Language) -> Vec<String> {
+fn alarm_facts(row: &AlarmRow, language: Language) -> Vec<String> {
     let advice = row.advice.as_ref();
-    let said = match language {
+    let messages = match language {
         Language::Zh => [
             advice.map(|it| say::window_alarm_cause(it.cause_zh)),
             advice.map(|it| say::window_alarm_way_out(it.way_out_zh)),
@@ -88,13 +88,14 @@ fn of_alarm(row: &AlarmRow, language: Language) -> Vec<String> {
             Some(say::window_alarm_cleared_by(row.cleared_by_en)),
         ],
     };
-    said.into_iter()
+    messages
+        .into_iter()
         .flatten()
         .map(|it| it.text(language))
         .collect()
 }
 
-fn of_parameter(row: &ParameterRow, language: Language) -> Vec<String> {
+fn parameter_facts(row: &ParameterRow, language: Language) -> Vec<String> {
     let mut facts = Vec::new();
     if !row.symbol.is_empty() {
         facts.push(say::help_on_the_screen(row.symbol).text(language));
@@ -111,42 +112,42 @@ fn of_parameter(row: &ParameterRow, language: Language) -> Vec<String> {
     facts.push(say::help_range(format!("{}{unit}", row.range)).text(language));
     facts.push(say::help_as_delivered(format!("{}{unit}", row.factory(Disk::N0))).text(language));
     if let Effective::AtPowerOn { alarm } = row.effective {
-        let said = match alarm {
+        let message = match alarm {
             true => say::help_at_power_on_alarm(),
             false => say::help_at_power_on(),
         };
-        facts.push(said.text(language));
+        facts.push(message.text(language));
     }
     facts
 }
 
-fn of_key(row: &KeyRow, language: Language) -> Vec<String> {
+fn key_facts(row: &KeyRow, language: Language) -> Vec<String> {
     let mut facts = vec![say::help_printed_on_it(row.legend.join(" ")).text(language)];
     if let Role::Machine(contact) = row.role {
         facts.push(say::help_contact(address('X', contact)).text(language));
     }
-    facts.extend(row.lamp.map(|lamp| lit_by(lamp, language)));
+    facts.extend(row.lamp.map(|lamp| lamp_signal(lamp, language)));
     facts
 }
 
-fn of_signal(row: &Signal, language: Language) -> Vec<String> {
+fn signal_facts(row: &Signal, language: Language) -> Vec<String> {
     let mut facts = Vec::new();
     if !row.symbol.is_empty() {
         facts.push(say::help_symbol(row.symbol).text(language));
     }
-    facts.push(say::help_direction(direction(row, language)).text(language));
+    facts.push(say::help_direction(signal_direction(row, language)).text(language));
     facts
 }
 
 /// Returns the sender and the receiver of a PLC signal: `CNC → PLC`.
-pub fn direction(row: &Signal, language: Language) -> String {
-    let ends = row.direction.split('>').map(|end| end_of(end, language));
+pub fn signal_direction(row: &Signal, language: Language) -> String {
+    let ends = row.direction.split('>').map(|end| endpoint_name(end, language));
     ends.collect::<Vec<_>>().join(" → ")
 }
 
 /// Returns the name of a sender or receiver that the signal table lists.
-fn end_of(end: &str, language: Language) -> String {
-    let said = match end {
+fn endpoint_name(end: &str, language: Language) -> String {
+    let message = match end {
         "machine" => say::help_end_machine(),
         "panel" => say::help_end_panel(),
         "display" => say::help_end_display(),
@@ -155,10 +156,10 @@ fn end_of(end: &str, language: Language) -> String {
         "PLC retained" => say::help_end_retained(),
         end => return end.to_owned(),
     };
-    said.text(language)
+    message.text(language)
 }
 
-fn lit_by(lamp: Bit, language: Language) -> String {
+fn lamp_signal(lamp: Bit, language: Language) -> String {
     say::help_lit_by(address('Y', lamp)).text(language)
 }
 

@@ -16,14 +16,14 @@ const BITS: usize = 8;
 
 /// Returns the model's topic about the word or field at a row and column of a page. Where that
 /// has no topic, returns the topic of the page.
-pub fn on_screen(
+pub fn topic_at(
     model: ModelId,
     page: PageId,
     screen: &Screen,
     row: usize,
     column: usize,
 ) -> Option<&'static Topic> {
-    let listed = CHOSEN_TEXT.contains(&row);
+    let listed = LIST_ROWS.contains(&row);
     let pointed = match page {
         PageId::ParBit | PageId::ParData if listed => parameter(screen, row, column),
         PageId::Dgn if listed => diagnosis(screen, row, column),
@@ -32,8 +32,8 @@ pub fn on_screen(
         _ => None,
     };
     pointed
-        .or_else(|| program::word(model, page, screen, row, column))
-        .or_else(|| field::pointed(page, screen, row, column))
+        .or_else(|| program::word_topic(model, page, screen, row, column))
+        .or_else(|| field::field_topic(page, screen, row, column))
         .or_else(|| topic(Subject::Page(page.name())))
 }
 
@@ -70,7 +70,7 @@ fn words(screen: &Screen, row: usize, columns: core::ops::Range<usize>) -> Vec<W
 }
 
 /// Returns the columns of the list at a column. A list page has a left and a right list.
-fn half(column: usize) -> core::ops::Range<usize> {
+fn list_half(column: usize) -> core::ops::Range<usize> {
     let middle = COLUMNS / 2;
     match column < middle {
         true => 0..middle,
@@ -80,8 +80,8 @@ fn half(column: usize) -> core::ops::Range<usize> {
 
 /// Returns the first word of the list entry at a column, and the bit if the column is in its
 /// eight binary digits.
-fn entry(screen: &Screen, row: usize, column: usize) -> Option<(String, Option<u8>)> {
-    let mut words = words(screen, row, half(column)).into_iter();
+fn list_entry(screen: &Screen, row: usize, column: usize) -> Option<(String, Option<u8>)> {
+    let mut words = words(screen, row, list_half(column)).into_iter();
     let name = words.next()?;
     let bit = words.next().and_then(|digits| {
         let of_bits =
@@ -101,28 +101,28 @@ fn named_bit(screen: &Screen, row: usize, column: usize) -> Option<(String, u8)>
     }
     let from_left = names.iter().rposition(|word| word.at <= column)?;
     // 序号 004
-    let mut chosen = words(screen, CHOSEN_ROW, 0..COLUMNS / 2).into_iter();
+    let mut chosen = words(screen, SELECTED_ROW, 0..COLUMNS / 2).into_iter();
     let number = chosen.nth(1)?.text;
     Some((number, (BITS - 1 - from_left) as u8))
 }
 
 /// Row that shows the number selected in a list.
-const CHOSEN_ROW: usize = 13;
+const SELECTED_ROW: usize = 13;
 /// Rows of the lists and of the description of the selected number.
-const CHOSEN_TEXT: core::ops::RangeInclusive<usize> = 2..=12;
+const LIST_ROWS: core::ops::RangeInclusive<usize> = 2..=12;
 /// First row of the description of the selected number.
-const CHOSEN_FIRST: usize = 10;
+const DESCRIPTION_ROW: usize = 10;
 
 /// Returns the number selected in a list, and its bit if the row names one (`BIT3: …`).
-fn chosen(screen: &Screen, row: usize) -> Option<(String, Option<u8>)> {
-    if row < CHOSEN_FIRST {
+fn selected_entry(screen: &Screen, row: usize) -> Option<(String, Option<u8>)> {
+    if row < DESCRIPTION_ROW {
         return None;
     }
-    let number = words(screen, CHOSEN_ROW, 0..COLUMNS / 2)
+    let number = words(screen, SELECTED_ROW, 0..COLUMNS / 2)
         .into_iter()
         .nth(1)?
         .text;
-    let named = words(screen, CHOSEN_FIRST, 0..COLUMNS).into_iter().next();
+    let named = words(screen, DESCRIPTION_ROW, 0..COLUMNS).into_iter().next();
     let bit = named.and_then(|word| {
         let word = word.text.to_ascii_uppercase();
         let digit = word.strip_prefix("BIT")?.bytes().next()?;
@@ -134,7 +134,7 @@ fn chosen(screen: &Screen, row: usize) -> Option<(String, Option<u8>)> {
 fn parameter(screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> {
     let (number, bit) = match named_bit(screen, row, column) {
         Some((number, bit)) => (number, Some(bit)),
-        None => chosen(screen, row).or_else(|| entry(screen, row, column))?,
+        None => selected_entry(screen, row).or_else(|| list_entry(screen, row, column))?,
     };
     let number = number.parse().ok()?;
     bit.and_then(|bit| topic(Subject::Bit(number, bit)))
@@ -142,7 +142,7 @@ fn parameter(screen: &Screen, row: usize, column: usize) -> Option<&'static Topi
 }
 
 fn diagnosis(screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> {
-    let (number, _) = chosen(screen, row).or_else(|| entry(screen, row, column))?;
+    let (number, _) = selected_entry(screen, row).or_else(|| list_entry(screen, row, column))?;
     topic(Subject::Diagnosis(number.parse().ok()?))
 }
 
@@ -150,7 +150,7 @@ fn signal(screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> 
     let (byte, bit) = match named_bit(screen, row, column) {
         Some((byte, bit)) => (byte, bit),
         None => {
-            let (byte, bit) = chosen(screen, row).or_else(|| entry(screen, row, column))?;
+            let (byte, bit) = selected_entry(screen, row).or_else(|| list_entry(screen, row, column))?;
             (byte, bit?)
         }
     };

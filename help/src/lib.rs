@@ -6,11 +6,11 @@
 //! `assets/help/`.
 //!
 //! ```
-//! use gsk_help::{Subject, ask, topic};
+//! use gsk_help::{Subject, search, topic};
 //! let alarm = topic(Subject::Alarm(7)).unwrap();
 //! assert_eq!(alarm.subject.to_string(), "alarm 007");
 //! // A number matches every subject with that number.
-//! assert!(ask("31").len() >= 2);
+//! assert!(search("31").len() >= 2);
 //! ```
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
@@ -24,11 +24,11 @@ mod search;
 mod subject;
 mod table;
 
-pub use article::{Article, article, called};
+pub use article::{Article, article, designation};
 pub use document::document;
-pub use facts::{direction, facts, name};
-pub use lcd::on_screen;
+pub use facts::{signal_direction, facts, subject_name};
+pub use lcd::topic_at;
 pub use models::{topic_of, topics_of};
-pub use search::{ask, ask_among, ask_of};
+pub use search::{search, search_among, search_model};
 pub use subject::Subject;
 pub use table::{Topic, topic, topics};

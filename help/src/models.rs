@@ -7,7 +7,7 @@ use gsk_core::model::{ModelId, Record};
 use gsk_messages::{Language, Message, say};
 
 use crate::subject::Subject;
-use crate::table::{Topic, texts, topics};
+use crate::table::{Topic, parse_topics, topics};
 
 /// Texts about codes that exist in one model only or that mean something else in it.
 const OWN_TEXTS: [(ModelId, &str); 3] = [
@@ -29,9 +29,9 @@ const OWN_TEXTS: [(ModelId, &str); 3] = [
 pub fn topics_of(model: ModelId) -> &'static [Topic] {
     // Each is collected on first use, because a run usually has one model.
     static MODELS: [LazyLock<Vec<Topic>>; 3] = [
-        LazyLock::new(|| collect(ModelId::Gsk980mdi)),
-        LazyLock::new(|| collect(ModelId::Hx31)),
-        LazyLock::new(|| collect(ModelId::Ncb08)),
+        LazyLock::new(|| collect_topics(ModelId::Gsk980mdi)),
+        LazyLock::new(|| collect_topics(ModelId::Hx31)),
+        LazyLock::new(|| collect_topics(ModelId::Ncb08)),
     ];
     match model {
         ModelId::Gsk980td => topics(),
@@ -48,18 +48,18 @@ pub fn topic_of(model: ModelId, subject: Subject<'_>) -> Option<&'static Topic> 
     all.get(at.ok()?)
 }
 
-fn collect(model: ModelId) -> Vec<Topic> {
+fn collect_topics(model: ModelId) -> Vec<Topic> {
     let record = model.record();
     let table = OWN_TEXTS.iter().find(|(of, _)| *of == model);
     let table = table.map_or("", |(_, table)| *table);
-    let own = texts(table, |written| Some(Subject::of_program(written)));
-    let mut all: Vec<Topic> = own.map(|topic| topic.of(model)).collect();
-    all.extend(codes(record).map(|topic| topic.of(model)));
-    all.extend(parameters(record).map(|topic| topic.of(model)));
+    let own = parse_topics(table, |written| Some(Subject::parse_program_word(written)));
+    let mut all: Vec<Topic> = own.map(|topic| topic.for_model(model)).collect();
+    all.extend(codes(record).map(|topic| topic.for_model(model)));
+    all.extend(parameters(record).map(|topic| topic.for_model(model)));
     all.extend(
         topics()
             .iter()
-            .filter(|topic| holds(topic, record))
+            .filter(|topic| is_valid_for(topic, record))
             .copied(),
     );
     // Topics with a text of the model come before those without one, and before the GSK980TD's.
@@ -69,7 +69,7 @@ fn collect(model: ModelId) -> Vec<Topic> {
 }
 
 /// Whether a topic of the GSK980TD is valid for the model.
-fn holds(topic: &Topic, record: &Record) -> bool {
+fn is_valid_for(topic: &Topic, record: &Record) -> bool {
     let Subject::Code(name) = topic.subject else {
         return true;
     };
@@ -105,8 +105,8 @@ fn codes(record: &'static Record) -> impl Iterator<Item = Topic> {
     });
     let m = m.map(|(number, function)| (format!("M{number:02}"), function.does.text()));
     g.chain(m).map(|(code, meaning)| {
-        let said = say::help_code_of_model(&code, meaning, record.name());
-        Topic::of_text(Subject::Code(code.leak()), both(&said))
+        let message = say::help_code_of_model(&code, meaning, record.name());
+        Topic::with_text(Subject::Code(code.leak()), in_both_languages(&message))
     })
 }
 
@@ -116,13 +116,13 @@ fn parameters(record: &'static Record) -> impl Iterator<Item = Topic> {
         let (low, high) = parameter.range;
         let rule = [Language::Zh, Language::En].map(|language| {
             let name = parameter.name(language);
-            let said = say::help_parameter_of_model(name, low, high, &parameter.unit);
-            &*said.text(language).leak()
+            let message = say::help_parameter_of_model(name, low, high, &parameter.unit);
+            &*message.text(language).leak()
         });
-        Topic::of_text(Subject::Notion(format!("P{number}").leak()), rule)
+        Topic::with_text(Subject::Notion(format!("P{number}").leak()), rule)
     })
 }
 
-fn both(said: &Message) -> [&'static str; 2] {
-    [Language::Zh, Language::En].map(|language| &*said.text(language).leak())
+fn in_both_languages(message: &Message) -> [&'static str; 2] {
+    [Language::Zh, Language::En].map(|language| &*message.text(language).leak())
 }

@@ -4,7 +4,7 @@ use gsk_core::model::ModelId;
 use gsk_messages::Language;
 
 use crate::article;
-use crate::facts::{facts, name};
+use crate::facts::{facts, subject_name};
 use crate::models::topics_of;
 use crate::subject::Subject;
 use crate::table::{Topic, topics};
@@ -13,61 +13,61 @@ use crate::table::{Topic, topics};
 /// topic alone. A number returns the topics with that number. Other words return the topics
 /// with all words in the name, then those with all words in the text. Case is ignored, `G1`
 /// equals `G01`, and `31` equals `031`.
-pub fn ask(question: &str) -> Vec<&'static Topic> {
-    ask_among(question, |_| true)
+pub fn search(query: &str) -> Vec<&'static Topic> {
+    search_among(query, |_| true)
 }
 
-/// Searches the topics of a model as [`ask`] does.
-pub fn ask_of(model: ModelId, question: &str) -> Vec<&'static Topic> {
-    find(topics_of(model), question, |_| true)
+/// Searches the topics of a model as [`search()`] does.
+pub fn search_model(model: ModelId, query: &str) -> Vec<&'static Topic> {
+    search_topics(topics_of(model), query, |_| true)
 }
 
-/// Searches the topics whose subject `among` accepts, as [`ask`] does.
-pub fn ask_among(question: &str, among: impl Fn(Subject<'_>) -> bool) -> Vec<&'static Topic> {
-    find(topics(), question, among)
+/// Searches the topics whose subject `among` accepts, as [`search()`] does.
+pub fn search_among(query: &str, among: impl Fn(Subject<'_>) -> bool) -> Vec<&'static Topic> {
+    search_topics(topics(), query, among)
 }
 
-fn find(
+fn search_topics(
     all: &'static [Topic],
-    question: &str,
+    query: &str,
     among: impl Fn(Subject<'_>) -> bool,
 ) -> Vec<&'static Topic> {
-    let words: Vec<String> = question.split_whitespace().map(folded).collect();
+    let words: Vec<String> = query.split_whitespace().map(fold_word).collect();
     if words.is_empty() {
         return Vec::new();
     }
-    let asked = words.join(" ");
-    let number = asked.parse().ok();
+    let folded_query = words.join(" ");
+    let number = folded_query.parse().ok();
     let mut found: Vec<(u8, &Topic)> = all
         .iter()
         .filter(|topic| among(topic.subject))
-        .filter_map(|topic| Some((distance(topic, &asked, number, &words)?, topic)))
+        .filter_map(|topic| Some((match_rank(topic, &folded_query, number, &words)?, topic)))
         .collect();
     // An exact designation excludes all other topics.
-    if found.iter().any(|(distance, _)| *distance == 0) {
-        found.retain(|(distance, _)| *distance == 0);
+    if found.iter().any(|(rank, _)| *rank == 0) {
+        found.retain(|(rank, _)| *rank == 0);
     }
-    found.sort_by_key(|(distance, _)| *distance);
+    found.sort_by_key(|(rank, _)| *rank);
     found.into_iter().map(|(_, topic)| topic).collect()
 }
 
 /// Rank of a topic for a query, 0 for an exact match, or `None` if it does not match.
-fn distance(topic: &Topic, asked: &str, number: Option<u16>, words: &[String]) -> Option<u8> {
-    let called = folded(&topic.subject.to_string());
-    let headed = |language| folded_words(&article::called(topic.subject, language)) == asked;
+fn match_rank(topic: &Topic, folded_query: &str, number: Option<u16>, words: &[String]) -> Option<u8> {
+    let designation = fold_word(&topic.subject.to_string());
+    let headed = |language| fold_words(&article::designation(topic.subject, language)) == folded_query;
     if [Language::Zh, Language::En].into_iter().any(headed) {
         return Some(0);
     }
-    if called == asked || called.strip_prefix("no. ") == Some(asked) && number.is_none() {
+    if designation == folded_query || designation.strip_prefix("no. ") == Some(folded_query) && number.is_none() {
         return Some(0);
     }
     if number.is_some() {
         return (topic.subject.number() == number).then_some(1);
     }
     let names =
-        [Language::Zh, Language::En].map(|language| name(topic.subject, language).to_lowercase());
+        [Language::Zh, Language::En].map(|language| subject_name(topic.subject, language).to_lowercase());
     let all = |text: &str| words.iter().all(|word| text.contains(word.as_str()));
-    if all(&called) || names.iter().any(|name| all(name)) {
+    if all(&designation) || names.iter().any(|name| all(name)) {
         return Some(2);
     }
     let texts = [Language::Zh, Language::En].map(|language| {
@@ -78,13 +78,13 @@ fn distance(topic: &Topic, asked: &str, number: Option<u16>, words: &[String]) -
 }
 
 /// Folds each word of a text.
-fn folded_words(text: &str) -> String {
-    let words: Vec<String> = text.split_whitespace().map(folded).collect();
+fn fold_words(text: &str) -> String {
+    let words: Vec<String> = text.split_whitespace().map(fold_word).collect();
     words.join(" ")
 }
 
 /// Returns a word in lower case, with codes and numbers padded as in the tables.
-fn folded(text: &str) -> String {
+fn fold_word(text: &str) -> String {
     let text = text.to_lowercase();
     let letters = text.len()
         - text

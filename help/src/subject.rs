@@ -40,7 +40,7 @@ pub enum Subject<'a> {
 
 impl<'a> Subject<'a> {
     /// Parses a subject of the panel as its table writes it: `key RESET`, `page pos-abs`.
-    pub(crate) fn of_panel(written: &'a str) -> Option<Self> {
+    pub(crate) fn parse_panel(written: &'a str) -> Option<Self> {
         let (family, rest) = written.split_once(' ').unwrap_or((written, ""));
         Some(match family {
             "key" => Self::Key(rest),
@@ -56,12 +56,12 @@ impl<'a> Subject<'a> {
     }
 
     /// Parses an alarm number.
-    pub(crate) fn of_alarm(written: &'a str) -> Option<Self> {
+    pub(crate) fn parse_alarm(written: &'a str) -> Option<Self> {
         written.parse().ok().map(Self::Alarm)
     }
 
     /// Parses a parameter or a bit of one: `022`, `004.3`.
-    pub(crate) fn of_parameter(written: &'a str) -> Option<Self> {
+    pub(crate) fn parse_parameter(written: &'a str) -> Option<Self> {
         let Some((number, bit)) = written.split_once('.') else {
             return written.parse().ok().map(Self::Parameter);
         };
@@ -70,7 +70,7 @@ impl<'a> Subject<'a> {
 
     /// Parses a code or a word of programs. A capital letter or `#` begins a code, anything
     /// else a notion.
-    pub(crate) fn of_program(written: &'a str) -> Self {
+    pub(crate) fn parse_program_word(written: &'a str) -> Self {
         match written.starts_with(|it: char| it.is_ascii_uppercase() || it == '#') {
             true => Self::Code(written),
             false => Self::Notion(written),

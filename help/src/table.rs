@@ -15,28 +15,28 @@ use crate::subject::Subject;
 const FIELDS: usize = 6;
 
 /// Parses the subject field of a help table.
-pub(crate) type Read = fn(&'static str) -> Option<Subject<'static>>;
+pub(crate) type ParseSubject = fn(&'static str) -> Option<Subject<'static>>;
 
 /// The help tables, each with the parser of its subjects.
-const TEXTS: [(&str, Read); 6] = [
+const TEXTS: [(&str, ParseSubject); 6] = [
     (
         include_str!("../../assets/help/alarms.tsv"),
-        Subject::of_alarm,
+        Subject::parse_alarm,
     ),
     (include_str!("../../assets/help/codes.tsv"), |written| {
-        Some(Subject::of_program(written))
+        Some(Subject::parse_program_word(written))
     }),
     (
         include_str!("../../assets/help/fields.tsv"),
-        Subject::of_panel,
+        Subject::parse_panel,
     ),
     (
         include_str!("../../assets/help/panel.tsv"),
-        Subject::of_panel,
+        Subject::parse_panel,
     ),
     (
         include_str!("../../assets/help/parameters.tsv"),
-        Subject::of_parameter,
+        Subject::parse_parameter,
     ),
     (include_str!("../../assets/help/signals.tsv"), |written| {
         Some(Subject::Signal(written))
@@ -47,9 +47,9 @@ const TEXTS: [(&str, Read); 6] = [
 static TOPICS: LazyLock<Vec<Topic>> = LazyLock::new(|| {
     let mut topics: Vec<Topic> = TEXTS
         .iter()
-        .flat_map(|(table, read)| texts(table, *read))
+        .flat_map(|(table, parse_subject)| parse_topics(table, *parse_subject))
         .collect();
-    topics.extend(of_tables().map(Topic::without_text));
+    topics.extend(table_subjects().map(Topic::without_text));
     // Topics with a text come before those without one.
     topics.sort_by_key(|topic| topic.subject);
     topics.dedup_by_key(|topic| topic.subject);
@@ -57,7 +57,7 @@ static TOPICS: LazyLock<Vec<Topic>> = LazyLock::new(|| {
 });
 
 /// Returns every subject that the control's tables contain.
-fn of_tables() -> impl Iterator<Item = Subject<'static>> {
+fn table_subjects() -> impl Iterator<Item = Subject<'static>> {
     let alarms = alarm::rows().iter().map(|row| Subject::Alarm(row.number));
     let parameters = memory::rows().iter().map(|row| match row.bit {
         Some(bit) => Subject::Bit(row.number, bit),
@@ -77,9 +77,9 @@ fn of_tables() -> impl Iterator<Item = Subject<'static>> {
 }
 
 /// Returns the topics of a help table.
-pub(crate) fn texts(table: &'static str, read: Read) -> impl Iterator<Item = Topic> {
+pub(crate) fn parse_topics(table: &'static str, parse_subject: ParseSubject) -> impl Iterator<Item = Topic> {
     let lines = table.lines().skip(1);
-    lines.filter_map(move |line| Topic::read(line, read))
+    lines.filter_map(move |line| Topic::parse(line, parse_subject))
 }
 
 /// A help topic: a subject and the texts about it.
@@ -108,7 +108,7 @@ impl Topic {
     }
 
     /// Creates a topic with a rule in Chinese and English.
-    pub(crate) const fn of_text(subject: Subject<'static>, rule: [&'static str; 2]) -> Self {
+    pub(crate) const fn with_text(subject: Subject<'static>, rule: [&'static str; 2]) -> Self {
         Self {
             rule,
             ..Self::without_text(subject)
@@ -116,20 +116,20 @@ impl Topic {
     }
 
     /// Returns the topic as one that only `model` has.
-    pub(crate) const fn of(self, model: ModelId) -> Self {
+    pub(crate) const fn for_model(self, model: ModelId) -> Self {
         Self {
             model: Some(model),
             ..self
         }
     }
 
-    fn read(line: &'static str, read: Read) -> Option<Self> {
+    fn parse(line: &'static str, parse_subject: ParseSubject) -> Option<Self> {
         let fields: Vec<&str> = line.split('\t').collect();
         let fields: [&str; FIELDS] = fields.try_into().ok()?;
         let present = |text: &'static str| if text == "-" { "" } else { text };
         let [written, rule_en, rule_zh, example_en, example_zh, source] = fields;
         Some(Self {
-            subject: read(written)?,
+            subject: parse_subject(written)?,
             rule: [rule_zh, rule_en],
             example: [example_zh, example_en].map(present),
             source: present(source),

@@ -3,7 +3,7 @@
 use gsk_core::alarm;
 use gsk_core::memory;
 use gsk_core::model::ModelId;
-use gsk_help::{Subject, article, ask, name, on_screen, topic, topics};
+use gsk_help::{Subject, article, search, subject_name, topic_at, topic, topics};
 use gsk_messages::Language;
 use gsk_panel::emulator::{Condition, Emulator};
 use gsk_panel::keys::{KEYS, STRIP};
@@ -84,7 +84,7 @@ fn every_text_says_more_than_the_name_in_its_own_language() {
     {
         for language in LANGUAGES {
             let rule = topic.rule(language);
-            let name = name(topic.subject, language);
+            let name = subject_name(topic.subject, language);
             assert_ne!(
                 rule.trim_end_matches(['.', '。']),
                 name,
@@ -143,7 +143,7 @@ fn no_topic_is_there_twice() {
 
 #[test]
 fn questions_find_what_they_mean() {
-    let first = |question: &str| ask(question).first().map(|it| it.subject.to_string());
+    let first = |question: &str| search(question).first().map(|it| it.subject.to_string());
     for (question, subject) in [
         ("G71", "G71"),
         ("g1", "G01"),
@@ -162,9 +162,9 @@ fn questions_find_what_they_mean() {
     ] {
         assert_eq!(first(question).as_deref(), Some(subject), "{question}");
     }
-    let both: Vec<String> = ask("31").iter().map(|it| it.subject.to_string()).collect();
+    let both: Vec<String> = search("31").iter().map(|it| it.subject.to_string()).collect();
     assert!(both.contains(&"alarm 031".to_owned()) && both.contains(&"No. 031".to_owned()));
-    assert!(ask("").is_empty() && ask("xyzzy plugh").is_empty());
+    assert!(search("").is_empty() && search("xyzzy plugh").is_empty());
 }
 
 #[test]
@@ -192,7 +192,7 @@ fn what_is_pointed_at_on_the_lcd_is_found() {
     ] {
         emulator.panel.show(page);
         let screen = emulator.screen();
-        let found = on_screen(ModelId::default(), page, &screen, row, column)
+        let found = topic_at(ModelId::default(), page, &screen, row, column)
             .map(|it| it.subject.to_string());
         assert_eq!(
             found.as_deref(),
@@ -236,7 +236,7 @@ fn every_field_of_every_page_has_its_topic() {
                         continue;
                     }
                     words += 1;
-                    let found = on_screen(ModelId::default(), row.page, &screen, at, column);
+                    let found = topic_at(ModelId::default(), row.page, &screen, at, column);
                     if found.is_none_or(|it| matches!(it.subject, Subject::Page(_))) {
                         let said = screen.row(at);
                         silent.push(format!("{} {at}:{column} {said}", row.name));
@@ -259,13 +259,13 @@ fn what_the_nc_b08_teaches_and_macro_b_are_explained_where_they_stand() {
     emulator.panel.show(PageId::Graph);
     for screen in [emulator.screen(), emulator.translated_screen()] {
         for row in [1, 2, 11, 12] {
-            let found = on_screen(ModelId::default(), PageId::Graph, &screen, row, 14);
+            let found = topic_at(ModelId::default(), PageId::Graph, &screen, row, 14);
             let found = found.map(|it| it.subject);
             assert_eq!(found, Some(Subject::Notion("teaching")), "{row}");
         }
     }
     for question in ["teaching", "macro B", "teach-in", "DNC"] {
-        assert!(!ask(question).is_empty(), "{question}");
+        assert!(!search(question).is_empty(), "{question}");
     }
 }
 

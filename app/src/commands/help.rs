@@ -1,7 +1,7 @@
 //! `help`: what a command does, and what a symbol of the control means.
 
 use clap::{Command, CommandFactory};
-use gsk_help::{Topic, article, ask_of, called, document, topics_of};
+use gsk_help::{Topic, article, search_model, designation, document, topics_of};
 use gsk_messages::{Language, say};
 use gsk_panel::glyphs::text_columns;
 
@@ -53,7 +53,7 @@ pub fn help(args: &HelpArgs, spoken: Option<Language>) -> Result<u8, CommandErro
         return Ok(FINE);
     }
     let question = args.topic.join(" ");
-    let found = ask_of(args.model.unwrap_or_default(), &question);
+    let found = search_model(args.model.unwrap_or_default(), &question);
     if found.is_empty() {
         return Err(CommandError::NoTopic(question));
     }
@@ -75,9 +75,9 @@ pub fn help(args: &HelpArgs, spoken: Option<Language>) -> Result<u8, CommandErro
 /// How each is asked for, and its name, a line each.
 fn headings(topics: &[&Topic], language: Language) -> String {
     let line = |topic: &&Topic| {
-        let name = gsk_help::name(topic.subject, language);
+        let name = gsk_help::subject_name(topic.subject, language);
         let asked = match language {
-            Language::Zh => called(topic.subject, language),
+            Language::Zh => designation(topic.subject, language),
             Language::En => topic.subject.to_string(),
         };
         let gap = 24_usize.saturating_sub(text_columns(&asked));

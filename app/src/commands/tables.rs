@@ -319,7 +319,7 @@ pub fn signals(args: &TableArgs, language: Option<Language>) -> Result<u8, Comma
             "zh": row.text_zh, "en": row.text_en, "manual": row.manual, "acts": row.acts,
         });
         let direction = match spoken {
-            Language::Zh => gsk_help::direction(row, spoken),
+            Language::Zh => gsk_help::signal_direction(row, spoken),
             Language::En => row.direction.to_owned(),
         };
         let acts = acts_in(row.acts).map_or_else(|| row.acts.to_owned(), |it| it.text(spoken));
@@ -389,7 +389,7 @@ mod tests {
         for row in signals::rows() {
             let said = acts_in(row.acts).map(|it| it.text(Language::En));
             assert_eq!(said.as_deref(), Some(row.acts), "{}", row.address);
-            let direction = gsk_help::direction(row, Language::Zh);
+            let direction = gsk_help::signal_direction(row, Language::Zh);
             let words = direction.replace("PLC", "").replace("CNC", "");
             assert!(
                 !words.contains(|it: char| it.is_ascii_alphabetic()),

@@ -6,7 +6,7 @@ mod shown;
 
 use egui::{Color32, Context, Frame, Key, Margin, RichText, ScrollArea, TextEdit, Ui};
 use gsk_core::model::ModelId;
-use gsk_help::{Subject, Topic, article, ask_of, topic, topic_of};
+use gsk_help::{Subject, Topic, article, search_model, topic, topic_of};
 use gsk_messages::{Language, say};
 use gsk_panel::occurrences::Occurrence;
 
@@ -160,7 +160,7 @@ impl Help {
             let model = picture.map(|picture| picture.model).unwrap_or_default();
             let looked_up = (model, self.question.clone());
             if self.found.0 != looked_up {
-                self.found = (looked_up, ask_of(model, &self.question));
+                self.found = (looked_up, search_model(model, &self.question));
             }
             match &self.found.1[..] {
                 [] => {

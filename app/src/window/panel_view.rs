@@ -3,7 +3,7 @@
 use egui::{
     Color32, Event, Painter, Pos2, Role, Sense, Stroke, StrokeKind, TouchPhase, Ui, WidgetInfo,
 };
-use gsk_help::{Subject, Topic, on_screen, topic};
+use gsk_help::{Subject, Topic, topic_at, topic};
 use gsk_panel::faceplate::{self, FaceState, Outline, Part, What};
 use gsk_panel::keys::{Key, STRIP};
 use gsk_panel::screen::{COLUMNS, ROWS};
@@ -226,7 +226,7 @@ impl Window {
         if let Some((row, column)) = self.cell(Some(at)) {
             let picture = self.picture.as_ref()?;
             let (model, page) = (picture.model, picture.page);
-            return on_screen(model, page, &picture.screen, row, column);
+            return topic_at(model, page, &picture.screen, row, column);
         }
         let (x, y) = placing::units(&self.placed, at)?;
         match faceplate::part_at(x, y)?.what {

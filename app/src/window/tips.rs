@@ -2,7 +2,7 @@
 //! is printed there, and which way an axis key moves (WINDOW-18).
 
 use egui::{RichText, Ui};
-use gsk_help::{article, on_screen};
+use gsk_help::{article, topic_at};
 use gsk_panel::keys::{Key, KeyRow, StripLamp};
 use gsk_panel::screen::Screen;
 
@@ -74,7 +74,7 @@ pub fn lcd(picture: &Snapshot, row: usize, column: usize, language: Language) ->
         }
     }
     let (model, page) = (picture.model, picture.page);
-    if let Some(topic) = on_screen(model, page, &picture.screen, row, column) {
+    if let Some(topic) = topic_at(model, page, &picture.screen, row, column) {
         let heading = article(topic, language).heading;
         if lines.is_empty() || !lines.contains(&heading) {
             lines.push(heading);

@@ -53,7 +53,7 @@ const MODES: [(fn() -> Message, Subject<'static>); 12] = [
 const MODE_COLUMNS: Range<usize> = 20..30;
 
 /// Returns the topic about the field at a row and column.
-pub fn pointed(page: PageId, screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> {
+pub fn field_topic(page: PageId, screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> {
     if row == STATE_ROW && MODE_COLUMNS.contains(&column) {
         let shown = screen.row(row);
         let is = |text: &fn() -> Message, language| shown.contains(&text().text(language));

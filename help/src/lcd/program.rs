@@ -22,7 +22,7 @@ const TEACHING: [&str; 2] = ["示教", "TEACH"];
 
 /// Returns the topic about the program word at a row and column, or `None` where the page shows
 /// no program.
-pub fn word(
+pub fn word_topic(
     model: ModelId,
     page: PageId,
     screen: &Screen,

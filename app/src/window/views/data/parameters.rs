@@ -6,7 +6,7 @@ use egui::{
     TextEdit, TextStyle, TextWrapMode, Ui, WidgetInfo, WidgetText, pos2, vec2,
 };
 use gsk_core::memory::{self, Disk, Effective, ParameterRow};
-use gsk_help::{Subject, Topic, ask_among, name, topic};
+use gsk_help::{Subject, Topic, search_among, subject_name, topic};
 use gsk_messages::{Language, say};
 
 use super::edit::{Drafts, Spot, is_state, parameter_text};
@@ -108,7 +108,7 @@ impl Parameters {
             if self.found.0 != self.question {
                 let parameter =
                     |it: Subject<'_>| matches!(it, Subject::Parameter(_) | Subject::Bit(..));
-                let found = ask_among(&self.question, parameter);
+                let found = search_among(&self.question, parameter);
                 self.found = (self.question.clone(), found);
             }
             let found = self.found.1.iter();
@@ -312,7 +312,7 @@ fn bits(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Draf
                 let mut on = byte >> bit & 1 != 0;
                 let label = format!("{bit} {}", row.map_or("***", |row| row.symbol));
                 let meaning = match row {
-                    Some(_) => name(Subject::Bit(number, bit), language),
+                    Some(_) => subject_name(Subject::Bit(number, bit), language),
                     None => say::data_bit_unused().text(language),
                 };
                 let check = ui.checkbox(&mut on, RichText::new(label).monospace());
