@@ -11,7 +11,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use gsk_core::command::ProgramId;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
-use gsk_language::{Edit, Position, Structure, Text, analyse, folds, symbols};
+use gsk_language::{TextChange, Position, Structure, TextDocument, analyse, folds, symbols};
 use gsk_messages::Language;
 
 /// Blocks of the program.
@@ -36,7 +36,7 @@ fn program() -> String {
     text
 }
 
-fn look(text: &Text) -> usize {
+fn analyse_text(text: &TextDocument) -> usize {
     let mut setup = Setup::default();
     setup
         .memory
@@ -49,12 +49,12 @@ fn look(text: &Text) -> usize {
 fn keystroke(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("keystroke");
     group.sample_size(20);
-    let mut text = Text::new(program());
+    let mut text = TextDocument::new(program());
     let at = Position {
         line: BLOCKS / 2,
         byte: 5,
     };
-    let put = Edit {
+    let insertion = TextChange {
         from: at,
         to: at,
         text: " ".to_owned(),
@@ -63,18 +63,18 @@ fn keystroke(criterion: &mut Criterion) {
         byte: at.byte + 1,
         ..at
     };
-    let take = Edit {
+    let removal = TextChange {
         from: at,
         to: end,
         text: String::new(),
     };
     group.bench_function("change", |bench| {
         bench.iter(|| {
-            text.apply(&put);
-            text.apply(&take);
+            text.apply(&insertion);
+            text.apply(&removal);
         });
     });
-    group.bench_function("look", |bench| bench.iter(|| black_box(look(&text))));
+    group.bench_function("look", |bench| bench.iter(|| black_box(analyse_text(&text))));
     group.bench_function("structure", |bench| {
         bench.iter(|| black_box(Structure::read(&text)));
     });

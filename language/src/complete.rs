@@ -5,14 +5,14 @@ use std::collections::BTreeSet;
 
 use gsk_core::model::GCode;
 
-use crate::Reader;
-use crate::hover::{code_topic, escaped, range};
-use crate::leads::{Aim, aim_of};
-use crate::meaning::{letter, of_model};
-use crate::snippets::{is_hole, letters, snippet};
+use crate::ReadingContext;
+use crate::hover::{code_topic, escape_markdown, value_range};
+use crate::reference_target::{ReferenceTarget, reference_target};
+use crate::meaning::{letter_meaning, code_meaning};
+use crate::snippets::{is_hole_cycle, letters, snippet};
 use crate::structure::Structure;
-use crate::text::{Place, Position, Text};
-use crate::words::{Kind, Span, spans, word_of};
+use crate::text::{TextRange, Position, TextDocument};
+use crate::words::{SpanKind, Span, spans, word_of};
 
 /// What a completion inserts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +33,7 @@ pub enum CompletionKind {
 
 /// A completion proposal.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Completion {
+pub struct CompletionProposal {
     /// The text in the list of proposals.
     pub label: String,
     /// What the proposal inserts.
@@ -42,30 +42,30 @@ pub struct Completion {
     pub detail: String,
     /// A longer explanation in Markdown, or empty.
     pub about: String,
-    /// The text that replaces `place`. A snippet has the `${1:…}` form of editors.
+    /// The text that replaces `range`. A snippet has the `${1:…}` form of editors.
     pub insert: String,
     /// The text that the proposal replaces.
-    pub place: Place,
+    pub range: TextRange,
 }
 
 /// Lines searched upwards for the code in force.
-const MOST_ABOVE: u32 = 2000;
+const MAX_LINES_ABOVE: u32 = 2000;
 
 /// Returns the proposals at a position. `programs` contains the numbers of programs that can be
 /// called.
 pub fn complete(
-    text: &Text,
+    text: &TextDocument,
     structure: &Structure,
     at: Position,
-    reader: Reader,
+    context: ReadingContext,
     programs: &BTreeSet<u16>,
-) -> Vec<Completion> {
+) -> Vec<CompletionProposal> {
     let line = text.line(at.line);
     let spans = spans(line);
     let byte = line.floor_char_boundary((at.byte as usize).min(line.len()));
     let in_comment = |it: &Span| {
         let open = !line[it.range.clone()].ends_with([')', '）']);
-        it.kind == Kind::Comment && it.range.start < byte && (byte < it.range.end || open)
+        it.kind == SpanKind::Comment && it.range.start < byte && (byte < it.range.end || open)
     };
     if spans.iter().any(in_comment) {
         return Vec::new();
@@ -78,33 +78,33 @@ pub fn complete(
     let head = &before[..byte - digits];
     let typed = head.chars().next_back().filter(char::is_ascii_alphabetic);
     let from = byte - digits - usize::from(typed.is_some());
-    let mut site = Site {
+    let mut site = CompletionSite {
         line,
         block: block_at(&spans, line, from),
-        place: Place::new(at.line, &(from..byte)),
-        reader,
+        range: TextRange::new(at.line, &(from..byte)),
+        context,
         found: Vec::new(),
     };
     match typed.map(|it| it.to_ascii_uppercase()) {
-        Some(address @ ('G' | 'M')) => site.codes(address),
-        Some('T') => site.tools(structure),
-        Some(address @ ('P' | 'Q')) => site.targets(structure, at, address, programs),
+        Some(address @ ('G' | 'M')) => site.propose_codes(address),
+        Some('T') => site.propose_tools(structure),
+        Some(address @ ('P' | 'Q')) => site.propose_targets(structure, at, address, programs),
         Some(address) => {
             if digits == 0 {
-                site.letter(address);
+                site.propose_letter(address);
             }
-            if reader.macro_b {
-                site.statements(address);
+            if context.macro_b {
+                site.propose_statements(address);
             }
         }
         None if digits > 0 => {}
         None => {
             let code = site.code_in_force(text, at);
-            let of_mill = reader.model.is_mill();
-            let none = if of_mill { "XYZF" } else { "XZUWF" };
-            let letters = code.map_or(none, |code| letters(code, of_mill));
+            let is_mill = context.model.is_mill();
+            let none = if is_mill { "XYZF" } else { "XZUWF" };
+            let letters = code.map_or(none, |code| letters(code, is_mill));
             for address in letters.chars().chain("GMST".chars()) {
-                site.letter(address);
+                site.propose_letter(address);
             }
         }
     }
@@ -112,18 +112,18 @@ pub fn complete(
 }
 
 /// The line, block and range that a proposal applies to.
-struct Site<'a> {
+struct CompletionSite<'a> {
     line: &'a str,
     block: Vec<Span>,
-    place: Place,
-    reader: Reader,
-    found: Vec<Completion>,
+    range: TextRange,
+    context: ReadingContext,
+    found: Vec<CompletionProposal>,
 }
 
 /// The spans of the block around a byte of its line.
 fn block_at(spans: &[Span], line: &str, byte: usize) -> Vec<Span> {
     let ends = |it: &Span| {
-        it.kind == Kind::Mark && matches!(line.get(it.range.clone()), Some(";" | "*" | "%"))
+        it.kind == SpanKind::Mark && matches!(line.get(it.range.clone()), Some(";" | "*" | "%"))
     };
     let mut blocks = spans.split_inclusive(ends);
     let around = blocks.find(|block| block.last().is_some_and(|it| byte <= it.range.start));
@@ -131,33 +131,33 @@ fn block_at(spans: &[Span], line: &str, byte: usize) -> Vec<Span> {
     around.unwrap_or_else(last).to_vec()
 }
 
-impl Site<'_> {
+impl CompletionSite<'_> {
     fn push(&mut self, label: String, kind: CompletionKind, detail: String, about: String) {
-        self.found.push(Completion {
+        self.found.push(CompletionProposal {
             insert: label.clone(),
             label,
             kind,
             detail,
             about,
-            place: self.place.clone(),
+            range: self.range.clone(),
         });
     }
 
     /// Proposes the G or M codes of the model.
-    fn codes(&mut self, address: char) {
-        let record = self.reader.model.record();
+    fn propose_codes(&mut self, address: char) {
+        let record = self.context.model.record();
         let numbers: Vec<u8> = match address {
             'G' => record.g.keys().copied().collect(),
             _ => record.m.keys().copied().collect(),
         };
         for number in numbers {
-            let Some(said) = of_model(address, number.into(), self.reader.model) else {
+            let Some(meaning) = code_meaning(address, number.into(), self.context.model) else {
                 continue;
             };
-            let detail = said.text(self.reader.language);
-            let topic = code_topic(self.reader.model, address, number.into());
-            let about = topic.map_or("", |topic| topic.rule(self.reader.language));
-            let (label, about) = (format!("{address}{number:02}"), escaped(about));
+            let detail = meaning.text(self.context.language);
+            let topic = code_topic(self.context.model, address, number.into());
+            let about = topic.map_or("", |topic| topic.rule(self.context.language));
+            let (label, about) = (format!("{address}{number:02}"), escape_markdown(about));
             self.push(
                 label.clone(),
                 CompletionKind::Code,
@@ -165,8 +165,8 @@ impl Site<'_> {
                 about.clone(),
             );
             let code = record.g_code(number.into()).filter(|_| address == 'G');
-            let of_mill = self.reader.model.is_mill();
-            if let Some(snippet) = code.and_then(|it| snippet(it, of_mill)) {
+            let is_mill = self.context.model.is_mill();
+            if let Some(snippet) = code.and_then(|it| snippet(it, is_mill)) {
                 self.push(format!("{label} …"), CompletionKind::Snippet, detail, about);
                 if let Some(last) = self.found.last_mut() {
                     snippet.clone_into(&mut last.insert);
@@ -175,28 +175,28 @@ impl Site<'_> {
         }
     }
 
-    fn letter(&mut self, address: char) {
-        if let Some(said) = letter(address, self.reader.model) {
-            let language = self.reader.language;
-            let about = if self.reader.model.is_mill() {
+    fn propose_letter(&mut self, address: char) {
+        if let Some(meaning) = letter_meaning(address, self.context.model) {
+            let language = self.context.language;
+            let about = if self.context.model.is_mill() {
                 String::new()
             } else {
-                range(address, language)
+                value_range(address, language)
             };
-            let said = said.text(language);
-            self.push(address.to_string(), CompletionKind::Letter, said, about);
+            let meaning = meaning.text(language);
+            self.push(address.to_string(), CompletionKind::Letter, meaning, about);
         } else if matches!(address, 'G' | 'M') {
             let label = address.to_string();
             self.push(label, CompletionKind::Letter, String::new(), String::new());
         }
     }
 
-    fn tools(&mut self, structure: &Structure) {
-        self.letter('T');
+    fn propose_tools(&mut self, structure: &Structure) {
+        self.propose_letter('T');
         let values: BTreeSet<&str> = structure.tools.iter().map(|it| it.value.as_str()).collect();
         for value in values {
-            let detail = letter('T', self.reader.model)
-                .map_or(String::new(), |it| it.text(self.reader.language));
+            let detail = letter_meaning('T', self.context.model)
+                .map_or(String::new(), |it| it.text(self.context.language));
             self.push(
                 format!("T{value}"),
                 CompletionKind::Tool,
@@ -207,32 +207,32 @@ impl Site<'_> {
     }
 
     /// Proposes existing blocks or programs for P and Q.
-    fn targets(
+    fn propose_targets(
         &mut self,
         structure: &Structure,
         at: Position,
         address: char,
         programs: &BTreeSet<u16>,
     ) {
-        self.letter(address);
+        self.propose_letter(address);
         // The block determines the target of the word with any number, so try it with 1.
-        let mut with_number = String::from(self.line.get(..self.place.from as usize).unwrap_or(""));
+        let mut with_number = String::from(self.line.get(..self.range.from as usize).unwrap_or(""));
         let from = with_number.len();
         with_number.push(address);
         with_number.push('1');
         let own = Span {
             range: from..with_number.len(),
-            kind: Kind::Other,
+            kind: SpanKind::Other,
         };
-        let rest = self.line.get(self.place.to as usize..).unwrap_or("");
+        let rest = self.line.get(self.range.to as usize..).unwrap_or("");
         with_number.push_str(rest);
         let grown = with_number.len() as i64 - self.line.len() as i64;
         let mut block: Vec<Span> = Vec::new();
         for span in &self.block {
             let moved = |at: usize| (at as i64 + grown) as usize;
             match () {
-                () if span.range.end <= self.place.from as usize => block.push(span.clone()),
-                () if span.range.start >= self.place.to as usize => block.push(Span {
+                () if span.range.end <= self.range.from as usize => block.push(span.clone()),
+                () if span.range.start >= self.range.to as usize => block.push(Span {
                     range: moved(span.range.start)..moved(span.range.end),
                     kind: span.kind,
                 }),
@@ -240,9 +240,9 @@ impl Site<'_> {
             }
         }
         block.push(own.clone());
-        let part = structure.part_of(at.line);
-        match aim_of(&with_number, &block, &own) {
-            Some((Aim::Program(_), _)) => {
+        let part = structure.part_at_line(at.line);
+        match reference_target(&with_number, &block, &own) {
+            Some((ReferenceTarget::Program(_), _)) => {
                 let here = structure.parts.iter().filter_map(|it| it.number);
                 let mut numbers: BTreeSet<u16> = here.chain(programs.iter().copied()).collect();
                 let own = structure.parts.get(part).and_then(|it| it.number);
@@ -257,7 +257,7 @@ impl Site<'_> {
                     );
                 }
             }
-            Some((Aim::Block(_), _)) => {
+            Some((ReferenceTarget::Block(_), _)) => {
                 let blocks = structure.blocks.iter().filter(|it| it.part == part);
                 let numbers: BTreeSet<u16> = blocks.map(|it| it.number).collect();
                 for number in numbers {
@@ -275,7 +275,7 @@ impl Site<'_> {
     }
 
     /// Proposes statements of macro B that begin with a letter.
-    fn statements(&mut self, first: char) {
+    fn propose_statements(&mut self, first: char) {
         const STATEMENTS: [&str; 4] = [
             "IF [${1:#1 GT 0}] GOTO ${2:10}",
             "WHILE [${1:#1 LT 10}] DO ${2:1}\n${0}\nEND ${2:1}",
@@ -297,26 +297,26 @@ impl Site<'_> {
     }
 
     /// Returns the G code whose words follow: that of the block, or else the motion in force.
-    fn code_in_force(&self, text: &Text, at: Position) -> Option<GCode> {
-        let record = self.reader.model.record();
+    fn code_in_force(&self, text: &TextDocument, at: Position) -> Option<GCode> {
+        let record = self.context.model.record();
         let code = |line: &str, spans: &[Span]| {
-            let codes = spans.iter().rev().filter(|it| it.kind == Kind::Code);
+            let codes = spans.iter().rev().filter(|it| it.kind == SpanKind::Code);
             let numbers = codes.filter_map(|it| word_of(line, it)?.number());
             numbers.map(|it| record.g_code(it.into())).find_map(|it| it)
         };
         if let Some(own) = code(self.line, &self.block) {
             return Some(own);
         }
-        let above = at.line.saturating_sub(MOST_ABOVE)..at.line;
+        let above = at.line.saturating_sub(MAX_LINES_ABOVE)..at.line;
         above.rev().find_map(|line| {
             let line = text.line(line);
-            code(line, &spans(line)).filter(|it| stays(*it))
+            code(line, &spans(line)).filter(|it| is_modal(*it))
         })
     }
 }
 
 /// Whether a code remains in force in the next blocks (group 01).
-const fn stays(code: GCode) -> bool {
+const fn is_modal(code: GCode) -> bool {
     matches!(
         code,
         GCode::Rapid
@@ -331,45 +331,45 @@ const fn stays(code: GCode) -> bool {
             | GCode::TurningCycle
             | GCode::ThreadCycle
             | GCode::FacingCycle
-    ) || is_hole(code)
+    ) || is_hole_cycle(code)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::READER;
+    use crate::CONTEXT;
     use gsk_core::model::ModelId;
 
-    fn labels(text: &str, line: u32, byte: u32, reader: Reader) -> Vec<String> {
-        let text = Text::new(text);
+    fn labels(text: &str, line: u32, byte: u32, context: ReadingContext) -> Vec<String> {
+        let text = TextDocument::new(text);
         let structure = Structure::read(&text);
         let programs = BTreeSet::from([31]);
         let at = Position { line, byte };
-        let found = complete(&text, &structure, at, reader, &programs);
+        let found = complete(&text, &structure, at, context, &programs);
         found.into_iter().map(|it| it.label).collect()
     }
 
     #[test]
     fn codes_are_those_of_the_model() {
-        let found = labels("N10 G", 0, 5, READER);
+        let found = labels("N10 G", 0, 5, CONTEXT);
         assert!(found.contains(&"G71".to_owned()) && found.contains(&"G71 …".to_owned()));
         assert!(!found.contains(&"G81".to_owned()));
-        let huaxing = Reader {
+        let huaxing = ReadingContext {
             model: ModelId::Hx31,
-            ..READER
+            ..CONTEXT
         };
         assert!(labels("N10 G8", 0, 6, huaxing).contains(&"G81".to_owned()));
-        assert!(labels("M", 0, 1, READER).contains(&"M30".to_owned()));
-        assert!(labels("(G", 0, 2, READER).is_empty(), "in a comment");
-        assert!(labels("(a) G", 0, 5, READER).contains(&"G00".to_owned()));
+        assert!(labels("M", 0, 1, CONTEXT).contains(&"M30".to_owned()));
+        assert!(labels("(G", 0, 2, CONTEXT).is_empty(), "in a comment");
+        assert!(labels("(a) G", 0, 5, CONTEXT).contains(&"G00".to_owned()));
     }
 
     #[test]
     fn words_and_cycles_of_a_mill_are_its_own() {
-        let mill = Reader {
+        let mill = ReadingContext {
             model: ModelId::Gsk980mdi,
             macro_b: true,
-            ..READER
+            ..CONTEXT
         };
         let codes = labels("G8", 0, 2, mill);
         assert!(codes.contains(&"G83".to_owned()) && codes.contains(&"G83 …".to_owned()));
@@ -382,29 +382,29 @@ mod tests {
 
     #[test]
     fn words_are_those_of_the_code_in_force() {
-        assert_eq!(labels("G04 ", 0, 4, READER)[..3], ["P", "X", "U"]);
-        assert_eq!(labels("G90 X20 Z-5 F100\nX19 ", 1, 4, READER)[4], "R");
-        assert_eq!(labels("G01 X", 0, 5, READER), ["X"]);
-        assert!(labels("G01 X20", 0, 7, READER).is_empty());
+        assert_eq!(labels("G04 ", 0, 4, CONTEXT)[..3], ["P", "X", "U"]);
+        assert_eq!(labels("G90 X20 Z-5 F100\nX19 ", 1, 4, CONTEXT)[4], "R");
+        assert_eq!(labels("G01 X", 0, 5, CONTEXT), ["X"]);
+        assert!(labels("G01 X20", 0, 7, CONTEXT).is_empty());
     }
 
     #[test]
     fn targets_and_tools_are_those_that_are_there() {
         let text = "O0001\nT0101\nG71 P\nN10 G0 X1\nM98 P\nT\nG71 P10 Q\nG4 P\nO0002\nM99\n";
-        assert_eq!(labels(text, 2, 5, READER), ["P", "P10"]);
-        assert_eq!(labels(text, 4, 5, READER), ["P", "P0002", "P0031"]);
-        assert_eq!(labels(text, 5, 1, READER), ["T", "T0101"]);
-        assert_eq!(labels(text, 6, 9, READER), ["Q", "Q10"]);
-        assert_eq!(labels(text, 7, 4, READER), ["P"]);
+        assert_eq!(labels(text, 2, 5, CONTEXT), ["P", "P10"]);
+        assert_eq!(labels(text, 4, 5, CONTEXT), ["P", "P0002", "P0031"]);
+        assert_eq!(labels(text, 5, 1, CONTEXT), ["T", "T0101"]);
+        assert_eq!(labels(text, 6, 9, CONTEXT), ["Q", "Q10"]);
+        assert_eq!(labels(text, 7, 4, CONTEXT), ["P"]);
     }
 
     #[test]
     fn a_snippet_gives_way_to_what_was_typed() {
-        let text = Text::new("g7");
+        let text = TextDocument::new("g7");
         let at = Position { line: 0, byte: 2 };
-        let found = complete(&text, &Structure::read(&text), at, READER, &BTreeSet::new());
+        let found = complete(&text, &Structure::read(&text), at, CONTEXT, &BTreeSet::new());
         let cycle = found.iter().find(|it| it.label == "G71 …").expect("G71");
-        assert_eq!((cycle.place.from, cycle.place.to), (0, 2));
+        assert_eq!((cycle.range.from, cycle.range.to), (0, 2));
         assert!(
             cycle
                 .insert

@@ -10,11 +10,11 @@ use gsk_milling::{MillSetup, Move, preview_while};
 use gsk_runner::report::AlarmReport;
 
 use crate::line_times::LineTimes;
-use crate::locate::{Located, bytes_at, locate, whole};
+use crate::locate::{LineSpan, bytes_at_column, locate_alarm, trimmed_range};
 
 /// The severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Level {
+pub enum Severity {
     /// The program does not run.
     Error,
     /// The program runs, but probably not as intended.
@@ -23,14 +23,14 @@ pub enum Level {
 
 /// An alarm or a warning about a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Finding {
+pub struct ProgramFinding {
     /// The program that contains the cause. The analysed text is [`ProgramId::External`].
     pub program: ProgramId,
     /// The cause, with its line from 1 as elsewhere in the control. `None` if no block is the
     /// cause.
-    pub at: Option<Located>,
+    pub at: Option<LineSpan>,
     /// The severity.
-    pub level: Level,
+    pub severity: Severity,
     /// The number of the alarm, or the name of the warning.
     pub code: String,
     /// The message with its cause and remedy.
@@ -50,7 +50,7 @@ pub enum Extents {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analysis {
     /// Alarms and warnings in the order of execution.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<ProgramFinding>,
     /// How the preview ended.
     pub end: End,
     /// Machine time up to the end of the preview, s.
@@ -66,24 +66,24 @@ pub struct Analysis {
 }
 
 /// Analyses the selected program of a setup, including the blocks after an alarm. Stops early
-/// when `goes_on` returns false.
+/// when `keep_going` returns false.
 pub fn analyse(
     setup: &Setup,
     language: Language,
-    goes_on: &mut dyn FnMut(&Progress) -> bool,
+    keep_going: &mut dyn FnMut(&Progress) -> bool,
 ) -> Analysis {
     let programs = &setup.memory.programs;
     let mut line_times = LineTimes::default();
     let mut take = |executed: &ExecutedMove| {
-        line_times.take(executed.source, executed.start_s + executed.duration_s);
+        line_times.add_move(executed.source, executed.start_s + executed.duration_s);
     };
-    let preview = preview_beyond_alarms(setup, programs, &mut take, goes_on);
-    line_times.wait_until(preview.time_s);
+    let preview = preview_beyond_alarms(setup, programs, &mut take, keep_going);
+    line_times.advance_to(preview.time_s);
     let alarms = preview.alarm.iter().chain(&preview.further.alarms);
-    let mut findings: Vec<Finding> = alarms.map(|it| of_alarm(it, programs, language)).collect();
-    findings.extend(given_up(preview.end, language));
+    let mut findings: Vec<ProgramFinding> = alarms.map(|it| alarm_finding(it, programs, language)).collect();
+    findings.extend(limit_finding(preview.end, language));
     let cautions = preview.cautions.iter();
-    findings.extend(cautions.map(|it| of_caution(it, programs, language)));
+    findings.extend(cautions.map(|it| caution_finding(it, programs, language)));
     Analysis {
         findings,
         end: preview.end,
@@ -99,20 +99,20 @@ pub fn analyse(
     }
 }
 
-/// Analyses the selected program of a mill. Stops early when `goes_on` returns false.
+/// Analyses the selected program of a mill. Stops early when `keep_going` returns false.
 pub fn analyse_mill(
     setup: &MillSetup,
     programs: &ProgramMemory,
     language: Language,
-    goes_on: &mut dyn FnMut(&Progress) -> bool,
+    keep_going: &mut dyn FnMut(&Progress) -> bool,
 ) -> Analysis {
     let mut line_times = LineTimes::default();
-    let mut take = |made: &Move| line_times.take(made.source, made.start_s + made.duration_s);
-    let preview = preview_while(setup, programs, &mut take, goes_on);
-    line_times.wait_until(preview.time_s);
+    let mut take = |made: &Move| line_times.add_move(made.source, made.start_s + made.duration_s);
+    let preview = preview_while(setup, programs, &mut take, keep_going);
+    line_times.advance_to(preview.time_s);
     let alarms = preview.alarm.iter().chain(&preview.further);
-    let mut findings: Vec<Finding> = alarms.map(|it| of_alarm(it, programs, language)).collect();
-    findings.extend(given_up(preview.end, language));
+    let mut findings: Vec<ProgramFinding> = alarms.map(|it| alarm_finding(it, programs, language)).collect();
+    findings.extend(limit_finding(preview.end, language));
     let slips = preview.cautions.iter();
     findings.extend(slips.map(|it| {
         let text = it.slip.message().text(language);
@@ -136,38 +136,38 @@ pub fn analyse_mill(
 }
 
 /// The warning that the preview reached its limit.
-fn given_up(end: End, language: Language) -> Option<Finding> {
-    (end == End::Limit).then(|| Finding {
+fn limit_finding(end: End, language: Language) -> Option<ProgramFinding> {
+    (end == End::Limit).then(|| ProgramFinding {
         program: ProgramId::External,
         at: None,
-        level: Level::Warning,
+        severity: Severity::Warning,
         code: "limit".to_owned(),
         text: say::report_given_up(say::report_limit()).text(language),
     })
 }
 
-fn of_alarm(alarm: &Alarm, programs: &ProgramMemory, language: Language) -> Finding {
+fn alarm_finding(alarm: &Alarm, programs: &ProgramMemory, language: Language) -> ProgramFinding {
     let program = alarm
         .source
         .map_or(ProgramId::External, |source| source.program);
     let line_of = |line| programs.get(program).map_or("", |it| it.line(line));
-    let told = AlarmReport::new(alarm, programs, Some(language));
-    let mut text = format!("{} {}", told.shown, told.text);
-    let further = told.detail.iter().map(String::as_str).chain(told.way_out);
+    let report = AlarmReport::new(alarm, programs, Some(language));
+    let mut text = format!("{} {}", report.shown, report.text);
+    let further = report.detail.iter().map(String::as_str).chain(report.way_out);
     for more in further {
         text.push('\n');
         text.push_str(more);
     }
-    Finding {
+    ProgramFinding {
         program,
-        at: locate(alarm, line_of),
-        level: Level::Error,
+        at: locate_alarm(alarm, line_of),
+        severity: Severity::Error,
         code: alarm.number_text(),
         text,
     }
 }
 
-fn of_caution(caution: &Caution, programs: &ProgramMemory, language: Language) -> Finding {
+fn caution_finding(caution: &Caution, programs: &ProgramMemory, language: Language) -> ProgramFinding {
     let text = caution.slip.message().text(language);
     let first_column = caution.columns().map(|(first, _)| first);
     warning(
@@ -186,20 +186,20 @@ fn warning(
     source: Source,
     first_column: Option<u32>,
     programs: &ProgramMemory,
-) -> Finding {
+) -> ProgramFinding {
     let line = programs
         .get(source.program)
         .map_or("", |it| it.line(source.line));
-    Finding {
+    ProgramFinding {
         program: source.program,
-        at: Some(Located {
+        at: Some(LineSpan {
             line: source.line,
             bytes: match first_column {
-                Some(first) => bytes_at(line, Some(first as usize)),
-                None => whole(line),
+                Some(first) => bytes_at_column(line, Some(first as usize)),
+                None => trimmed_range(line),
             },
         }),
-        level: Level::Warning,
+        severity: Severity::Warning,
         code: code.to_owned(),
         text,
     }
@@ -208,24 +208,24 @@ fn warning(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Structure, Text};
+    use crate::{Structure, TextDocument};
     use gsk_core::program::Program;
 
-    fn seen(text: &str) -> Analysis {
+    fn analysis(text: &str) -> Analysis {
         let mut setup = Setup::default();
         setup.memory.programs.open_external(Program::new(text));
         setup.memory.programs.select(ProgramId::External);
         analyse(&setup, Language::En, &mut |it| it.moves < 1000)
     }
 
-    fn tool_times(seen: &Analysis, text: &str) -> Vec<f64> {
-        seen.line_times.by_tool(&Structure::read(&Text::new(text)))
+    fn tool_times(analysis: &Analysis, text: &str) -> Vec<f64> {
+        analysis.line_times.by_tool(&Structure::read(&TextDocument::new(text)))
     }
 
     #[test]
-    fn alarms_and_slips_stand_at_their_words() {
-        let seen = seen("O0001\nG00 X20 Z2\nG01 Z-5\nX30 Z-9 F100 ?\nG00 X20 Z2\nM30\n");
-        let found: Vec<_> = seen
+    fn alarms_and_warnings_are_at_their_words() {
+        let analysis = analysis("O0001\nG00 X20 Z2\nG01 Z-5\nX30 Z-9 F100 ?\nG00 X20 Z2\nM30\n");
+        let found: Vec<_> = analysis
             .findings
             .iter()
             .map(|it| {
@@ -237,66 +237,66 @@ mod tests {
             .collect();
         assert_eq!(found[0], ("011", Some((3, 0..7))), "{found:?}");
         assert_eq!(found[1], ("006", Some((4, 13..14))), "{found:?}");
-        assert!(seen.findings[0].text.starts_with("P/S 011 "), "{seen:?}");
+        assert!(analysis.findings[0].text.starts_with("P/S 011 "), "{analysis:?}");
     }
 
     #[test]
-    fn what_a_cycle_finds_in_its_profile_stands_there() {
-        let seen = seen(
+    fn an_error_in_a_profile_is_located_there() {
+        let analysis = analysis(
             "T0101 M03 S500\nG00 X62 Z2\nG71 U2 R1\nG71 P1 Q2 U1 F100\nN1 G00 X20\nG01 Z-9\n\
              N2 G02 X40 Z-45 R2\nM30\n",
         );
-        assert_eq!(seen.findings[0].at.as_ref().map(|at| at.line), Some(7));
-        let seen = self::seen(
+        assert_eq!(analysis.findings[0].at.as_ref().map(|at| at.line), Some(7));
+        let analysis = self::analysis(
             "T0101 M03 S500\nG00 X62 Z2\nG71 U2 R1\nG71 P1 Q2 U1 F100\nN1 G00 X20\nN2 Y1 Z-9\nM30\n",
         );
-        let at = seen.findings[0].at.clone();
+        let at = analysis.findings[0].at.clone();
         assert_eq!(at.map(|at| (at.line, at.bytes)), Some((6, 3..5)));
     }
 
     #[test]
-    fn the_time_is_that_of_the_tools() {
+    fn the_time_is_split_by_tools() {
         let text =
             "M03 S500\nT0101\nG00 X60 Z2\nG01 Z-30 F60\nG00 X100 Z50\nT0202\nG01 Z-30 F60\nM30\n";
-        let seen = seen(text);
-        let times = tool_times(&seen, text);
+        let analysis = analysis(text);
+        let times = tool_times(&analysis, text);
         assert!(
             times.len() == 2 && times.iter().all(|it| *it > 30.0),
-            "{seen:?}"
+            "{analysis:?}"
         );
-        assert!(times.iter().sum::<f64>() <= seen.time_s);
-        assert_eq!(seen.tools.len(), 2);
-        assert!(seen.cutting_s > 100.0 && seen.extents.is_some());
+        assert!(times.iter().sum::<f64>() <= analysis.time_s);
+        assert_eq!(analysis.tools.len(), 2);
+        assert!(analysis.cutting_s > 100.0 && analysis.extents.is_some());
     }
 
     #[test]
-    fn a_program_of_a_mill_is_looked_through_as_one() {
+    fn a_mill_program_is_analysed_as_one() {
         let text = "O0001\nT1 M06\nM03 S500\nG90 G00 X0 Y0 Z2\nG01 Z-5 F60\nG70\nY20 A5\nM30\n";
         let mut setup = Setup::default();
         setup.memory.programs.open_external(Program::new(text));
         setup.memory.programs.select(ProgramId::External);
         let programs = &setup.memory.programs;
         let mill = MillSetup::default();
-        let seen = analyse_mill(&mill, programs, Language::En, &mut |_| true);
-        let found: Vec<_> = seen
+        let analysis = analyse_mill(&mill, programs, Language::En, &mut |_| true);
+        let found: Vec<_> = analysis
             .findings
             .iter()
             .map(|it| (it.code.as_str(), it.at.as_ref().map(|at| at.line)))
             .collect();
         assert_eq!(found, [("010", Some(6)), ("009", Some(7))]);
-        assert_eq!(seen.tools, ["T01"]);
+        assert_eq!(analysis.tools, ["T01"]);
         assert!(
-            tool_times(&seen, text)[0] > 7.0 && matches!(seen.extents, Some(Extents::Mill(..)))
+            tool_times(&analysis, text)[0] > 7.0 && matches!(analysis.extents, Some(Extents::Mill(..)))
         );
     }
 
     #[test]
-    fn a_program_without_end_is_given_up() {
-        let seen = seen("M03 S500 T0101\nN1 G01 U1 F6000\nU-1\nG65 H80 P1\n");
-        assert_eq!(seen.end, End::Limit);
+    fn an_endless_program_reaches_the_limit() {
+        let analysis = analysis("M03 S500 T0101\nN1 G01 U1 F6000\nU-1\nG65 H80 P1\n");
+        assert_eq!(analysis.end, End::Limit);
         assert!(
-            seen.findings.iter().any(|it| it.code == "limit"),
-            "{seen:?}"
+            analysis.findings.iter().any(|it| it.code == "limit"),
+            "{analysis:?}"
         );
     }
 }

@@ -6,18 +6,18 @@ use std::collections::BTreeMap;
 use gsk_core::model::ModelId;
 use gsk_messages::{Message, say};
 
-use crate::leads::Aim;
-use crate::rename::settled;
+use crate::reference_target::ReferenceTarget;
+use crate::rename::check_targets_known;
 use crate::structure::Structure;
-use crate::text::{Edit, Place, Text};
-use crate::words::{Kind, Span, spans};
+use crate::text::{TextChange, TextRange, TextDocument};
+use crate::words::{SpanKind, Span, spans};
 
 /// Which blocks get sequence numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Numbering {
     /// Keep all numbers.
     #[default]
-    AsTheyAre,
+    Unchanged,
     /// Renumber blocks that have a number.
     Present {
         /// First number.
@@ -38,7 +38,7 @@ pub enum Numbering {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Spacing {
     /// Keep all blanks.
-    AsTheyAre,
+    Unchanged,
     /// One blank between words, none at the ends of a line.
     #[default]
     One,
@@ -50,7 +50,7 @@ pub enum Spacing {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Casing {
     /// Keep the case.
-    AsTheyAre,
+    Unchanged,
     /// Upper case.
     #[default]
     Upper,
@@ -71,22 +71,22 @@ pub struct Style {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Formatted {
     /// The edits, which do not overlap.
-    pub edits: Vec<Edit>,
+    pub edits: Vec<TextChange>,
     /// Why the numbers remain unchanged, if renumbering was requested.
     pub refused: Option<Message>,
 }
 
 /// More edits than this are merged into one, because an editor applies each separately.
-const MOST_EDITS: usize = 1000;
+const MAX_EDITS: usize = 1000;
 
 /// Greatest sequence number.
-const GREATEST: u32 = 9999;
+const MAX_SEQUENCE_NUMBER: u32 = 9999;
 
 /// Returns the edits that format `lines` of a program. Numbers change only if `lines` covers
 /// the whole program. `outside` lists block numbers that P of M99 in programs of other files
 /// refers to.
 pub fn format(
-    text: &Text,
+    text: &TextDocument,
     structure: &Structure,
     style: Style,
     lines: core::ops::Range<u32>,
@@ -95,38 +95,38 @@ pub fn format(
     let whole = lines.start == 0 && lines.end >= text.line_count();
     let numbers = match style.numbering {
         Numbering::Present { start, step } if whole => {
-            renumbered(text, structure, (start, step, false), (outside, model))
+            renumber(text, structure, (start, step, false), (outside, model))
         }
         Numbering::All { start, step } if whole => {
-            renumbered(text, structure, (start, step, true), (outside, model))
+            renumber(text, structure, (start, step, true), (outside, model))
         }
         _ => Ok(Numbers::default()),
     };
     let (numbers, refused) = match numbers {
         Ok(numbers) => (numbers, None),
-        Err(said) => (Numbers::default(), Some(said)),
+        Err(reason) => (Numbers::default(), Some(reason)),
     };
-    let (first, end) = structure.read;
+    let (first, end) = structure.block_lines;
     let mut edits = Vec::new();
     for index in lines.start.max(first)..lines.end.min(end) {
         let line = text.line(index);
-        let written = rewritten(index, line, style, &numbers);
+        let written = rewrite_line(index, line, style, &numbers);
         if written != line {
-            edits.push(Edit::of(&Place::new(index, &(0..line.len())), written));
+            edits.push(TextChange::replace(&TextRange::new(index, &(0..line.len())), written));
         }
     }
     Formatted {
-        edits: few(text, edits),
+        edits: merge_many_edits(text, edits),
         refused,
     }
 }
 
 /// Merges many edits into one that spans the first to the last line.
-fn few(text: &Text, edits: Vec<Edit>) -> Vec<Edit> {
+fn merge_many_edits(text: &TextDocument, edits: Vec<TextChange>) -> Vec<TextChange> {
     let (Some(first), Some(last)) = (edits.first(), edits.last()) else {
         return edits;
     };
-    if edits.len() <= MOST_EDITS {
+    if edits.len() <= MAX_EDITS {
         return edits;
     }
     let (from, to) = (first.from, last.to);
@@ -138,7 +138,7 @@ fn few(text: &Text, edits: Vec<Edit>) -> Vec<Edit> {
         written.push_str(&edit.text);
         copied = text.offset(edit.to);
     }
-    vec![Edit {
+    vec![TextChange {
         from,
         to,
         text: written,
@@ -154,77 +154,77 @@ struct Numbers {
     added: BTreeMap<(u32, u32), String>,
 }
 
-fn renumbered(
-    text: &Text,
+fn renumber(
+    text: &TextDocument,
     structure: &Structure,
     (start, step, all): (u16, u16, bool),
     (outside, model): (&[u16], ModelId),
 ) -> Result<Numbers, Message> {
-    settled(structure, outside, model)?;
+    check_targets_known(structure, outside, model)?;
     // A macro may read the number of its block.
     if text.as_str().contains("#4114") {
         return Err(say::numbers_are_read());
     }
     let mut numbers = Numbers::default();
     // New number of each numbered block, by the range of its digits.
-    let mut anew: BTreeMap<&Place, u32> = BTreeMap::new();
-    let width = width(text, structure);
+    let mut anew: BTreeMap<&TextRange, u32> = BTreeMap::new();
+    let width = number_width(text, structure);
     let mut blocks = structure.blocks.iter().peekable();
     for lines in &structure.parts {
         let mut next = u32::from(start);
-        for index in lines.from.max(structure.read.0)..lines.to.min(structure.read.1) {
+        for index in lines.from.max(structure.block_lines.0)..lines.to.min(structure.block_lines.1) {
             let line = text.line(index);
             for block in blocks_of(line, &spans(line)) {
                 let Some(word) = first_word(block) else {
                     continue;
                 };
                 let (from, to) = (block[0].range.start, block[block.len() - 1].range.end);
-                let here = |place: &Place| {
-                    let at = place.from as usize;
-                    place.line == index && from <= at && at < to
+                let here = |range: &TextRange| {
+                    let at = range.from as usize;
+                    range.line == index && from <= at && at < to
                 };
                 let own = blocks.next_if(|it| here(&it.digits));
                 // An N elsewhere in its block is its number, too. O, or `:` of other controls,
                 // names a program.
                 let named =
-                    block.iter().any(|it| it.kind == Kind::Name) || line[word..].starts_with(':');
+                    block.iter().any(|it| it.kind == SpanKind::Name) || line[word..].starts_with(':');
                 match own {
                     Some(own) => {
                         anew.insert(&own.digits, next);
                         let key = (index, own.digits.from);
-                        numbers.changed.insert(key, padded(next, width));
+                        numbers.changed.insert(key, pad_number(next, width));
                     }
                     None if all && !named => {
                         let key = (index, word as u32);
-                        numbers.added.insert(key, padded(next, width));
+                        numbers.added.insert(key, pad_number(next, width));
                     }
                     None => continue,
                 }
-                if next > GREATEST {
-                    return Err(say::numbers_beyond(GREATEST, index + 1));
+                if next > MAX_SEQUENCE_NUMBER {
+                    return Err(say::numbers_beyond(MAX_SEQUENCE_NUMBER, index + 1));
                 }
                 next += u32::from(step.max(1));
             }
         }
     }
-    for lead in &structure.leads {
-        if matches!(lead.aim, Aim::Program(_)) {
+    for reference in &structure.references {
+        if matches!(reference.target, ReferenceTarget::Program(_)) {
             continue;
         }
-        let line = lead.digits.line + 1;
-        let callers = structure.callers(lead.part).len();
+        let line = reference.digits.line + 1;
+        let callers = structure.callers(reference.part).len();
         // P of M99 where no program of the text calls this one: the caller is unknown.
-        if matches!(lead.aim, Aim::Caller(_)) && callers != 1 {
+        if matches!(reference.target, ReferenceTarget::Caller(_)) && callers != 1 {
             return Err(say::lead_to_several(line));
         }
-        let number = match structure.aimed_at(lead)[..] {
+        let number = match structure.referenced_blocks(reference)[..] {
             [block] => anew.get(&block.digits).copied(),
             [] => return Err(say::lead_to_nothing(line)),
             _ => return Err(say::lead_to_several(line)),
         };
         if let Some(number) = number {
-            let key = (lead.digits.line, lead.digits.from);
-            numbers.changed.insert(key, padded(number, width));
+            let key = (reference.digits.line, reference.digits.from);
+            numbers.changed.insert(key, pad_number(number, width));
         }
     }
     Ok(numbers)
@@ -232,7 +232,7 @@ fn renumbered(
 
 /// Digits of a number: those of the first number in the text if it has leading zeros, else 0
 /// for no padding.
-fn width(text: &Text, structure: &Structure) -> usize {
+fn number_width(text: &TextDocument, structure: &Structure) -> usize {
     let first = structure.blocks.first().map(|block| &block.digits);
     let digits = first.and_then(|it| text.line(it.line).get(it.from as usize..it.to as usize));
     match digits {
@@ -241,7 +241,7 @@ fn width(text: &Text, structure: &Structure) -> usize {
     }
 }
 
-fn padded(number: u32, width: usize) -> String {
+fn pad_number(number: u32, width: usize) -> String {
     format!("{number:0width$}")
 }
 
@@ -255,19 +255,19 @@ fn blocks_of<'a>(line: &'a str, spans: &'a [Span]) -> impl Iterator<Item = &'a [
 
 fn is_mark(line: &str, span: &Span, marks: &[&str]) -> bool {
     let text = line.get(span.range.clone()).unwrap_or("");
-    span.kind == Kind::Mark && marks.contains(&text)
+    span.kind == SpanKind::Mark && marks.contains(&text)
 }
 
 /// The first byte of the first word of a block, after its skip mark. `None` if the block has no
 /// words.
 fn first_word(block: &[Span]) -> Option<usize> {
     let mut pieces = block.iter();
-    let word = pieces.find(|it| !matches!(it.kind, Kind::Comment | Kind::Mark))?;
+    let word = pieces.find(|it| !matches!(it.kind, SpanKind::Comment | SpanKind::Mark))?;
     Some(word.range.start)
 }
 
 /// A line in the style with its new numbers.
-fn rewritten(index: u32, line: &str, style: Style, numbers: &Numbers) -> String {
+fn rewrite_line(index: u32, line: &str, style: Style, numbers: &Numbers) -> String {
     let mut out = String::with_capacity(line.len() + 8);
     let mut before: Option<(&Span, usize)> = None;
     let spans = spans(line);
@@ -276,13 +276,13 @@ fn rewritten(index: u32, line: &str, style: Style, numbers: &Numbers) -> String 
         let gap = line.get(from..span.range.start).unwrap_or("");
         let added = numbers.added.get(&(index, span.range.start as u32));
         // An invalid character may belong to the word beside it, but not to a number.
-        let foreign = |it: &Span| it.kind == Kind::Foreign;
-        let stays = style.spacing == Spacing::AsTheyAre || (added.is_none() && foreign(span));
+        let foreign = |it: &Span| it.kind == SpanKind::Foreign;
+        let stays = style.spacing == Spacing::Unchanged || (added.is_none() && foreign(span));
         out.push_str(match before {
             _ if stays => gap,
             None => "",
             Some((before, _)) if foreign(before) => gap,
-            Some((before, _)) => between(line, before, span, style.spacing),
+            Some((before, _)) => separator(line, before, span, style.spacing),
         });
         if let Some(number) = added {
             let blank = if style.spacing == Spacing::None {
@@ -292,31 +292,31 @@ fn rewritten(index: u32, line: &str, style: Style, numbers: &Numbers) -> String 
             };
             out.push_str(&format!("N{number}{blank}"));
         }
-        piece(index, line, span, style, numbers, &mut out);
+        write_span(index, line, span, style, numbers, &mut out);
         before = Some((span, span.range.end));
     }
     let rest = line.get(before.map_or(0, |(_, end)| end)..).unwrap_or("");
-    if style.spacing == Spacing::AsTheyAre {
+    if style.spacing == Spacing::Unchanged {
         out.push_str(rest);
     }
     out
 }
 
 /// The separator between two spans.
-fn between(line: &str, before: &Span, span: &Span, spacing: Spacing) -> &'static str {
+fn separator(line: &str, before: &Span, span: &Span, spacing: Spacing) -> &'static str {
     if is_mark(line, span, &[";", "*", "%"]) || is_mark(line, before, &["/"]) {
         return "";
     }
     match spacing {
-        Spacing::None if before.kind != Kind::Statement && span.kind != Kind::Statement => "",
+        Spacing::None if before.kind != SpanKind::Statement && span.kind != SpanKind::Statement => "",
         _ => " ",
     }
 }
 
 /// Appends a span in the style with its new number.
-fn piece(index: u32, line: &str, span: &Span, style: Style, numbers: &Numbers, out: &mut String) {
+fn write_span(index: u32, line: &str, span: &Span, style: Style, numbers: &Numbers, out: &mut String) {
     let text = line.get(span.range.clone()).unwrap_or("");
-    if matches!(span.kind, Kind::Comment | Kind::Mark | Kind::Foreign) {
+    if matches!(span.kind, SpanKind::Comment | SpanKind::Mark | SpanKind::Foreign) {
         out.push_str(text);
         return;
     }
@@ -335,7 +335,7 @@ fn piece(index: u32, line: &str, span: &Span, style: Style, numbers: &Numbers, o
         let upper = out.split_off(begin).to_ascii_uppercase();
         out.push_str(&upper);
     }
-    if style.spacing != Spacing::AsTheyAre && span.kind.is_word() {
+    if style.spacing != Spacing::Unchanged && span.kind.is_word() {
         let word = out.split_off(begin);
         let letter = word.chars().next().map_or(0, char::len_utf8);
         let (letter, value) = word.split_at(letter);
@@ -346,10 +346,10 @@ fn piece(index: u32, line: &str, span: &Span, style: Style, numbers: &Numbers, o
 
 impl Style {
     /// Whether the style leaves every program unchanged.
-    pub fn is_as_it_is(&self) -> bool {
-        self.numbering == Numbering::AsTheyAre
-            && self.spacing == Spacing::AsTheyAre
-            && self.casing == Casing::AsTheyAre
+    pub fn is_unchanged(&self) -> bool {
+        self.numbering == Numbering::Unchanged
+            && self.spacing == Spacing::Unchanged
+            && self.casing == Casing::Unchanged
     }
 }
 
@@ -359,7 +359,7 @@ mod tests {
     use gsk_messages::Id;
 
     fn formatted(text: &str, style: Style) -> (String, Option<Id>) {
-        let mut text = Text::new(text);
+        let mut text = TextDocument::new(text);
         let structure = Structure::read(&text);
         let lines = 0..text.line_count();
         let done = format(&text, &structure, style, lines, (&[], ModelId::Gsk980td));
@@ -396,12 +396,12 @@ mod tests {
         let (written, _) = formatted("N10 G01 X5 (a b) F100 ;\nX1 0\n", none);
         assert_eq!(written, "N10G01X5(a b)F100;\nX1 0\n");
         let as_is = Style {
-            spacing: Spacing::AsTheyAre,
-            casing: Casing::AsTheyAre,
+            spacing: Spacing::Unchanged,
+            casing: Casing::Unchanged,
             ..none
         };
         assert_eq!(formatted(text, as_is).0, text);
-        assert!(as_is.is_as_it_is());
+        assert!(as_is.is_unchanged());
     }
 
     #[test]
@@ -436,7 +436,7 @@ mod tests {
     #[test]
     fn many_changes_are_one() {
         let text = "g0x1\nG00 X2\n".repeat(2000);
-        let read = Text::new(text.as_str());
+        let read = TextDocument::new(text.as_str());
         let structure = Structure::read(&read);
         let style = Style::default();
         let lines = 0..read.line_count();

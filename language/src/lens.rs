@@ -7,14 +7,14 @@ use gsk_runner::moves::{diameter_z, rounded};
 use gsk_runner::words::clock_in_seconds;
 
 use crate::diagnose::{Analysis, Extents};
-use crate::structure::{Cycle, Structure};
-use crate::text::Place;
+use crate::structure::{ProfileCycle, Structure};
+use crate::text::TextRange;
 
 /// A summary shown above a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Lens {
     /// The word that the summary belongs to.
-    pub place: Place,
+    pub range: TextRange,
     /// The summary in one line.
     pub text: String,
 }
@@ -23,14 +23,14 @@ pub struct Lens {
 pub fn lenses(structure: &Structure, analysis: &Analysis, language: Language) -> Vec<Lens> {
     let mut lenses = Vec::new();
     if let Some(part) = structure.parts.first() {
-        let first = Place {
-            line: structure.read.0,
+        let first = TextRange {
+            line: structure.block_lines.0,
             from: 0,
             to: 0,
         };
         lenses.push(Lens {
-            place: part.name.clone().unwrap_or(first),
-            text: whole(analysis, language),
+            range: part.name.clone().unwrap_or(first),
+            text: program_summary(analysis, language),
         });
     }
     let times = analysis.line_times.by_tool(structure);
@@ -38,18 +38,18 @@ pub fn lenses(structure: &Structure, analysis: &Analysis, language: Language) ->
         // A tool without machining time, or a word of a program that does not run.
         if seconds > 0.0 {
             lenses.push(Lens {
-                place: tool.place.clone(),
+                range: tool.range.clone(),
                 text: say::lens_tool(clock_in_seconds(seconds)).text(language),
             });
         }
     }
     let cycles = structure.cycles.iter();
-    lenses.extend(cycles.filter_map(|it| of_cycle(it, structure, language)));
+    lenses.extend(cycles.filter_map(|it| cycle_lens(it, structure, language)));
     lenses
 }
 
 /// Time, extents and tools of the program.
-fn whole(analysis: &Analysis, language: Language) -> String {
+fn program_summary(analysis: &Analysis, language: Language) -> String {
     let time = clock_in_seconds(analysis.time_s);
     let cutting = clock_in_seconds(analysis.cutting_s);
     let mut parts = vec![say::lens_time(time, cutting).text(language)];
@@ -81,22 +81,22 @@ fn whole(analysis: &Analysis, language: Language) -> String {
 }
 
 /// The profile of a cycle and its finishing allowance.
-fn of_cycle(cycle: &Cycle, structure: &Structure, language: Language) -> Option<Lens> {
+fn cycle_lens(cycle: &ProfileCycle, structure: &Structure, language: Language) -> Option<Lens> {
     let (p, q) = cycle.profile;
     let line = |number| {
-        let found = structure.in_part(number, cycle.part).next();
+        let found = structure.blocks_in_part(number, cycle.part).next();
         found.map(|block| block.digits.line)
     };
     let lines = line(q)?.checked_sub(line(p)?)? + 1;
     let mut text = say::lens_profile(p, q, lines).text(language);
-    let (u, w) = &cycle.leaves;
+    let (u, w) = &cycle.allowances;
     if cycle.code != 70 && (u.is_some() || w.is_some()) {
         let left = |value: &Option<String>| value.clone().unwrap_or_else(|| "0".to_owned());
         text.push_str(" | ");
         text.push_str(&say::lens_leaves(left(u), left(w)).text(language));
     }
     Some(Lens {
-        place: cycle.place.clone(),
+        range: cycle.range.clone(),
         text,
     })
 }

@@ -7,12 +7,12 @@
 //! Lines and bytes of a line count from 0 here, as in editors.
 //!
 //! ```
-//! use gsk_language::{Position, Structure, Text, definition};
+//! use gsk_language::{Position, Structure, TextDocument, definition};
 //!
-//! let text = Text::new("O0001\nG71 P10 Q20 U0.5\nN10 G00 X20\nN20 G01 Z-30\n");
+//! let text = TextDocument::new("O0001\nG71 P10 Q20 U0.5\nN10 G00 X20\nN20 G01 Z-30\n");
 //! let structure = Structure::read(&text);
-//! let led = definition(&structure, Position { line: 1, byte: 5 });
-//! assert_eq!(led.blocks[0].line, 2);
+//! let definition = definition(&structure, Position { line: 1, byte: 5 });
+//! assert_eq!(definition.blocks[0].line, 2);
 //! ```
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
@@ -22,13 +22,13 @@ mod diagnose;
 mod fold;
 mod format;
 mod hover;
-mod leads;
+mod reference_target;
 mod lens;
 mod line_times;
 mod locate;
 pub mod meaning;
 mod plain_block;
-mod refer;
+mod references;
 mod rename;
 mod snippets;
 mod structure;
@@ -36,27 +36,27 @@ mod symbols;
 mod text;
 pub mod words;
 
-pub use complete::{Completion, CompletionKind, complete};
-pub use diagnose::{Analysis, Extents, Finding, Level, analyse, analyse_mill};
+pub use complete::{CompletionProposal, CompletionKind, complete};
+pub use diagnose::{Analysis, Extents, ProgramFinding, Severity, analyse, analyse_mill};
 pub use fold::folds;
 pub use format::{Casing, Formatted, Numbering, Spacing, Style, format};
 pub use hover::{Hover, hover, without_markup};
-pub use leads::{Aim, aim_of};
+pub use reference_target::{ReferenceTarget, reference_target};
 pub use lens::{Lens, lenses};
 pub use line_times::LineTimes;
-pub use locate::{Located, locate};
-pub use refer::{Led, Under, definition, programs_called, references, under};
+pub use locate::{LineSpan, locate_alarm};
+pub use references::{Definition, CursorTarget, definition, programs_called, references, target_at};
 pub use rename::{renamable, rename};
-pub use structure::{Cycle, Lead, Loop, Numbered, Part, Structure, Title, ToolWord};
+pub use structure::{ProfileCycle, WordReference, MacroLoop, NumberedBlock, ProgramPart, Structure, Title, ToolCall};
 pub use symbols::{Symbol, SymbolKind, symbols};
-pub use text::{Edit, Place, Position, Text};
+pub use text::{TextChange, TextRange, Position, TextDocument};
 
 use gsk_core::model::ModelId;
 use gsk_messages::Language;
 
 /// The settings that a program is read with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Reader {
+pub struct ReadingContext {
     /// The control model.
     pub model: ModelId,
     /// Whether the control accepts macro B.
@@ -67,7 +67,7 @@ pub struct Reader {
 
 /// The settings of most tests.
 #[cfg(test)]
-const READER: Reader = Reader {
+const CONTEXT: ReadingContext = ReadingContext {
     model: ModelId::Gsk980td,
     macro_b: false,
     language: Language::En,

@@ -21,7 +21,7 @@ pub struct LineTimes {
 
 impl LineTimes {
     /// Adds a move or dwell that ends at machine time `end_s`.
-    pub(crate) fn take(&mut self, source: Source, end_s: f64) {
+    pub(crate) fn add_move(&mut self, source: Source, end_s: f64) {
         if source.program == ProgramId::External {
             let line = source.line.saturating_sub(1) as usize;
             self.current = Some(line);
@@ -29,11 +29,11 @@ impl LineTimes {
                 self.seconds.resize(line + 1, 0.0);
             }
         }
-        self.wait_until(end_s);
+        self.advance_to(end_s);
     }
 
     /// Adds time without a move, up to machine time `time_s`.
-    pub(crate) fn wait_until(&mut self, time_s: f64) {
+    pub(crate) fn advance_to(&mut self, time_s: f64) {
         let passed = time_s - self.until_s;
         if passed <= 0.0 {
             return;
@@ -47,7 +47,7 @@ impl LineTimes {
     /// Returns the time from each T word of the text to the next one, s, in the order of
     /// [`Structure::tools`].
     pub fn by_tool(&self, structure: &Structure) -> Vec<f64> {
-        let begins = structure.tools.iter().map(|tool| tool.place.line as usize);
+        let begins = structure.tools.iter().map(|tool| tool.range.line as usize);
         let ends = begins.clone().skip(1).chain([usize::MAX]);
         let from = |begin: usize, end: usize| {
             let end = end.min(self.seconds.len());

@@ -11,7 +11,7 @@ const IN_PROFILE: &str = "in_profile";
 
 /// A range of bytes in a line of a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Located {
+pub struct LineSpan {
     /// Line of the file, from 1.
     pub line: u32,
     /// Bytes of the line.
@@ -21,7 +21,7 @@ pub struct Located {
 /// Returns the cause of an alarm: the word at its column if the alarm has one, else its block
 /// without surrounding blanks. An error in a cycle's profile is located in the profile.
 /// `line_of` returns a line of the alarm's program. `None` for an alarm without a source line.
-pub fn locate<'a>(alarm: &Alarm, line_of: impl Fn(u32) -> &'a str) -> Option<Located> {
+pub fn locate_alarm<'a>(alarm: &Alarm, line_of: impl Fn(u32) -> &'a str) -> Option<LineSpan> {
     let source = alarm.source?;
     let detail = alarm.detail.as_ref();
     let profile = detail.filter(|detail| detail.id().name() == IN_PROFILE);
@@ -29,18 +29,18 @@ pub fn locate<'a>(alarm: &Alarm, line_of: impl Fn(u32) -> &'a str) -> Option<Loc
     let line = profile.unwrap_or(source.line);
     let column = detail.and_then(|detail| detail.value_within("column"));
     let column = column.and_then(|column| column.parse().ok());
-    Some(Located {
+    Some(LineSpan {
         line,
-        bytes: bytes_at(line_of(line), column),
+        bytes: bytes_at_column(line_of(line), column),
     })
 }
 
 /// Returns the bytes of the word at a column (characters from 1), or of the whole line without
 /// surrounding blanks.
-pub(crate) fn bytes_at(line: &str, column: Option<usize>) -> Range<usize> {
+pub(crate) fn bytes_at_column(line: &str, column: Option<usize>) -> Range<usize> {
     let pieces = spans(line);
     let Some(column) = column else {
-        return whole(line);
+        return trimmed_range(line);
     };
     let mut characters = line.char_indices().skip(column.saturating_sub(1));
     let Some((at, character)) = characters.next() else {
@@ -55,7 +55,7 @@ pub(crate) fn bytes_at(line: &str, column: Option<usize>) -> Range<usize> {
 }
 
 /// Returns the bytes of a line without surrounding blanks.
-pub(crate) fn whole(line: &str) -> Range<usize> {
+pub(crate) fn trimmed_range(line: &str) -> Range<usize> {
     let from = line.len() - line.trim_start().len();
     let to = line.trim_end().len();
     from.min(to)..to
@@ -67,12 +67,12 @@ mod tests {
 
     #[test]
     fn the_word_at_a_column_or_the_line() {
-        assert_eq!(bytes_at("G00 X20 ?", Some(9)), 8..9);
-        assert_eq!(bytes_at("(车) G00 X20.", Some(10)), 10..14);
-        assert_eq!(bytes_at("  G00 X20  ", None), 2..9);
-        assert_eq!(bytes_at("G00 X", Some(40)), 4..5);
-        assert_eq!(bytes_at("", Some(3)), 0..0);
-        assert_eq!(bytes_at("   ", None), 0..0);
-        assert_eq!(bytes_at("G00 X1; G1 ?", Some(12)), 11..12);
+        assert_eq!(bytes_at_column("G00 X20 ?", Some(9)), 8..9);
+        assert_eq!(bytes_at_column("(车) G00 X20.", Some(10)), 10..14);
+        assert_eq!(bytes_at_column("  G00 X20  ", None), 2..9);
+        assert_eq!(bytes_at_column("G00 X", Some(40)), 4..5);
+        assert_eq!(bytes_at_column("", Some(3)), 0..0);
+        assert_eq!(bytes_at_column("   ", None), 0..0);
+        assert_eq!(bytes_at_column("G00 X1; G1 ?", Some(12)), 11..12);
     }
 }

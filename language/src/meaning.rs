@@ -3,22 +3,22 @@
 use gsk_core::model::ModelId;
 use gsk_messages::{Message, say};
 
-use crate::words::Word;
+use crate::words::ParsedWord;
 
 /// Returns the meaning of a word: of its code if it is a G or M word, else of its address.
 /// `None` if the GSK980TD does not have it.
-pub fn meaning(word: &Word<'_>) -> Option<Message> {
+pub fn word_meaning(word: &ParsedWord<'_>) -> Option<Message> {
     match (word.address, word.number()) {
-        ('G', Some(number)) => code(number),
-        ('M', Some(number)) => function(number),
-        (address, _) => letter(address, ModelId::default()),
+        ('G', Some(number)) => gsk980td_g_meaning(number),
+        ('M', Some(number)) => gsk980td_m_meaning(number),
+        (address, _) => letter_meaning(address, ModelId::default()),
     }
 }
 
 /// Returns the meaning of a G or M code on a model. `None` if the model does not have the code.
-pub fn of_model(address: char, number: u32, model: ModelId) -> Option<Message> {
+pub fn code_meaning(address: char, number: u32, model: ModelId) -> Option<Message> {
     let record = model.record();
-    let said = match address {
+    let meaning = match address {
         'G' => record.g_code(number.into())?.text(),
         'M' => {
             let number = u8::try_from(number).ok()?;
@@ -28,14 +28,14 @@ pub fn of_model(address: char, number: u32, model: ModelId) -> Option<Message> {
     };
     // The texts about the GSK980TD say more than those for all models.
     let own = match (model, address) {
-        (ModelId::Gsk980td, 'G') => code(number),
-        (ModelId::Gsk980td, _) => function(number),
+        (ModelId::Gsk980td, 'G') => gsk980td_g_meaning(number),
+        (ModelId::Gsk980td, _) => gsk980td_m_meaning(number),
         _ => None,
     };
-    Some(own.unwrap_or(said))
+    Some(own.unwrap_or(meaning))
 }
 
-fn code(number: u32) -> Option<Message> {
+fn gsk980td_g_meaning(number: u32) -> Option<Message> {
     Some(match number {
         0 => say::code_g00(),
         1 => say::code_g01(),
@@ -69,7 +69,7 @@ fn code(number: u32) -> Option<Message> {
     })
 }
 
-fn function(number: u32) -> Option<Message> {
+fn gsk980td_m_meaning(number: u32) -> Option<Message> {
     Some(match number {
         0 => say::code_m00(),
         3 => say::code_m03(),
@@ -95,11 +95,11 @@ fn function(number: u32) -> Option<Message> {
 }
 
 /// Returns the meaning of a word by its address on a model.
-pub fn letter(address: char, model: ModelId) -> Option<Message> {
+pub fn letter_meaning(address: char, model: ModelId) -> Option<Message> {
     if model.is_mill()
-        && let Some(said) = letter_of_mill(address)
+        && let Some(meaning) = mill_letter_meaning(address)
     {
-        return Some(said);
+        return Some(meaning);
     }
     Some(match address {
         'F' => say::word_f(),
@@ -124,7 +124,7 @@ pub fn letter(address: char, model: ModelId) -> Option<Message> {
 }
 
 /// Words with a different meaning on a mill, or that only a mill has.
-fn letter_of_mill(address: char) -> Option<Message> {
+fn mill_letter_meaning(address: char) -> Option<Message> {
     Some(match address {
         'D' => say::mill_word_d(),
         'F' => say::mill_word_f(),
@@ -149,14 +149,14 @@ mod tests {
     use gsk_messages::Language;
 
     #[test]
-    fn codes_are_told_apart_by_their_numbers() {
+    fn codes_are_distinguished_by_their_numbers() {
         let line = "N10 G1 X20. G71 M03 M61 T0101 G5";
-        let told: Vec<Option<String>> = words(line)
-            .map(|word| meaning(&word).map(|said| said.text(Language::En)))
+        let meanings: Vec<Option<String>> = words(line)
+            .map(|word| word_meaning(&word).map(|meaning| meaning.text(Language::En)))
             .collect();
         let begins = |index: usize, words: &str| {
-            let said = told[index].as_deref().unwrap_or_default();
-            assert!(said.starts_with(words), "{said}");
+            let meaning = meanings[index].as_deref().unwrap_or_default();
+            assert!(meaning.starts_with(words), "{meaning}");
         };
         begins(0, "N: ");
         begins(1, "G01: straight cut");
@@ -164,7 +164,7 @@ mod tests {
         begins(3, "G71: roughing");
         begins(4, "M03: spindle forward");
         begins(6, "T: ");
-        assert_eq!((&told[5], &told[7]), (&None, &None));
+        assert_eq!((&meanings[5], &meanings[7]), (&None, &None));
     }
 
     #[test]
@@ -173,10 +173,10 @@ mod tests {
             let record = model.record();
             let g = record.g.keys().map(|number| ('G', *number));
             for (letter, number) in g.chain(record.m.keys().map(|number| ('M', *number))) {
-                let said = of_model(letter, number.into(), model);
-                assert!(said.is_some(), "{letter}{number} of {model:?}");
+                let meaning = code_meaning(letter, number.into(), model);
+                assert!(meaning.is_some(), "{letter}{number} of {model:?}");
             }
         }
-        assert_eq!(of_model('G', 5, ModelId::Gsk980td), None);
+        assert_eq!(code_meaning('G', 5, ModelId::Gsk980td), None);
     }
 }

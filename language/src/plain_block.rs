@@ -6,7 +6,7 @@ use std::ops::Range;
 /// plain block without a number. The outer `None` is a line that must be split into words.
 ///
 /// Most blocks of a long program are plain moves, and most of the reading time goes into them.
-pub(crate) fn plain(line: &str) -> Option<Option<(u16, Range<usize>)>> {
+pub(crate) fn parse_plain_block(line: &str) -> Option<Option<(u16, Range<usize>)>> {
     let bytes = line.as_bytes();
     let named = bytes.first() == Some(&b'N');
     let digits = bytes.get(1..)?.iter().take_while(|it| it.is_ascii_digit());

@@ -3,21 +3,21 @@
 use gsk_core::model::{GCode, ModelId};
 use gsk_messages::{Message, say};
 
-use crate::leads::Aim;
-use crate::refer::{Under, leading_to, under};
-use crate::structure::{Numbered, Structure};
-use crate::text::{Edit, Place, Position, Text};
+use crate::reference_target::ReferenceTarget;
+use crate::references::{CursorTarget, references_to, target_at};
+use crate::structure::{NumberedBlock, Structure};
+use crate::text::{TextChange, TextRange, Position, TextDocument};
 
 /// Returns the range of the number that a rename at a position would change: of a block, or of
 /// a reference to one.
-pub fn renamable(structure: &Structure, at: Position) -> Option<Place> {
-    match under(structure, at)? {
-        Under::Block(block) => Some(block.digits.clone()),
-        Under::Lead(lead) => {
-            let leads = !structure.aimed_at(lead).is_empty();
-            leads.then(|| lead.digits.clone())
+pub fn renamable(structure: &Structure, at: Position) -> Option<TextRange> {
+    match target_at(structure, at)? {
+        CursorTarget::Block(block) => Some(block.digits.clone()),
+        CursorTarget::Reference(reference) => {
+            let references = !structure.referenced_blocks(reference).is_empty();
+            references.then(|| reference.digits.clone())
         }
-        Under::Program(_) | Under::Loop(_) => None,
+        CursorTarget::Program(_) | CursorTarget::Loop(_) => None,
     }
 }
 
@@ -29,45 +29,45 @@ pub fn renamable(structure: &Structure, at: Position) -> Option<Place> {
 ///
 /// Returns a message if the change is impossible or could alter what the program does.
 pub fn rename(
-    text: &Text,
+    text: &TextDocument,
     structure: &Structure,
     at: Position,
     name: &str,
     (outside, model): (&[u16], ModelId),
-) -> Result<Vec<Edit>, Message> {
+) -> Result<Vec<TextChange>, Message> {
     let block = block_at(structure, at)?;
     let number = new_number(name).ok_or_else(|| say::rename_no_number(name))?;
-    if let Some(there) = structure.in_part(number, block.part).next()
+    if let Some(there) = structure.blocks_in_part(number, block.part).next()
         && there != block
     {
         return Err(say::rename_exists(number, there.digits.line + 1));
     }
-    settled(structure, outside, model)?;
-    if structure.in_part(block.number, block.part).count() > 1 {
+    check_targets_known(structure, outside, model)?;
+    if structure.blocks_in_part(block.number, block.part).count() > 1 {
         return Err(say::number_of_several_blocks(block.number));
     }
-    let mut places = vec![&block.digits];
-    for lead in leading_to(structure, block) {
-        if structure.aimed_at(lead).len() > 1 {
-            let line = lead.digits.line + 1;
+    let mut ranges = vec![&block.digits];
+    for reference in references_to(structure, block) {
+        if structure.referenced_blocks(reference).len() > 1 {
+            let line = reference.digits.line + 1;
             return Err(say::lead_to_several(line));
         }
-        places.push(&lead.digits);
+        ranges.push(&reference.digits);
     }
-    let edits = places.into_iter();
+    let edits = ranges.into_iter();
     Ok(edits
-        .map(|it| Edit::of(it, written(number, text, it)))
+        .map(|it| TextChange::replace(it, written(number, text, it)))
         .collect())
 }
 
 /// The block at a position, or the target of the word there.
-fn block_at(structure: &Structure, at: Position) -> Result<&Numbered, Message> {
-    match under(structure, at) {
-        Some(Under::Block(block)) => Ok(block),
-        Some(Under::Lead(lead)) => match structure.aimed_at(lead)[..] {
+fn block_at(structure: &Structure, at: Position) -> Result<&NumberedBlock, Message> {
+    match target_at(structure, at) {
+        Some(CursorTarget::Block(block)) => Ok(block),
+        Some(CursorTarget::Reference(reference)) => match structure.referenced_blocks(reference)[..] {
             [block] => Ok(block),
-            [] => Err(say::lead_to_nothing(lead.digits.line + 1)),
-            _ => Err(say::lead_to_several(lead.digits.line + 1)),
+            [] => Err(say::lead_to_nothing(reference.digits.line + 1)),
+            _ => Err(say::lead_to_several(reference.digits.line + 1)),
         },
         _ => Err(say::rename_nothing()),
     }
@@ -81,11 +81,11 @@ fn new_number(name: &str) -> Option<u16> {
     number.filter(|number| *number <= 9999)
 }
 
-/// Returns a number with as many leading zeros as the number at `place`.
-pub(crate) fn written(number: u16, text: &Text, place: &Place) -> String {
-    let line = text.line(place.line);
+/// Returns a number with as many leading zeros as the number at `range`.
+pub(crate) fn written(number: u16, text: &TextDocument, range: &TextRange) -> String {
+    let line = text.line(range.line);
     let before = line
-        .get(place.from as usize..place.to as usize)
+        .get(range.from as usize..range.to as usize)
         .unwrap_or("");
     match before.starts_with('0') {
         true => format!("{number:0width$}", width = before.len()),
@@ -98,7 +98,7 @@ pub(crate) fn written(number: u16, text: &Text, place: &Place) -> String {
 /// # Errors
 ///
 /// Returns a message about the reference whose target is uncertain.
-pub(crate) fn settled(
+pub(crate) fn check_targets_known(
     structure: &Structure,
     outside: &[u16],
     model: ModelId,
@@ -112,11 +112,11 @@ pub(crate) fn settled(
         return Err(say::numbers_of_model(model.name()));
     }
     let computed = structure
-        .leads
+        .references
         .iter()
-        .find(|lead| lead.aim == Aim::Computed);
-    if let Some(lead) = computed {
-        return Err(say::lead_computed(lead.digits.line + 1));
+        .find(|reference| reference.target == ReferenceTarget::Computed);
+    if let Some(reference) = computed {
+        return Err(say::lead_computed(reference.digits.line + 1));
     }
     if let Some(number) = outside.first() {
         return Err(say::lead_from_outside(number));
@@ -132,11 +132,11 @@ mod tests {
     const TEXT: &str = "O0001\nG71 P10 Q0020\nN0010 G00 X20\nN20 G01 Z-30\nG70 P10 Q20\nN30 M30\n";
 
     fn renamed(text: &str, line: u32, byte: u32, name: &str) -> Result<String, Id> {
-        let mut text = Text::new(text);
+        let mut text = TextDocument::new(text);
         let structure = Structure::read(&text);
         let at = Position { line, byte };
         let edits = rename(&text, &structure, at, name, (&[], ModelId::Gsk980td));
-        text.apply_all(&edits.map_err(|said| said.id())?);
+        text.apply_all(&edits.map_err(|message| message.id())?);
         Ok(text.as_str().to_owned())
     }
 
@@ -146,9 +146,9 @@ mod tests {
         for (line, byte) in [(2, 2), (1, 5), (4, 6)] {
             assert_eq!(renamed(TEXT, line, byte, "N100").as_deref(), Ok(wanted));
         }
-        let structure = Structure::read(&Text::new(TEXT));
-        let place = renamable(&structure, Position { line: 2, byte: 0 });
-        assert_eq!(place.map(|it| (it.from, it.to)), Some((1, 5)));
+        let structure = Structure::read(&TextDocument::new(TEXT));
+        let range = renamable(&structure, Position { line: 2, byte: 0 });
+        assert_eq!(range.map(|it| (it.from, it.to)), Some((1, 5)));
         assert_eq!(renamable(&structure, Position { line: 2, byte: 8 }), None);
     }
 

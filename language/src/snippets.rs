@@ -4,9 +4,9 @@ use gsk_core::model::GCode;
 
 /// Returns the blocks of a cycle as an editor snippet. `${1:2}` is the first field with the
 /// default 2. `None` for codes with one word.
-pub(crate) const fn snippet(code: GCode, of_mill: bool) -> Option<&'static str> {
-    if of_mill {
-        return of_the_mill(code);
+pub(crate) const fn snippet(code: GCode, is_mill: bool) -> Option<&'static str> {
+    if is_mill {
+        return mill_snippet(code);
     }
     Some(match code {
         GCode::Finishing => "G70 P${1:10} Q${2:20}",
@@ -46,7 +46,7 @@ pub(crate) const fn snippet(code: GCode, of_mill: bool) -> Option<&'static str> 
 }
 
 /// The snippets of a mill.
-const fn of_the_mill(code: GCode) -> Option<&'static str> {
+const fn mill_snippet(code: GCode) -> Option<&'static str> {
     Some(match code {
         GCode::HighSpeedPeck => "G73 X${1} Y${2} Z${3:-20.} R${4:2.} Q${5:4.} F${6:100}",
         GCode::PeckDrilling => "G83 X${1} Y${2} Z${3:-20.} R${4:2.} Q${5:4.} F${6:100}",
@@ -63,7 +63,7 @@ const fn of_the_mill(code: GCode) -> Option<&'static str> {
 }
 
 /// Returns whether a code is a hole cycle of a mill, which remains in force in the next blocks.
-pub(crate) const fn is_hole(code: GCode) -> bool {
+pub(crate) const fn is_hole_cycle(code: GCode) -> bool {
     matches!(
         code,
         GCode::HighSpeedPeck
@@ -82,12 +82,12 @@ pub(crate) const fn is_hole(code: GCode) -> bool {
 }
 
 /// Returns the addresses that a code takes besides M, S and T (manual I-3.2).
-pub(crate) const fn letters(code: GCode, of_mill: bool) -> &'static str {
-    if !of_mill {
-        return of_a_lathe(code);
+pub(crate) const fn letters(code: GCode, is_mill: bool) -> &'static str {
+    if !is_mill {
+        return lathe_letters(code);
     }
     match code {
-        _ if is_hole(code) => "XYZRQPFKL",
+        _ if is_hole_cycle(code) => "XYZRQPFKL",
         GCode::Rapid | GCode::Reference | GCode::ReferenceCheck | GCode::ReferenceBack => "XYZ",
         GCode::FurtherReference => "PXYZ",
         GCode::PlaneArcClockwise | GCode::PlaneArcCounterclockwise => "XYZIJKRF",
@@ -104,7 +104,7 @@ pub(crate) const fn letters(code: GCode, of_mill: bool) -> &'static str {
 }
 
 /// The addresses of a lathe.
-const fn of_a_lathe(code: GCode) -> &'static str {
+const fn lathe_letters(code: GCode) -> &'static str {
     match code {
         GCode::Rapid
         | GCode::StraightRapid

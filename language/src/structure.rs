@@ -3,18 +3,18 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::leads::{Aim, aim_of, digits_at_end};
-use crate::plain_block::plain;
-use crate::text::{Place, Text};
-use crate::words::{Kind, Span, Word, spans, word_of};
+use crate::reference_target::{ReferenceTarget, reference_target, digits_at_end};
+use crate::plain_block::parse_plain_block;
+use crate::text::{TextRange, TextDocument};
+use crate::words::{SpanKind, Span, ParsedWord, spans, word_of};
 
 /// A program of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Part {
+pub struct ProgramPart {
     /// Its number, if it has an O word.
     pub number: Option<u16>,
     /// The digits of the O word.
-    pub name: Option<Place>,
+    pub name: Option<TextRange>,
     /// Its first line.
     pub from: u32,
     /// The line after its last one.
@@ -23,37 +23,37 @@ pub struct Part {
 
 /// A block with a sequence number.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Numbered {
+pub struct NumberedBlock {
     /// The sequence number.
     pub number: u16,
     /// The digits of the number.
-    pub digits: Place,
+    pub digits: TextRange,
     /// The whole N word.
-    pub word: Place,
+    pub word: TextRange,
     /// Index of the program that contains it.
     pub part: usize,
 }
 
 /// A word that refers to a block or program.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Lead {
+pub struct WordReference {
     /// The target.
-    pub aim: Aim,
+    pub target: ReferenceTarget,
     /// The digits that name the target.
-    pub digits: Place,
+    pub digits: TextRange,
     /// The whole word, or the whole statement.
-    pub word: Place,
+    pub word: TextRange,
     /// Index of the program that contains it.
     pub part: usize,
 }
 
 /// A T word.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ToolWord {
+pub struct ToolCall {
     /// Its digits as written.
     pub value: String,
     /// The word.
-    pub place: Place,
+    pub range: TextRange,
     /// Index of the program that contains it.
     pub part: usize,
 }
@@ -64,97 +64,97 @@ pub struct Title {
     /// The text between the parentheses.
     pub text: String,
     /// The comment.
-    pub place: Place,
+    pub range: TextRange,
 }
 
 /// A cycle with a profile: G70 to G73 with P and Q.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Cycle {
+pub struct ProfileCycle {
     /// Number of the G code, 70 to 73.
     pub code: u8,
     /// The G word.
-    pub place: Place,
+    pub range: TextRange,
     /// The sequence numbers P and Q, the first and last block of the profile.
     pub profile: (u16, u16),
     /// The finishing allowances U and W as written.
-    pub leaves: (Option<String>, Option<String>),
+    pub allowances: (Option<String>, Option<String>),
     /// Index of the program that contains it.
     pub part: usize,
 }
 
 /// A loop of macro B, from DO to its END.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Loop {
+pub struct MacroLoop {
     /// The statement with DO.
-    pub begin: Place,
+    pub begin: TextRange,
     /// The statement END.
-    pub end: Place,
+    pub end: TextRange,
 }
 
 /// The programs, blocks and words of a text that an editor shows.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Structure {
     /// Programs in the order of the text.
-    pub parts: Vec<Part>,
+    pub parts: Vec<ProgramPart>,
     /// Numbered blocks in the order of the text.
-    pub blocks: Vec<Numbered>,
+    pub blocks: Vec<NumberedBlock>,
     /// Words that refer to blocks or programs.
-    pub leads: Vec<Lead>,
+    pub references: Vec<WordReference>,
     /// T words.
-    pub tools: Vec<ToolWord>,
+    pub tools: Vec<ToolCall>,
     /// Comments alone on their line.
     pub titles: Vec<Title>,
     /// Cycles with a profile.
-    pub cycles: Vec<Cycle>,
+    pub cycles: Vec<ProfileCycle>,
     /// Loops of macro B.
-    pub loops: Vec<Loop>,
+    pub loops: Vec<MacroLoop>,
     /// First line with blocks, and the line after the last one. The control ignores the text
     /// before the `%` at the start and after the `%` at the end.
-    pub read: (u32, u32),
+    pub block_lines: (u32, u32),
     /// Indices of the numbered blocks, sorted by program and number.
-    order: Vec<usize>,
+    sorted_blocks: Vec<usize>,
     /// For each program, the indices of the programs that call it.
     callers: Vec<Vec<usize>>,
 }
 
 /// Greatest number of blocks with one number that are read. The control uses the first.
-const MOST_OF_A_NUMBER: usize = 20;
+const MAX_BLOCKS_PER_NUMBER: usize = 20;
 
 /// State of the pass over the lines.
 #[derive(Default)]
-struct Walk {
+struct StructureReader {
     structure: Structure,
     /// DO statements still without END, with the number of the loop.
-    open: Vec<(u16, Place)>,
+    open: Vec<(u16, TextRange)>,
     /// Whether a block has been read.
     begun: bool,
 }
 
 impl Structure {
     /// Reads the structure of a text.
-    pub fn read(text: &Text) -> Self {
-        let mut walk = Walk::default();
-        walk.structure.read = (0, text.line_count());
-        walk.structure.parts.push(Part {
+    pub fn read(text: &TextDocument) -> Self {
+        let mut reader = StructureReader::default();
+        reader.structure.block_lines = (0, text.line_count());
+        reader.structure.parts.push(ProgramPart {
             number: None,
             name: None,
             from: 0,
             to: text.line_count(),
         });
         for (index, line) in text.lines() {
-            if walk.line(index, line).is_break() {
+            if reader.line(index, line).is_break() {
                 break;
             }
         }
-        walk.structure.sort();
-        walk.structure
+        reader.structure.sort();
+        reader.structure
     }
 
     fn sort(&mut self) {
         let blocks = &self.blocks;
         let mut order: Vec<usize> = (0..blocks.len()).collect();
         order.sort_by_key(|at| blocks.get(*at).map(|it| (it.part, it.number, *at)));
-        self.order = order;
+        self.sorted_blocks = order;
         let mut by_number = BTreeMap::new();
         for (index, part) in self.parts.iter().enumerate() {
             if let Some(number) = part.number {
@@ -162,13 +162,13 @@ impl Structure {
             }
         }
         let mut callers = vec![BTreeSet::new(); self.parts.len()];
-        for lead in &self.leads {
-            let Aim::Program(number) = lead.aim else {
+        for reference in &self.references {
+            let ReferenceTarget::Program(number) = reference.target else {
                 continue;
             };
             for called in by_number.get(&number).into_iter().flatten() {
                 if let Some(callers) = callers.get_mut(*called) {
-                    callers.insert(lead.part);
+                    callers.insert(reference.part);
                 }
             }
         }
@@ -177,37 +177,37 @@ impl Structure {
     }
 
     /// Returns the index of the program that contains a line.
-    pub fn part_of(&self, line: u32) -> usize {
+    pub fn part_at_line(&self, line: u32) -> usize {
         let after = self.parts.partition_point(|part| part.from <= line);
         after.saturating_sub(1)
     }
 
     /// Returns the blocks that a reference names in this text. The control uses one of them. P
     /// of M99 can refer to blocks of several callers.
-    pub fn aimed_at(&self, lead: &Lead) -> Vec<&Numbered> {
-        match lead.aim {
-            Aim::Block(number) => self.in_part(number, lead.part).collect(),
-            Aim::Caller(number) => {
-                let searched = match self.callers(lead.part) {
-                    [] => core::slice::from_ref(&lead.part),
+    pub fn referenced_blocks(&self, reference: &WordReference) -> Vec<&NumberedBlock> {
+        match reference.target {
+            ReferenceTarget::Block(number) => self.blocks_in_part(number, reference.part).collect(),
+            ReferenceTarget::Caller(number) => {
+                let searched = match self.callers(reference.part) {
+                    [] => core::slice::from_ref(&reference.part),
                     callers => callers,
                 };
                 let found = searched.iter();
-                found.flat_map(|part| self.in_part(number, *part)).collect()
+                found.flat_map(|part| self.blocks_in_part(number, *part)).collect()
             }
-            Aim::Program(_) | Aim::Computed => Vec::new(),
+            ReferenceTarget::Program(_) | ReferenceTarget::Computed => Vec::new(),
         }
     }
 
     /// Returns the first blocks with a number in a program.
-    pub fn in_part(&self, number: u16, part: usize) -> impl Iterator<Item = &Numbered> {
+    pub fn blocks_in_part(&self, number: u16, part: usize) -> impl Iterator<Item = &NumberedBlock> {
         let key = |at: &usize| self.blocks.get(*at).map(|it| (it.part, it.number));
         let wanted = Some((part, number));
-        let from = self.order.partition_point(|at| key(at) < wanted);
-        let found = self.order.get(from..).unwrap_or(&[]).iter();
+        let from = self.sorted_blocks.partition_point(|at| key(at) < wanted);
+        let found = self.sorted_blocks.get(from..).unwrap_or(&[]).iter();
         found
             .take_while(move |at| key(at) == wanted)
-            .take(MOST_OF_A_NUMBER)
+            .take(MAX_BLOCKS_PER_NUMBER)
             .filter_map(|at| self.blocks.get(*at))
     }
 
@@ -217,17 +217,17 @@ impl Structure {
     }
 }
 
-impl Walk {
+impl StructureReader {
     fn line(&mut self, index: u32, line: &str) -> core::ops::ControlFlow<()> {
-        match plain(line) {
+        match parse_plain_block(line) {
             Some(number) => {
                 self.begun = true;
                 self.structure.blocks.extend(number.map(|(number, digits)| {
                     let part = self.structure.parts.len().saturating_sub(1);
-                    Numbered {
+                    NumberedBlock {
                         number,
-                        word: Place::new(index, &(0..digits.end)),
-                        digits: Place::new(index, &digits),
+                        word: TextRange::new(index, &(0..digits.end)),
+                        digits: TextRange::new(index, &digits),
                         part,
                     }
                 }));
@@ -240,13 +240,13 @@ impl Walk {
     fn any_line(&mut self, index: u32, line: &str) -> core::ops::ControlFlow<()> {
         let spans = spans(line);
         if let [only] = &spans[..]
-            && only.kind == Kind::Comment
+            && only.kind == SpanKind::Comment
         {
             self.title(index, line, only);
         }
         let ends = |span: &Span| {
             let mark = line.get(span.range.clone()).unwrap_or("");
-            span.kind == Kind::Mark && matches!(mark, ";" | "*" | "%")
+            span.kind == SpanKind::Mark && matches!(mark, ";" | "*" | "%")
         };
         for block in spans.split_inclusive(ends) {
             self.block(index, line, block);
@@ -255,14 +255,14 @@ impl Walk {
                 .is_some_and(|it| line.get(it.range.clone()) == Some("%"));
             self.begun |= block
                 .iter()
-                .any(|it| !matches!(it.kind, Kind::Comment | Kind::Mark));
+                .any(|it| !matches!(it.kind, SpanKind::Comment | SpanKind::Mark));
             if percent && self.begun {
-                self.structure.read.1 = index + 1;
+                self.structure.block_lines.1 = index + 1;
                 return core::ops::ControlFlow::Break(());
             }
             if percent {
                 // The start of a tape: the rest of its line is a leader.
-                self.structure.read.0 = index + 1;
+                self.structure.block_lines.0 = index + 1;
                 break;
             }
         }
@@ -275,7 +275,7 @@ impl Walk {
         if !text.is_empty() {
             self.structure.titles.push(Title {
                 text: text.to_owned(),
-                place: Place::new(index, &span.range),
+                range: TextRange::new(index, &span.range),
             });
         }
     }
@@ -284,29 +284,29 @@ impl Walk {
         let mut code = None;
         for span in block {
             match span.kind {
-                Kind::Name => self.name(index, line, block, span),
-                Kind::Setting => self.tool(index, line, span),
-                Kind::Code => {
+                SpanKind::Name => self.name(index, line, block, span),
+                SpanKind::Setting => self.tool(index, line, span),
+                SpanKind::Code => {
                     let number = word_of(line, span).and_then(|word| word.number());
                     if let Some(number @ 70..=73) = number {
-                        code = Some((number as u8, Place::new(index, &span.range)));
+                        code = Some((number as u8, TextRange::new(index, &span.range)));
                     }
                 }
-                Kind::Statement => self.statement(index, line, span),
+                SpanKind::Statement => self.statement(index, line, span),
                 _ => {}
             }
-            if let Some((aim, digits)) = aim_of(line, block, span) {
+            if let Some((target, digits)) = reference_target(line, block, span) {
                 let part = self.part();
-                self.structure.leads.push(Lead {
-                    aim,
-                    digits: Place::new(index, &digits),
-                    word: Place::new(index, &span.range),
+                self.structure.references.push(WordReference {
+                    target,
+                    digits: TextRange::new(index, &digits),
+                    word: TextRange::new(index, &span.range),
                     part,
                 });
             }
         }
-        if let Some((code, place)) = code {
-            self.cycle(code, place, line, block);
+        if let Some((code, range)) = code {
+            self.cycle(code, range, line, block);
         }
     }
 
@@ -319,8 +319,8 @@ impl Walk {
         let mut before = block.iter().take_while(|it| *it != span);
         let is_n = |it: &Span| word_of(line, it).is_some_and(|word| word.address == 'N');
         let at_begin = |it: &Span| match it.kind {
-            Kind::Mark | Kind::Comment => true,
-            Kind::Name => !is_n(it),
+            SpanKind::Mark | SpanKind::Comment => true,
+            SpanKind::Name => !is_n(it),
             _ => false,
         };
         if !before.all(at_begin) {
@@ -333,13 +333,13 @@ impl Walk {
         let Some(number) = number.filter(|it| *it <= 9999) else {
             return;
         };
-        let digits = Place::new(index, &digits_at_end(line, &span.range));
+        let digits = TextRange::new(index, &digits_at_end(line, &span.range));
         if word.address == 'N' {
             let part = self.part();
-            self.structure.blocks.push(Numbered {
+            self.structure.blocks.push(NumberedBlock {
                 number,
                 digits,
-                word: Place::new(index, &span.range),
+                word: TextRange::new(index, &span.range),
                 part,
             });
             return;
@@ -350,11 +350,11 @@ impl Walk {
             if let Some(before) = parts.last_mut() {
                 before.to = index;
             }
-            parts.push(Part {
+            parts.push(ProgramPart {
                 number: None,
                 name: None,
                 from: index,
-                to: self.structure.read.1,
+                to: self.structure.block_lines.1,
             });
         }
         if let Some(part) = parts.last_mut() {
@@ -365,18 +365,18 @@ impl Walk {
 
     fn tool(&mut self, index: u32, line: &str, span: &Span) {
         let word = word_of(line, span).filter(|word| word.address == 'T');
-        if let Some(Word { value, .. }) = word {
+        if let Some(ParsedWord { value, .. }) = word {
             let part = self.part();
-            self.structure.tools.push(ToolWord {
+            self.structure.tools.push(ToolCall {
                 value: value.into_owned(),
-                place: Place::new(index, &span.range),
+                range: TextRange::new(index, &span.range),
                 part,
             });
         }
     }
 
-    fn cycle(&mut self, code: u8, place: Place, line: &str, block: &[Span]) {
-        let words: Vec<Word<'_>> = (block.iter())
+    fn cycle(&mut self, code: u8, range: TextRange, line: &str, block: &[Span]) {
+        let words: Vec<ParsedWord<'_>> = (block.iter())
             .filter(|it| it.kind.is_word())
             .filter_map(|it| word_of(line, it))
             .collect();
@@ -389,13 +389,13 @@ impl Walk {
         let (Some(p), Some(q)) = (number('P'), number('Q')) else {
             return;
         };
-        let leaves = |address| value(address).map(|word| word.value.clone().into_owned());
+        let allowances = |address| value(address).map(|word| word.value.clone().into_owned());
         let part = self.part();
-        self.structure.cycles.push(Cycle {
+        self.structure.cycles.push(ProfileCycle {
             code,
-            place,
+            range,
             profile: (p, q),
-            leaves: (leaves('U'), leaves('W')),
+            allowances: (allowances('U'), allowances('W')),
             part,
         });
     }
@@ -405,7 +405,7 @@ impl Walk {
             .get(span.range.clone())
             .unwrap_or("")
             .to_ascii_uppercase();
-        let place = Place::new(index, &span.range);
+        let range = TextRange::new(index, &span.range);
         let digits = text.trim_end_matches(|it: char| it.is_ascii_digit());
         let Some(number) = text.get(digits.len()..).and_then(|it| it.parse().ok()) else {
             return;
@@ -415,10 +415,10 @@ impl Walk {
             let begin = self.open.iter().rposition(|(open, _)| *open == number);
             if let Some(begin) = begin {
                 let (_, begin) = self.open.remove(begin);
-                self.structure.loops.push(Loop { begin, end: place });
+                self.structure.loops.push(MacroLoop { begin, end: range });
             }
         } else if words == "DO" || words.starts_with("WHILE") && words.ends_with("DO") {
-            self.open.push((number, place));
+            self.open.push((number, range));
         }
     }
 }
@@ -440,24 +440,24 @@ mod tests {
 
         #[test]
         fn a_plain_block_is_read_as_any_other(line in "[NGXZUFRKSDOIW]?[0-9]{0,5}([NGXZUFRKSTO .-][ 0-9.]{0,4}){0,4}") {
-            let mut as_plain = Walk::default();
-            let mut taken_apart = Walk::default();
-            let _ = (as_plain.line(3, &line), taken_apart.any_line(3, &line));
-            proptest::prop_assert_eq!(as_plain.structure, taken_apart.structure);
-            proptest::prop_assert_eq!(as_plain.begun, taken_apart.begun);
+            let mut as_plain = StructureReader::default();
+            let mut as_words = StructureReader::default();
+            let _ = (as_plain.line(3, &line), as_words.any_line(3, &line));
+            proptest::prop_assert_eq!(as_plain.structure, as_words.structure);
+            proptest::prop_assert_eq!(as_plain.begun, as_words.begun);
         }
     }
 
     #[test]
     fn one_pass_finds_what_an_editor_shows() {
-        let structure = Structure::read(&Text::new(TEXT));
+        let structure = Structure::read(&TextDocument::new(TEXT));
         let parts: Vec<_> = structure
             .parts
             .iter()
             .map(|it| (it.number, it.from, it.to))
             .collect();
         assert_eq!(parts, [(Some(1), 0, 13), (Some(2), 13, 19)]);
-        assert_eq!(structure.read, (1, 17));
+        assert_eq!(structure.block_lines, (1, 17));
         let blocks: Vec<_> = structure
             .blocks
             .iter()
@@ -466,7 +466,7 @@ mod tests {
         assert_eq!(blocks, [(5, 0), (10, 0), (20, 0), (30, 0), (10, 1)]);
         assert_eq!(
             structure.blocks[3].digits,
-            Place {
+            TextRange {
                 line: 7,
                 from: 15,
                 to: 17
@@ -481,23 +481,23 @@ mod tests {
         assert_eq!(structure.titles[0].text, "ROUGHING");
         let cycle = &structure.cycles[0];
         assert_eq!((cycle.code, cycle.profile), (71, (10, 20)));
-        assert_eq!(cycle.leaves.1.as_deref(), Some("0.1"));
+        assert_eq!(cycle.allowances.1.as_deref(), Some("0.1"));
         assert_eq!(
             (structure.loops[0].begin.line, structure.loops[0].end.line),
             (9, 11)
         );
         // M99 P of a program that another one calls refers to the caller.
         let back = structure
-            .leads
+            .references
             .iter()
-            .find(|it| it.aim == Aim::Caller(30))
+            .find(|it| it.target == ReferenceTarget::Caller(30))
             .expect("M99");
-        let led: Vec<_> = structure
-            .aimed_at(back)
+        let definition: Vec<_> = structure
+            .referenced_blocks(back)
             .iter()
             .map(|it| it.digits.line)
             .collect();
-        assert_eq!(led, [7]);
+        assert_eq!(definition, [7]);
         assert_eq!(structure.callers(1), [0]);
     }
 }

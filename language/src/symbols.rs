@@ -1,7 +1,7 @@
 //! Lists the outline of a text: programs, tools, referenced blocks, titles.
 
 use crate::structure::Structure;
-use crate::text::{Place, Text};
+use crate::text::{TextRange, TextDocument};
 
 /// The kind of a symbol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,25 +24,25 @@ pub struct Symbol {
     /// The kind.
     pub kind: SymbolKind,
     /// The name in the text.
-    pub place: Place,
+    pub range: TextRange,
     /// The last line that belongs to it.
     pub last_line: u32,
     /// The symbols inside it.
-    pub within: Vec<Symbol>,
+    pub children: Vec<Symbol>,
 }
 
 /// Returns the outline of a text. The symbols of a program with an O word are its children.
-pub fn symbols(text: &Text, structure: &Structure) -> Vec<Symbol> {
+pub fn symbols(text: &TextDocument, structure: &Structure) -> Vec<Symbol> {
     let mut all = Vec::new();
     for (index, part) in structure.parts.iter().enumerate() {
-        let mut within = within(text, structure, index);
-        within.sort_by(|one, other| one.place.cmp(&other.place));
-        let Some((number, place)) = part.number.zip(part.name.clone()) else {
-            all.extend(within);
+        let mut children = child_symbols(text, structure, index);
+        children.sort_by(|one, other| one.range.cmp(&other.range));
+        let Some((number, range)) = part.number.zip(part.name.clone()) else {
+            all.extend(children);
             continue;
         };
         // The comment beside the O word often names the program.
-        let line = text.line(place.line);
+        let line = text.line(range.line);
         let comment = line.find('(').and_then(|at| line.get(at..)).unwrap_or("");
         let comment = comment
             .split(')')
@@ -54,29 +54,29 @@ pub fn symbols(text: &Text, structure: &Structure) -> Vec<Symbol> {
                 .trim_end()
                 .to_owned(),
             kind: SymbolKind::Program,
-            place,
+            range,
             last_line: part.to.saturating_sub(1).max(part.from),
-            within,
+            children,
         });
     }
     all
 }
 
-fn within(text: &Text, structure: &Structure, part: usize) -> Vec<Symbol> {
-    let symbol = |name: String, kind, place: &Place| Symbol {
+fn child_symbols(text: &TextDocument, structure: &Structure, part: usize) -> Vec<Symbol> {
+    let symbol = |name: String, kind, range: &TextRange| Symbol {
         name,
         kind,
-        place: place.clone(),
-        last_line: place.line,
-        within: Vec::new(),
+        range: range.clone(),
+        last_line: range.line,
+        children: Vec::new(),
     };
     let tools = structure.tools.iter().filter(|tool| tool.part == part);
     let mut found: Vec<Symbol> = tools
-        .map(|tool| symbol(format!("T{}", tool.value), SymbolKind::Tool, &tool.place))
+        .map(|tool| symbol(format!("T{}", tool.value), SymbolKind::Tool, &tool.range))
         .collect();
-    let leads = structure.leads.iter();
-    let mut targets: Vec<&Place> = leads
-        .flat_map(|lead| structure.aimed_at(lead))
+    let references = structure.references.iter();
+    let mut targets: Vec<&TextRange> = references
+        .flat_map(|reference| structure.referenced_blocks(reference))
         .filter(|block| block.part == part)
         .map(|block| &block.digits)
         .collect();
@@ -93,8 +93,8 @@ fn within(text: &Text, structure: &Structure, part: usize) -> Vec<Symbol> {
     }));
     let lines = structure.parts.get(part).map_or(0..0, |it| it.from..it.to);
     let titles = structure.titles.iter();
-    let titles = titles.filter(|title| lines.contains(&title.place.line));
-    found.extend(titles.map(|it| symbol(it.text.clone(), SymbolKind::Title, &it.place)));
+    let titles = titles.filter(|title| lines.contains(&title.range.line));
+    found.extend(titles.map(|it| symbol(it.text.clone(), SymbolKind::Title, &it.range)));
     found
 }
 
@@ -104,18 +104,18 @@ mod tests {
 
     #[test]
     fn programs_hold_tools_targets_and_titles() {
-        let text = Text::new(
+        let text = TextDocument::new(
             "O0001 (shaft)\n(ROUGHING)\nT0101\nG71 P10 Q20\nN10 G0 X1\nN20 X5\nN30 M98 P2\nM30\n\
              O0002\nM99\n",
         );
         let symbols = symbols(&text, &Structure::read(&text));
         let names: Vec<&str> = symbols.iter().map(|it| it.name.as_str()).collect();
         assert_eq!(names, ["O0001 shaft", "O0002"]);
-        let within: Vec<&str> = symbols[0]
-            .within
+        let children: Vec<&str> = symbols[0]
+            .children
             .iter()
             .map(|it| it.name.as_str())
             .collect();
-        assert_eq!(within, ["ROUGHING", "T0101", "N10", "N20"]);
+        assert_eq!(children, ["ROUGHING", "T0101", "N10", "N20"]);
     }
 }

@@ -13,7 +13,7 @@ pub struct Position {
 
 /// A range of bytes in one line.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Place {
+pub struct TextRange {
     /// Line, from 0.
     pub line: u32,
     /// First byte in the line.
@@ -22,13 +22,13 @@ pub struct Place {
     pub to: u32,
 }
 
-impl Place {
+impl TextRange {
     /// Creates the range of `bytes` in a line.
     pub fn new(line: u32, bytes: &Range<usize>) -> Self {
         Self {
             line,
-            from: narrow(bytes.start),
-            to: narrow(bytes.end),
+            from: to_u32(bytes.start),
+            to: to_u32(bytes.end),
         }
     }
 
@@ -38,7 +38,7 @@ impl Place {
     }
 
     /// Returns the first position and the position after the last byte.
-    pub fn ends(&self) -> (Position, Position) {
+    pub fn start_and_end(&self) -> (Position, Position) {
         let at = |byte| Position {
             line: self.line,
             byte,
@@ -49,7 +49,7 @@ impl Place {
 
 /// A change of a text: replaces the text between two positions.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Edit {
+pub struct TextChange {
     /// Start of the replaced text.
     pub from: Position,
     /// End of the replaced text.
@@ -58,10 +58,10 @@ pub struct Edit {
     pub text: String,
 }
 
-impl Edit {
+impl TextChange {
     /// Replaces a range of a line by `text`.
-    pub fn of(place: &Place, text: impl Into<String>) -> Self {
-        let (from, to) = place.ends();
+    pub fn replace(range: &TextRange, text: impl Into<String>) -> Self {
+        let (from, to) = range.start_and_end();
         Self {
             from,
             to,
@@ -73,28 +73,28 @@ impl Edit {
 /// A text and the starts of its lines. A line ends at LF, CR LF or CR, as for the control and
 /// for editors.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Text {
+pub struct TextDocument {
     text: String,
     /// First byte of each line. The first entry is 0.
     starts: Vec<u32>,
 }
 
 /// Longer texts are cut here. Program files end at 256 MB.
-const MOST_BYTES: usize = u32::MAX as usize - 16;
+const MAX_BYTES: usize = u32::MAX as usize - 16;
 
-impl Text {
+impl TextDocument {
     /// Stores a text and finds its lines. Cuts a text over 4 GB.
     pub fn new(text: impl Into<String>) -> Self {
         let mut text = text.into();
-        if text.len() > MOST_BYTES {
-            text.truncate(text.floor_char_boundary(MOST_BYTES));
+        if text.len() > MAX_BYTES {
+            text.truncate(text.floor_char_boundary(MAX_BYTES));
         }
         let mut starts = vec![0];
         let bytes = text.as_bytes();
         let ends = bytes.iter().enumerate();
         let ends = ends.filter(|(_, byte)| matches!(byte, b'\n' | b'\r'));
         let after = ends.map(|(at, _)| at + 1);
-        starts.extend(after.filter(|at| begins_line(bytes, *at)).map(narrow));
+        starts.extend(after.filter(|at| begins_line(bytes, *at)).map(to_u32));
         Self { text, starts }
     }
 
@@ -105,7 +105,7 @@ impl Text {
 
     /// Returns the number of lines, including the one after the last line end.
     pub fn line_count(&self) -> u32 {
-        narrow(self.starts.len())
+        to_u32(self.starts.len())
     }
 
     /// Returns a line without its line end, or an empty text beyond the last line.
@@ -124,15 +124,15 @@ impl Text {
     /// offset before it.
     pub fn offset(&self, at: Position) -> usize {
         let (start, line) = (self.start(at.line), self.line(at.line));
-        let within = (at.byte as usize).min(line.len());
-        start + line.floor_char_boundary(within)
+        let offset = (at.byte as usize).min(line.len());
+        start + line.floor_char_boundary(offset)
     }
 
     /// Applies an edit. If `to` is before `from`, only inserts.
-    pub fn apply(&mut self, edit: &Edit) {
+    pub fn apply(&mut self, edit: &TextChange) {
         let from = self.offset(edit.from);
         let to = self.offset(edit.to).max(from);
-        if self.text.len() - (to - from) + edit.text.len() > MOST_BYTES {
+        if self.text.len() - (to - from) + edit.text.len() > MAX_BYTES {
             return;
         }
         self.text.replace_range(from..to, &edit.text);
@@ -146,15 +146,15 @@ impl Text {
         self.starts.truncate(head.max(1));
         let bytes = self.text.as_bytes();
         let begin = |at: &usize| begins_line(bytes, *at);
-        let new = (from.max(1)..=after).filter(begin).map(narrow);
+        let new = (from.max(1)..=after).filter(begin).map(to_u32);
         self.starts.extend(new);
         let moved = tail.into_iter().map(|start| start as usize - to + after);
-        self.starts.extend(moved.map(narrow));
+        self.starts.extend(moved.map(to_u32));
     }
 
     /// Applies edits that do not overlap, in any order.
-    pub fn apply_all(&mut self, edits: &[Edit]) {
-        let mut order: Vec<&Edit> = edits.iter().collect();
+    pub fn apply_all(&mut self, edits: &[TextChange]) {
+        let mut order: Vec<&TextChange> = edits.iter().collect();
         order.sort_by_key(|edit| edit.from);
         for edit in order.into_iter().rev() {
             self.apply(edit);
@@ -176,7 +176,7 @@ fn begins_line(bytes: &[u8], at: usize) -> bool {
     }
 }
 
-pub(crate) fn narrow(at: usize) -> u32 {
+pub(crate) fn to_u32(at: usize) -> u32 {
     u32::try_from(at).unwrap_or(u32::MAX)
 }
 
@@ -187,7 +187,7 @@ mod tests {
 
     #[test]
     fn lines_end_as_the_control_ends_them() {
-        let text = Text::new("O1\r\nN10\rN20\n\n车");
+        let text = TextDocument::new("O1\r\nN10\rN20\n\n车");
         let lines: Vec<&str> = text.lines().map(|(_, line)| line).collect();
         assert_eq!(lines, ["O1", "N10", "N20", "", "车"]);
         assert_eq!(text.offset(Position { line: 4, byte: 1 }), 13);
@@ -218,12 +218,12 @@ mod tests {
             begin in piece(),
             changes in proptest::collection::vec((0..6_u32, 0..6_u32, 0..6_u32, 0..6_u32, piece()), 1..6),
         ) {
-            let mut text = Text::new(begin);
+            let mut text = TextDocument::new(begin);
             for (line, byte, to_line, to_byte, with) in changes {
                 let from = Position { line, byte };
                 let to = Position { line: to_line, byte: to_byte };
-                text.apply(&Edit { from, to, text: with });
-                prop_assert_eq!(&text, &Text::new(text.as_str()));
+                text.apply(&TextChange { from, to, text: with });
+                prop_assert_eq!(&text, &TextDocument::new(text.as_str()));
             }
         }
     }

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 /// The kind of a span.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum SpanKind {
     /// N or O: names a block or a program.
     Name,
     /// G.
@@ -29,7 +29,7 @@ pub enum Kind {
     Foreign,
 }
 
-impl Kind {
+impl SpanKind {
     /// Returns whether the span is a letter with its number.
     pub const fn is_word(self) -> bool {
         !matches!(
@@ -45,12 +45,12 @@ pub struct Span {
     /// Bytes of the line.
     pub range: Range<usize>,
     /// The kind.
-    pub kind: Kind,
+    pub kind: SpanKind,
 }
 
 /// A word of a program: its address and the text of its number.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Word<'a> {
+pub struct ParsedWord<'a> {
     /// The letter in upper case.
     pub address: char,
     /// Sign, digits and point in ASCII without blanks. A variable begins with `#`, a formula
@@ -58,7 +58,7 @@ pub struct Word<'a> {
     pub value: Cow<'a, str>,
 }
 
-impl Word<'_> {
+impl ParsedWord<'_> {
     /// Returns the number if it is an integer without a sign.
     pub fn number(&self) -> Option<u32> {
         let digits = self.value.bytes().all(|byte| byte.is_ascii_digit());
@@ -76,23 +76,23 @@ pub fn spans(line: &str) -> Vec<Span> {
     let mut begins_block = true;
     while let Some(character) = line[at..].chars().next() {
         let end = at + character.len_utf8();
-        let letter = narrow(character);
+        let letter = to_half_width(character);
         if is_blank(character) {
             at = end;
             continue;
         }
         let (end, kind) = match letter {
-            '(' => (comment_end(line, at), Kind::Comment),
+            '(' => (comment_end(line, at), SpanKind::Comment),
             _ if begins_block && begins_statement(&line[at..]) => {
-                (statement_end(line, at), Kind::Statement)
+                (statement_end(line, at), SpanKind::Statement)
             }
-            ';' | '*' | '/' | '%' => (end, Kind::Mark),
+            ';' | '*' | '/' | '%' => (end, SpanKind::Mark),
             'a'..='z' | 'A'..='Z' => word(line, end, letter),
-            _ => (end, Kind::Foreign),
+            _ => (end, SpanKind::Foreign),
         };
         begins_block = match kind {
-            Kind::Mark | Kind::Name => true,
-            Kind::Comment => begins_block,
+            SpanKind::Mark | SpanKind::Name => true,
+            SpanKind::Comment => begins_block,
             _ => false,
         };
         spans.push(Span {
@@ -105,16 +105,16 @@ pub fn spans(line: &str) -> Vec<Span> {
 }
 
 /// Returns the word in a span, or `None` if the span is not a word.
-pub fn word_of<'a>(line: &'a str, span: &Span) -> Option<Word<'a>> {
+pub fn word_of<'a>(line: &'a str, span: &Span) -> Option<ParsedWord<'a>> {
     let text = line.get(span.range.clone())?;
     let first = text.chars().next()?;
-    let address = narrow(first).to_ascii_uppercase();
-    let value = plain(text.get(first.len_utf8()..)?.trim_matches(is_blank));
-    (address.is_ascii_uppercase() && !value.is_empty()).then_some(Word { address, value })
+    let address = to_half_width(first).to_ascii_uppercase();
+    let value = ascii_value(text.get(first.len_utf8()..)?.trim_matches(is_blank));
+    (address.is_ascii_uppercase() && !value.is_empty()).then_some(ParsedWord { address, value })
 }
 
 /// Returns the words of a line.
-pub fn words(line: &str) -> impl Iterator<Item = Word<'_>> {
+pub fn words(line: &str) -> impl Iterator<Item = ParsedWord<'_>> {
     let spans = spans(line).into_iter();
     spans
         .filter(|span| span.kind.is_word())
@@ -127,7 +127,7 @@ const fn is_blank(character: char) -> bool {
 }
 
 /// Converts a full-width character to ASCII, as the control reads it.
-pub(crate) fn narrow(character: char) -> char {
+pub(crate) fn to_half_width(character: char) -> char {
     match u32::from(character) {
         wide @ 0xFF01..=0xFF5E => char::from_u32(wide - 0xFEE0).unwrap_or(character),
         0x3000 => ' ',
@@ -136,12 +136,12 @@ pub(crate) fn narrow(character: char) -> char {
 }
 
 /// The text of a number in ASCII without blanks.
-fn plain(value: &str) -> Cow<'_, str> {
+fn ascii_value(value: &str) -> Cow<'_, str> {
     let is_plain = |byte: u8| byte.is_ascii_graphic();
     if value.bytes().all(is_plain) {
         return Cow::Borrowed(value);
     }
-    let narrowed = value.chars().map(narrow);
+    let narrowed = value.chars().map(to_half_width);
     Cow::Owned(narrowed.filter(|it| !is_blank(*it)).collect())
 }
 
@@ -170,32 +170,32 @@ fn begins_statement(rest: &str) -> bool {
 fn statement_end(line: &str, at: usize) -> usize {
     let rest = &line[at..];
     let end = rest
-        .find(|it| matches!(narrow(it), ';' | '%' | '('))
+        .find(|it| matches!(to_half_width(it), ';' | '%' | '('))
         .unwrap_or(rest.len());
     at + rest[..end].trim_end_matches(is_blank).len()
 }
 
 /// The end and the kind of a word whose letter ends at byte `from`.
-fn word(line: &str, from: usize, letter: char) -> (usize, Kind) {
+fn word(line: &str, from: usize, letter: char) -> (usize, SpanKind) {
     let rest = &line[from..];
     let blanks = rest.len() - rest.trim_start_matches(is_blank).len();
     let number = &rest[blanks..];
-    let is_number = |it: char| matches!(narrow(it), '0'..='9' | '+' | '-' | '.' | '#');
+    let is_number = |it: char| matches!(to_half_width(it), '0'..='9' | '+' | '-' | '.' | '#');
     let plain = number.find(|it| !is_number(it)).unwrap_or(number.len());
     let length = match number[plain..].starts_with('[') {
         true => plain + formula_length(&number[plain..]),
         false => plain,
     };
     if length == 0 {
-        return (from, Kind::Foreign);
+        return (from, SpanKind::Foreign);
     }
     let kind = match letter.to_ascii_uppercase() {
-        'N' | 'O' => Kind::Name,
-        'G' => Kind::Code,
-        'M' => Kind::Function,
-        'S' | 'T' | 'F' => Kind::Setting,
-        'X' | 'Z' | 'U' | 'W' => Kind::Axis,
-        _ => Kind::Other,
+        'N' | 'O' => SpanKind::Name,
+        'G' => SpanKind::Code,
+        'M' => SpanKind::Function,
+        'S' | 'T' | 'F' => SpanKind::Setting,
+        'X' | 'Z' | 'U' | 'W' => SpanKind::Axis,
+        _ => SpanKind::Other,
     };
     (from + blanks + length, kind)
 }
@@ -221,7 +221,7 @@ fn formula_length(text: &str) -> usize {
 mod tests {
     use super::*;
 
-    fn found(line: &str) -> Vec<(&str, Kind)> {
+    fn found(line: &str) -> Vec<(&str, SpanKind)> {
         spans(line)
             .into_iter()
             .map(|span| (&line[span.range], span.kind))
@@ -234,18 +234,18 @@ mod tests {
         assert_eq!(
             found(line),
             [
-                ("/", Kind::Mark),
-                ("N10", Kind::Name),
-                ("g1", Kind::Code),
-                ("X-20.5", Kind::Axis),
-                ("Z #201", Kind::Axis),
-                ("(到 20)", Kind::Comment),
-                (";", Kind::Mark),
-                ("车", Kind::Foreign),
+                ("/", SpanKind::Mark),
+                ("N10", SpanKind::Name),
+                ("g1", SpanKind::Code),
+                ("X-20.5", SpanKind::Axis),
+                ("Z #201", SpanKind::Axis),
+                ("(到 20)", SpanKind::Comment),
+                (";", SpanKind::Mark),
+                ("车", SpanKind::Foreign),
             ]
         );
-        let words: Vec<Word<'_>> = words(line).collect();
-        let second = Word {
+        let words: Vec<ParsedWord<'_>> = words(line).collect();
+        let second = ParsedWord {
             address: 'G',
             value: "1".into(),
         };
@@ -259,26 +259,26 @@ mod tests {
         assert_eq!(
             found("N10 IF [#1 GT 5] GOTO 20 (on);G1 X[#1/2]Z-#2"),
             [
-                ("N10", Kind::Name),
-                ("IF [#1 GT 5] GOTO 20", Kind::Statement),
-                ("(on)", Kind::Comment),
-                (";", Kind::Mark),
-                ("G1", Kind::Code),
-                ("X[#1/2]", Kind::Axis),
-                ("Z-#2", Kind::Axis),
+                ("N10", SpanKind::Name),
+                ("IF [#1 GT 5] GOTO 20", SpanKind::Statement),
+                ("(on)", SpanKind::Comment),
+                (";", SpanKind::Mark),
+                ("G1", SpanKind::Code),
+                ("X[#1/2]", SpanKind::Axis),
+                ("Z-#2", SpanKind::Axis),
             ]
         );
-        assert_eq!(found("#1=#2*3"), [("#1=#2*3", Kind::Statement)]);
-        assert_eq!(found("end 1"), [("end 1", Kind::Statement)]);
+        assert_eq!(found("#1=#2*3"), [("#1=#2*3", SpanKind::Statement)]);
+        assert_eq!(found("end 1"), [("end 1", SpanKind::Statement)]);
     }
 
     #[test]
     fn full_width_words_are_words() {
         let line = "Ｇ０１　Ｘ５（中)";
-        let words: Vec<Word<'_>> = words(line).collect();
+        let words: Vec<ParsedWord<'_>> = words(line).collect();
         assert_eq!((words[0].address, words[0].number()), ('G', Some(1)));
         assert_eq!((words[1].address, &*words[1].value), ('X', "5"));
-        assert_eq!(spans(line)[2].kind, Kind::Comment);
+        assert_eq!(spans(line)[2].kind, SpanKind::Comment);
     }
 
     #[test]

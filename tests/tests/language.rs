@@ -10,7 +10,7 @@ use gsk_core::preview::{End, Preview, preview_while};
 use gsk_core::program::{Program, split};
 use gsk_core::setup::Setup;
 use gsk_language::{
-    Edit, Numbering, Position, Reader, Spacing, Structure, Style, Text, analyse, complete,
+    TextChange, Numbering, Position, ReadingContext, Spacing, Structure, Style, TextDocument, analyse, complete,
     definition, folds, format, hover, lenses, references, rename, symbols,
 };
 use gsk_messages::Language;
@@ -97,7 +97,7 @@ fn ended(seen: &Preview, alarms: bool) -> String {
 }
 
 fn formatted(text: &str, style: Style) -> (String, bool) {
-    let mut text = Text::new(text);
+    let mut text = TextDocument::new(text);
     let structure = Structure::read(&text);
     let lines = 0..text.line_count();
     let made = format(&text, &structure, style, lines, (&[], ModelId::Gsk980td));
@@ -134,7 +134,7 @@ fn a_program_does_the_same_however_it_is_written() {
         let before = [false, true].map(|alarms| done(&text, alarms));
         for style in styles() {
             let (written, taken) = formatted(&text, style);
-            renumbered += usize::from(taken && style.numbering != Numbering::AsTheyAre);
+            renumbered += usize::from(taken && style.numbering != Numbering::Unchanged);
             if written != text {
                 let alarms = same_alarms(style);
                 let before = &before[usize::from(alarms)];
@@ -158,9 +158,9 @@ fn a_program_does_the_same_however_it_is_written() {
 fn a_program_does_the_same_under_other_numbers() {
     let mut renamed = 0;
     for (name, text) in programs() {
-        let read = Text::new(text.as_str());
+        let read = TextDocument::new(text.as_str());
         let structure = Structure::read(&read);
-        let mut changed = Text::new(text.as_str());
+        let mut changed = TextDocument::new(text.as_str());
         // Each number moves to one that is free; the structure is read anew each time.
         for (index, block) in structure.blocks.iter().take(12).enumerate() {
             let line = block.digits.line;
@@ -214,7 +214,7 @@ fn text() -> impl Strategy<Value = String> {
 }
 
 /// Whether an edit lies in a text, from its beginning to its end.
-fn lies_in(text: &Text, edit: &Edit) -> bool {
+fn lies_in(text: &TextDocument, edit: &TextChange) -> bool {
     let in_line = |at: Position| {
         let line = text.line(at.line);
         at.line < text.line_count() && line.is_char_boundary(at.byte as usize)
@@ -229,18 +229,18 @@ proptest! {
     fn any_text_can_be_asked_about(
         text in text(), line in 0..14_u32, byte in 0..30_u32, macro_b: bool, model in 0..4_usize,
     ) {
-        let read = Text::new(text);
+        let read = TextDocument::new(text);
         let structure = Structure::read(&read);
         let at = Position { line, byte };
         for language in [Language::Zh, Language::En] {
-            let reader = Reader { model: ModelId::ALL[model], macro_b, language };
+            let reader = ReadingContext { model: ModelId::ALL[model], macro_b, language };
             hover(&read, &structure, at, reader, &|_| Some("(`````)".to_owned()));
             for item in complete(&read, &structure, at, reader, &BTreeSet::from([1])) {
-                prop_assert!(item.place.from <= item.place.to);
+                prop_assert!(item.range.from <= item.range.to);
             }
         }
         for place in definition(&structure, at).blocks {
-            prop_assert!(lies_in(&read, &Edit::of(&place, "")));
+            prop_assert!(lies_in(&read, &TextChange::replace(&place, "")));
         }
         references(&structure, at, true);
         symbols(&read, &structure);

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use gsk_language::{
-    Aim, CompletionKind, Position, Reader, Structure, Symbol, SymbolKind, Text, complete,
+    ReferenceTarget, CompletionKind, Position, ReadingContext, Structure, Symbol, SymbolKind, TextDocument, complete,
     definition, folds, format, hover, lenses, references, renamable, rename, symbols,
     without_markup,
 };
@@ -197,7 +197,7 @@ fn on_hover(desk: &mut Desk, params: &TextDocumentPositionParams) -> Answer {
     let found = hover(text, document.structure(), position, reader, &program);
     let found = found.map(|it| lsp_types::Hover {
         contents: lsp_types::HoverContents::Markup(markup(it.markdown, markdown)),
-        range: Some(desk.editor.encoding.range(text, &it.place)),
+        range: Some(desk.editor.encoding.range(text, &it.range)),
     });
     value(&found)
 }
@@ -234,7 +234,7 @@ fn on_completion(desk: &mut Desk, params: &TextDocumentPositionParams) -> Answer
             filter_text: Some(it.label),
             insert_text_format: is_snippet.then_some(InsertTextFormat::SNIPPET),
             text_edit: Some(CompletionTextEdit::Edit(TextEdit::new(
-                editor.encoding.range(text, &it.place),
+                editor.encoding.range(text, &it.range),
                 it.insert,
             ))),
             ..CompletionItem::default()
@@ -252,7 +252,7 @@ fn on_definition(desk: &mut Desk, params: &TextDocumentPositionParams) -> Answer
     let mut found: Vec<Location> = led.blocks.iter().map(here).collect();
     let other = led.program.and_then(|number| {
         let path = index.get(&number)?;
-        let text = Text::new(folder::text_of(path, desk.open.values())?);
+        let text = TextDocument::new(folder::text_of(path, desk.open.values())?);
         let structure = Structure::read(&text);
         let mut parts = structure.parts.iter();
         let name = parts.find(|it| it.number == Some(number))?.name.clone();
@@ -286,12 +286,12 @@ fn on_references(desk: &mut Desk, params: &TextDocumentPositionParams, itself: b
         let Some(text) = read.filter(|text| folder::is_small(text)) else {
             continue;
         };
-        let text = Text::new(text);
+        let text = TextDocument::new(text);
         let structure = Structure::read(&text);
         let calls = structure
-            .leads
+            .references
             .iter()
-            .filter(|it| it.aim == Aim::Program(number));
+            .filter(|it| it.target == ReferenceTarget::Program(number));
         let mut places: Vec<_> = calls.map(|it| it.digits.clone()).collect();
         let named = structure
             .parts
@@ -330,17 +330,17 @@ fn on_symbols(desk: &Desk, uri: &Uri) -> Answer {
     deprecated,
     reason = "the struct of the protocol has no other constructor"
 )]
-fn symbol(text: &Text, it: Symbol, encoding: Encoding) -> DocumentSymbol {
-    let selection_range = encoding.range(text, &it.place);
+fn symbol(text: &TextDocument, it: Symbol, encoding: Encoding) -> DocumentSymbol {
+    let selection_range = encoding.range(text, &it.range);
     let last = Position {
         line: it.last_line,
         byte: u32::MAX,
     };
     let first = Position {
-        line: it.place.line,
+        line: it.range.line,
         byte: 0,
     };
-    let within = it.within.into_iter();
+    let within = it.children.into_iter();
     let children: Vec<_> = within.map(|it| symbol(text, it, encoding)).collect();
     DocumentSymbol {
         name: it.name,
@@ -423,13 +423,13 @@ fn on_rename(desk: &Desk, params: &TextDocumentPositionParams, name: &str) -> An
 }
 
 /// The lenses of a document; none before it was looked through.
-pub fn lenses_of(document: &Document, encoding: Encoding, reader: Reader) -> Vec<CodeLens> {
+pub fn lenses_of(document: &Document, encoding: Encoding, reader: ReadingContext) -> Vec<CodeLens> {
     let Some(analysis) = &document.analysis else {
         return Vec::new();
     };
     let found = lenses(document.structure(), analysis, reader.language);
     let all = found.into_iter().map(|it| CodeLens {
-        range: encoding.range(&document.text, &it.place),
+        range: encoding.range(&document.text, &it.range),
         command: Some(Command::new(it.text, String::new(), None)),
         data: None,
     });

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use gsk_language::{Edit, Place, Position, Text};
+use gsk_language::{TextChange, TextRange, Position, TextDocument};
 use lsp_types::{PositionEncodingKind, Range, TextEdit, Uri};
 
 /// How columns are counted.
@@ -62,13 +62,13 @@ impl Encoding {
     }
 
     /// A position of a text for an editor.
-    pub fn to_editor(self, text: &Text, at: Position) -> lsp_types::Position {
+    pub fn to_editor(self, text: &TextDocument, at: Position) -> lsp_types::Position {
         let column = self.column(text.line(at.line), at.byte as usize);
         lsp_types::Position::new(at.line, column)
     }
 
     /// A position that an editor names.
-    pub fn to_text(self, text: &Text, at: lsp_types::Position) -> Position {
+    pub fn to_text(self, text: &TextDocument, at: lsp_types::Position) -> Position {
         let byte = self.byte(text.line(at.line), at.character);
         Position {
             line: at.line,
@@ -77,13 +77,13 @@ impl Encoding {
     }
 
     /// A piece of a line for an editor.
-    pub fn range(self, text: &Text, place: &Place) -> Range {
-        let (from, to) = place.ends();
+    pub fn range(self, text: &TextDocument, place: &TextRange) -> Range {
+        let (from, to) = place.start_and_end();
         Range::new(self.to_editor(text, from), self.to_editor(text, to))
     }
 
     /// A change for an editor.
-    pub fn edit(self, text: &Text, edit: &Edit) -> TextEdit {
+    pub fn edit(self, text: &TextDocument, edit: &TextChange) -> TextEdit {
         let (from, to) = (
             self.to_editor(text, edit.from),
             self.to_editor(text, edit.to),
@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn columns_are_bytes_or_units_of_utf_16() {
-        let text = Text::new("G1\n(车𝄞) X2\n");
+        let text = TextDocument::new("G1\n(车𝄞) X2\n");
         let at = Position { line: 1, byte: 8 };
         let wide = Encoding::Utf16.to_editor(&text, at);
         assert_eq!((wide.line, wide.character), (1, 4));

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use gsk_language::{Reader, Style};
+use gsk_language::{ReadingContext, Style};
 
 use super::convert::Encoding;
 use super::documents::Document;
@@ -19,7 +19,7 @@ pub struct Editor {
     /// Whether it shows Markdown under the pointer, and beside proposals.
     pub markdown: (bool, bool),
     /// Whose programs are read, in which language.
-    pub reader: Reader,
+    pub reader: ReadingContext,
 }
 
 /// What answers are made from.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
-use gsk_language::{Aim, Analysis, Edit, Structure, Text};
+use gsk_language::{ReferenceTarget, Analysis, TextChange, Structure, TextDocument};
 use lsp_server::RequestId;
 use lsp_types::{TextDocumentContentChangeEvent, Uri};
 
@@ -20,7 +20,7 @@ pub struct Document {
     /// The editor's count of its changes.
     pub version: i32,
     /// Its text.
-    pub text: Arc<Text>,
+    pub text: Arc<TextDocument>,
     structure: OnceLock<Arc<Structure>>,
     /// Programs of other files that it calls.
     pub found: Arc<Vec<Found>>,
@@ -39,7 +39,7 @@ impl Document {
             uri,
             path,
             version,
-            text: Arc::new(Text::new(text)),
+            text: Arc::new(TextDocument::new(text)),
             structure: OnceLock::new(),
             found: Arc::default(),
             analysis: None,
@@ -72,12 +72,12 @@ impl Document {
         self.structure = OnceLock::new();
         for change in changes {
             match change.range {
-                None => self.text = Arc::new(Text::new(change.text)),
+                None => self.text = Arc::new(TextDocument::new(change.text)),
                 Some(range) => {
                     let text = Arc::make_mut(&mut self.text);
                     let from = encoding.to_text(text, range.start);
                     let to = encoding.to_text(text, range.end);
-                    text.apply(&Edit {
+                    text.apply(&TextChange {
                         from,
                         to,
                         text: change.text,
@@ -106,11 +106,11 @@ impl Document {
         let texts = self
             .found
             .iter()
-            .map(|found| Text::new(found.text.as_str()));
-        let leads = texts.flat_map(|text| Structure::read(&text).leads);
+            .map(|found| TextDocument::new(found.text.as_str()));
+        let leads = texts.flat_map(|text| Structure::read(&text).references);
         leads
-            .filter_map(|lead| match lead.aim {
-                Aim::Caller(number) => Some(number),
+            .filter_map(|lead| match lead.target {
+                ReferenceTarget::Caller(number) => Some(number),
                 _ => None,
             })
             .collect()

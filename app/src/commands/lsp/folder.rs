@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use gsk_core::model::ControlModel;
-use gsk_language::Text;
+use gsk_language::TextDocument;
 
 use super::documents::Document;
 use crate::files::program_file;
@@ -62,7 +62,7 @@ pub fn text_of<'a>(path: &Path, mut open: impl Iterator<Item = &'a Document>) ->
 
 /// The programs beside a text that it calls, and those that they call.
 pub fn called(
-    text: &Text,
+    text: &TextDocument,
     index: &BTreeMap<u16, PathBuf>,
     model: &ControlModel,
     read: &dyn Fn(&Path) -> Option<String>,

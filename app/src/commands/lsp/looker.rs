@@ -10,7 +10,7 @@ use crossbeam::channel::{Receiver, Sender, unbounded};
 use gsk_core::command::ProgramId;
 use gsk_core::preview::{End, WorkBudget};
 use gsk_core::program::Program;
-use gsk_language::{Analysis, Finding, Level, LineTimes, Structure, Text, analyse, analyse_mill};
+use gsk_language::{Analysis, ProgramFinding, Severity, LineTimes, Structure, TextDocument, analyse, analyse_mill};
 use gsk_messages::{Language, Message, say};
 use lsp_types::Uri;
 
@@ -31,7 +31,7 @@ pub struct Job {
     /// Its file.
     pub path: Option<PathBuf>,
     /// The text.
-    pub text: Arc<Text>,
+    pub text: Arc<TextDocument>,
     /// Programs of other files that it calls.
     pub found: Arc<Vec<Found>>,
     /// Whether anybody still waits for it.
@@ -108,10 +108,10 @@ fn look(control: &Control, job: &Job, language: Language) -> Analysis {
     let full_width = external.and_then(Program::full_width_line);
     let full_width = full_width.map(|line| say::file_full_width(short(&path), line));
     let notices = notices.into_iter().chain(full_width);
-    analysis.findings.extend(notices.map(|notice| Finding {
+    analysis.findings.extend(notices.map(|notice| ProgramFinding {
         program: ProgramId::External,
         at: None,
-        level: Level::Warning,
+        severity: Severity::Warning,
         code: notice.id().name().to_owned(),
         text: notice.text(language),
     }));
@@ -126,10 +126,10 @@ fn short(path: &Path) -> String {
 /// The look at a program that the memory does not take.
 fn not_loaded(message: &Message, language: Language) -> Analysis {
     Analysis {
-        findings: vec![Finding {
+        findings: vec![ProgramFinding {
             program: ProgramId::External,
             at: None,
-            level: Level::Error,
+            severity: Severity::Error,
             code: message.id().name().to_owned(),
             text: message.text(language),
         }],

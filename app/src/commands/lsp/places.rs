@@ -1,7 +1,7 @@
 //! Diagnostics of a document: what a look found, each at its place.
 
 use gsk_core::command::ProgramId;
-use gsk_language::{Aim, Analysis, Finding, Level, Place, Structure, Text};
+use gsk_language::{ReferenceTarget, Analysis, ProgramFinding, Severity, TextRange, Structure, TextDocument};
 use gsk_messages::{Language, say};
 use lsp_types::{
     Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, Location, NumberOrString, Range,
@@ -28,7 +28,7 @@ pub fn diagnostics(
 
 fn diagnostic(
     document: &Document,
-    finding: &Finding,
+    finding: &ProgramFinding,
     encoding: Encoding,
     language: Language,
 ) -> Diagnostic {
@@ -43,15 +43,15 @@ fn diagnostic(
         }
         (_, Some(at)) => {
             let line = at.line.saturating_sub(1);
-            (Place::new(line, &at.bytes), None)
+            (TextRange::new(line, &at.bytes), None)
         }
         (_, None) => (first(text, structure), None),
     };
     Diagnostic {
         range: widened(encoding, text, &place),
-        severity: Some(match finding.level {
-            Level::Error => DiagnosticSeverity::ERROR,
-            Level::Warning => DiagnosticSeverity::WARNING,
+        severity: Some(match finding.severity {
+            Severity::Error => DiagnosticSeverity::ERROR,
+            Severity::Warning => DiagnosticSeverity::WARNING,
         }),
         code: Some(NumberOrString::String(finding.code.clone())),
         source: Some(SOURCE.to_owned()),
@@ -62,7 +62,7 @@ fn diagnostic(
 }
 
 /// A piece of a line; one character at least, so that it is seen.
-fn widened(encoding: Encoding, text: &Text, place: &Place) -> Range {
+fn widened(encoding: Encoding, text: &TextDocument, place: &TextRange) -> Range {
     let mut range = encoding.range(text, place);
     if range.start == range.end && place.to < text.line(place.line).len() as u32 {
         range.end.character += 1;
@@ -80,36 +80,36 @@ fn is_own(structure: &Structure, number: u16) -> bool {
 
 /// The first word of the text that calls a program; of one that another program calls,
 /// the first call.
-fn call_of(structure: &Structure, number: u16) -> Option<Place> {
+fn call_of(structure: &Structure, number: u16) -> Option<TextRange> {
     let calls = || {
-        let leads = structure.leads.iter();
-        leads.filter(|lead| matches!(lead.aim, Aim::Program(_)))
+        let leads = structure.references.iter();
+        leads.filter(|lead| matches!(lead.target, ReferenceTarget::Program(_)))
     };
-    let direct = calls().find(|lead| lead.aim == Aim::Program(number));
+    let direct = calls().find(|lead| lead.target == ReferenceTarget::Program(number));
     direct
         .or_else(|| calls().next())
         .map(|lead| lead.word.clone())
 }
 
 /// The first line that is read.
-fn first(text: &Text, structure: &Structure) -> Place {
-    let line = structure.read.0;
-    Place::new(line, &(0..text.line(line).len()))
+fn first(text: &TextDocument, structure: &Structure) -> TextRange {
+    let line = structure.block_lines.0;
+    TextRange::new(line, &(0..text.line(line).len()))
 }
 
 /// The place in the other file.
 fn elsewhere(
     document: &Document,
     number: u16,
-    finding: &Finding,
+    finding: &ProgramFinding,
     encoding: Encoding,
     language: Language,
 ) -> Option<DiagnosticRelatedInformation> {
     let found = document.found.iter().find(|it| it.number == number)?;
-    let text = Text::new(found.text.as_str());
+    let text = TextDocument::new(found.text.as_str());
     let at = finding.at.as_ref()?;
     let line = at.line.saturating_sub(1);
-    let place = Place::new(line, &at.bytes);
+    let place = TextRange::new(line, &at.bytes);
     let message = say::in_line(at.line, say::as_written(text.line(line).trim()));
     Some(DiagnosticRelatedInformation {
         location: Location::new(uri_of(&found.path)?, encoding.range(&text, &place)),

@@ -7,7 +7,7 @@ use crossbeam::channel::{Receiver, SendError, Sender};
 use crossbeam::select;
 use gsk_core::model::ControlModel;
 use gsk_core::setup::Setup;
-use gsk_language::Reader;
+use gsk_language::ReadingContext;
 use gsk_messages::{Language, say};
 use lsp_server::{Connection, ErrorCode, Message, Notification, ProtocolError, Request, Response};
 use lsp_types::notification::{
@@ -151,7 +151,7 @@ fn editor(params: &InitializeParams, setup: &Setup, language: Option<Language>) 
         encoding: Encoding::of(offered),
         snippets: item.and_then(|it| it.snippet_support).unwrap_or(false),
         markdown: (hover, proposal),
-        reader: Reader {
+        reader: ReadingContext {
             model: setup.memory.model.id(),
             macro_b: setup.memory.settings.macro_b || setup.memory.model.id().is_mill(),
             language: language.unwrap_or(by_locale),

@@ -66,18 +66,18 @@ pub fn style(settings: &Value) -> Option<Style> {
     let (start, step) = (format.start, format.step.max(1));
     Some(Style {
         numbering: match format.numbers {
-            WrittenNumbers::Keep => Numbering::AsTheyAre,
+            WrittenNumbers::Keep => Numbering::Unchanged,
             WrittenNumbers::Present => Numbering::Present { start, step },
             WrittenNumbers::All => Numbering::All { start, step },
         },
         spacing: match format.spaces {
-            WrittenSpaces::Keep => Spacing::AsTheyAre,
+            WrittenSpaces::Keep => Spacing::Unchanged,
             WrittenSpaces::One => Spacing::One,
             WrittenSpaces::None => Spacing::None,
         },
         casing: match format.uppercase {
             true => Casing::Upper,
-            false => Casing::AsTheyAre,
+            false => Casing::Unchanged,
         },
     })
 }
@@ -101,7 +101,7 @@ mod tests {
         );
         let none = json!({ "format": { "spaces": "none", "uppercase": false } });
         assert_eq!(style_of(&none).spacing, Spacing::None);
-        assert_eq!(style_of(&none).casing, Casing::AsTheyAre);
+        assert_eq!(style_of(&none).casing, Casing::Unchanged);
         assert_eq!(style(&json!({})), Some(Style::default()));
         for wrong in [
             json!(null),

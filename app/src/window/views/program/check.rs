@@ -12,7 +12,7 @@ use gsk_core::command::ProgramId;
 use gsk_core::preview::{Caution, End, WorkBudget};
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
-use gsk_language::locate;
+use gsk_language::locate_alarm;
 use gsk_messages::{Language, Message};
 use gsk_runner::first_look::{self, FirstLook};
 use gsk_runner::report::AlarmReport;
@@ -201,7 +201,7 @@ fn finding(alarm: &Alarm, programs: &ProgramMemory, program: &Program) -> Findin
     let here = alarm
         .source
         .filter(|source| source.program == ProgramId::External);
-    let at = here.and_then(|_| locate(alarm, |line| program.line(line)));
+    let at = here.and_then(|_| locate_alarm(alarm, |line| program.line(line)));
     let columns = at.as_ref().map_or(0..1, |at| {
         let line = program.line(at.line);
         let characters = |byte| line.get(..byte).map_or(0, |before| before.chars().count());

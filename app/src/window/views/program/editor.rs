@@ -9,7 +9,7 @@ use egui::{
     Align, Align2, Color32, Context, FontId, Frame, Galley, Id, Margin, Pos2, Rect, Response,
     ScrollArea, TextEdit, Ui, pos2, vec2,
 };
-use gsk_language::meaning::meaning;
+use gsk_language::meaning::word_meaning;
 use gsk_language::words::{spans, word_of};
 use gsk_messages::{Language, say};
 
@@ -276,7 +276,7 @@ fn tip(
     let word = span.as_ref().and_then(|span| word_of(text, span));
     let mut lines: Vec<String> = Vec::new();
     lines.extend(
-        word.and_then(|it| meaning(&it))
+        word.and_then(|it| word_meaning(&it))
             .map(|said| said.text(language)),
     );
     if span.is_some_and(|span| Target::of(text, &span).is_some()) {

@@ -6,25 +6,25 @@ use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, FontId, Stroke};
 
 use super::check::Finding;
-use gsk_language::words::{Kind, spans};
+use gsk_language::words::{SpanKind, spans};
 
 /// What raises an alarm.
 pub const WRONG: Color32 = Color32::from_rgb(255, 110, 96);
 const GROUND_OF_WRONG: Color32 = Color32::from_rgb(70, 28, 26);
 
 /// The colour of a piece of a line, on a dark ground.
-const fn color(kind: Kind) -> Color32 {
+const fn color(kind: SpanKind) -> Color32 {
     match kind {
-        Kind::Name => Color32::from_gray(140),
-        Kind::Code => Color32::from_rgb(110, 180, 255),
-        Kind::Function => Color32::from_rgb(255, 170, 90),
-        Kind::Setting => Color32::from_rgb(225, 150, 230),
-        Kind::Axis => Color32::from_rgb(240, 240, 240),
-        Kind::Other => Color32::from_rgb(230, 215, 140),
-        Kind::Statement => Color32::from_rgb(150, 215, 225),
-        Kind::Comment => Color32::from_rgb(120, 190, 130),
-        Kind::Mark => Color32::from_gray(110),
-        Kind::Foreign => WRONG,
+        SpanKind::Name => Color32::from_gray(140),
+        SpanKind::Code => Color32::from_rgb(110, 180, 255),
+        SpanKind::Function => Color32::from_rgb(255, 170, 90),
+        SpanKind::Setting => Color32::from_rgb(225, 150, 230),
+        SpanKind::Axis => Color32::from_rgb(240, 240, 240),
+        SpanKind::Other => Color32::from_rgb(230, 215, 140),
+        SpanKind::Statement => Color32::from_rgb(150, 215, 225),
+        SpanKind::Comment => Color32::from_rgb(120, 190, 130),
+        SpanKind::Mark => Color32::from_gray(110),
+        SpanKind::Foreign => WRONG,
     }
 }
 
@@ -40,13 +40,13 @@ pub fn line(job: &mut LayoutJob, text: &str, font: &FontId, wrong: &[Range<usize
             format.background = GROUND_OF_WRONG;
         }
         if last < span.range.start {
-            job.append(&text[last..span.range.start], 0.0, plain(color(Kind::Axis)));
+            job.append(&text[last..span.range.start], 0.0, plain(color(SpanKind::Axis)));
         }
         job.append(&text[span.range.clone()], 0.0, format);
         last = span.range.end;
     }
     if last < text.len() {
-        job.append(&text[last..], 0.0, plain(color(Kind::Axis)));
+        job.append(&text[last..], 0.0, plain(color(SpanKind::Axis)));
     }
 }
 
@@ -70,7 +70,7 @@ impl Painter {
         if self.job.text != text || self.marked != marked {
             self.marked = marked;
             self.job = LayoutJob::default();
-            let plain = TextFormat::simple(font.clone(), color(Kind::Axis));
+            let plain = TextFormat::simple(font.clone(), color(SpanKind::Axis));
             for (index, piece) in text.split('\n').enumerate() {
                 if index > 0 {
                     self.job.append("\n", 0.0, plain.clone());

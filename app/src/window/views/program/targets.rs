@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use gsk_language::words::{Span, spans, words};
-use gsk_language::{Aim, aim_of};
+use gsk_language::{ReferenceTarget, reference_target};
 
 /// What is jumped to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,10 +33,10 @@ impl Target {
 
     /// Where a word of a line leads to (manual I-2.4, I-3.3, I-5).
     pub fn of(line: &str, word: &Span) -> Option<Self> {
-        match aim_of(line, &spans(line), word)?.0 {
-            Aim::Block(number) | Aim::Caller(number) => Some(Self::Sequence(number)),
-            Aim::Program(number) => Some(Self::Program(number)),
-            Aim::Computed => None,
+        match reference_target(line, &spans(line), word)?.0 {
+            ReferenceTarget::Block(number) | ReferenceTarget::Caller(number) => Some(Self::Sequence(number)),
+            ReferenceTarget::Program(number) => Some(Self::Program(number)),
+            ReferenceTarget::Computed => None,
         }
     }
 

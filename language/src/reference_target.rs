@@ -3,11 +3,11 @@
 
 use std::ops::Range;
 
-use crate::words::{Kind, Span, Word, word_of};
+use crate::words::{SpanKind, Span, ParsedWord, word_of};
 
 /// The target of a reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Aim {
+pub enum ReferenceTarget {
     /// A block of the same program by its N: P and Q of G70 to G73, P of G65 H80 to H86, GOTO.
     Block(u16),
     /// P of M99: a block of the calling program by its N, or of this program if it is the main
@@ -21,11 +21,11 @@ pub enum Aim {
 
 /// Returns the target of a word or statement and the bytes of its number. `block` contains the
 /// spans of the block in `line`.
-pub fn aim_of(line: &str, block: &[Span], span: &Span) -> Option<(Aim, Range<usize>)> {
-    if span.kind == Kind::Statement {
+pub fn reference_target(line: &str, block: &[Span], span: &Span) -> Option<(ReferenceTarget, Range<usize>)> {
+    if span.kind == SpanKind::Statement {
         return goto(line, span);
     }
-    if !matches!(span.kind, Kind::Other) {
+    if !matches!(span.kind, SpanKind::Other) {
         return None;
     }
     let word = word_of(line, span)?;
@@ -46,13 +46,13 @@ pub fn aim_of(line: &str, block: &[Span], span: &Span) -> Option<(Aim, Range<usi
                 .filter(|it| it.address == 'H')
                 .find_map(|it| it.number());
             match operation {
-                Some(80..=86) => sequence(line, span, &word, Aim::Block),
+                Some(80..=86) => sequence(line, span, &word, ReferenceTarget::Block),
                 Some(_) => None,
                 None => program(line, span, &word),
             }
         }
-        'P' if has('M', &[99]) => sequence(line, span, &word, Aim::Caller),
-        'P' | 'Q' if has('G', &[70, 71, 72, 73]) => sequence(line, span, &word, Aim::Block),
+        'P' if has('M', &[99]) => sequence(line, span, &word, ReferenceTarget::Caller),
+        'P' | 'Q' if has('G', &[70, 71, 72, 73]) => sequence(line, span, &word, ReferenceTarget::Block),
         _ => None,
     }
 }
@@ -63,7 +63,7 @@ fn called_program(value: &str) -> Option<u16> {
     value.get(digits..)?.parse().ok()
 }
 
-fn program(line: &str, span: &Span, word: &Word<'_>) -> Option<(Aim, Range<usize>)> {
+fn program(line: &str, span: &Span, word: &ParsedWord<'_>) -> Option<(ReferenceTarget, Range<usize>)> {
     word.number()?;
     let number = called_program(&word.value)?;
     let digits = digits_at_end(line, &span.range);
@@ -73,43 +73,43 @@ fn program(line: &str, span: &Span, word: &Word<'_>) -> Option<(Aim, Range<usize
     } else {
         digits.start
     };
-    Some((Aim::Program(number), from..digits.end))
+    Some((ReferenceTarget::Program(number), from..digits.end))
 }
 
 /// Parses the target block of a jump. A sign only sets where the search starts.
 fn sequence(
     line: &str,
     span: &Span,
-    word: &Word<'_>,
-    aim: fn(u16) -> Aim,
-) -> Option<(Aim, Range<usize>)> {
+    word: &ParsedWord<'_>,
+    target: fn(u16) -> ReferenceTarget,
+) -> Option<(ReferenceTarget, Range<usize>)> {
     let digits = word.value.trim_start_matches(['+', '-']);
     let number = digits.bytes().all(|byte| byte.is_ascii_digit());
     match number.then(|| digits.parse().ok()) {
-        Some(Some(number)) => Some((aim(number), digits_at_end(line, &span.range))),
+        Some(Some(number)) => Some((target(number), digits_at_end(line, &span.range))),
         // No block can have this number.
         Some(None) => None,
-        None => Some((Aim::Computed, span.range.clone())),
+        None => Some((ReferenceTarget::Computed, span.range.clone())),
     }
 }
 
 /// The block that a GOTO in a statement names.
-fn goto(line: &str, span: &Span) -> Option<(Aim, Range<usize>)> {
+fn goto(line: &str, span: &Span) -> Option<(ReferenceTarget, Range<usize>)> {
     const GOTO: &str = "GOTO";
     let text = line.get(span.range.clone())?;
     let at = text.to_ascii_uppercase().find(GOTO)? + GOTO.len();
     let target = text[at..].trim_start();
     let from = span.range.start + text.len() - target.len();
     match target.bytes().all(|byte| byte.is_ascii_digit()) {
-        true => Some((Aim::Block(target.parse().ok()?), from..span.range.end)),
-        false => Some((Aim::Computed, from..span.range.end)),
+        true => Some((ReferenceTarget::Block(target.parse().ok()?), from..span.range.end)),
+        false => Some((ReferenceTarget::Computed, from..span.range.end)),
     }
 }
 
 /// Returns the bytes of the digits at the end of a word, full-width digits included.
 pub(crate) fn digits_at_end(line: &str, word: &Range<usize>) -> Range<usize> {
     let text = line.get(word.clone()).unwrap_or("");
-    let is_digit = |it: char| crate::words::narrow(it).is_ascii_digit();
+    let is_digit = |it: char| crate::words::to_half_width(it).is_ascii_digit();
     let rest = text.trim_end_matches(is_digit);
     word.start + rest.len()..word.end
 }
@@ -119,26 +119,26 @@ mod tests {
     use super::*;
     use crate::words::spans;
 
-    fn aims(line: &str) -> Vec<(Aim, &str)> {
+    fn aims(line: &str) -> Vec<(ReferenceTarget, &str)> {
         let spans = spans(line);
-        let found = spans.iter().filter_map(|span| aim_of(line, &spans, span));
-        found.map(|(aim, digits)| (aim, &line[digits])).collect()
+        let found = spans.iter().filter_map(|span| reference_target(line, &spans, span));
+        found.map(|(target, digits)| (target, &line[digits])).collect()
     }
 
     #[test]
     fn words_lead_to_blocks_and_programs() {
         assert_eq!(
             aims("G71 P30 Q0050 U0.5"),
-            [(Aim::Block(30), "30"), (Aim::Block(50), "0050")]
+            [(ReferenceTarget::Block(30), "30"), (ReferenceTarget::Block(50), "0050")]
         );
-        assert_eq!(aims("M98 P20003"), [(Aim::Program(3), "0003")]);
-        assert_eq!(aims("m98p7"), [(Aim::Program(7), "7")]);
-        assert_eq!(aims("M99 P30"), [(Aim::Caller(30), "30")]);
-        assert_eq!(aims("G65 H80 P-12"), [(Aim::Block(12), "12")]);
-        assert_eq!(aims("G65 H81 P#200 Q1"), [(Aim::Computed, "P#200")]);
-        assert_eq!(aims("G65 P9010 A1.0"), [(Aim::Program(9010), "9010")]);
-        assert_eq!(aims("IF [#1 GT 5] GOTO 20"), [(Aim::Block(20), "20")]);
-        assert_eq!(aims("GOTO#1"), [(Aim::Computed, "#1")]);
+        assert_eq!(aims("M98 P20003"), [(ReferenceTarget::Program(3), "0003")]);
+        assert_eq!(aims("m98p7"), [(ReferenceTarget::Program(7), "7")]);
+        assert_eq!(aims("M99 P30"), [(ReferenceTarget::Caller(30), "30")]);
+        assert_eq!(aims("G65 H80 P-12"), [(ReferenceTarget::Block(12), "12")]);
+        assert_eq!(aims("G65 H81 P#200 Q1"), [(ReferenceTarget::Computed, "P#200")]);
+        assert_eq!(aims("G65 P9010 A1.0"), [(ReferenceTarget::Program(9010), "9010")]);
+        assert_eq!(aims("IF [#1 GT 5] GOTO 20"), [(ReferenceTarget::Block(20), "20")]);
+        assert_eq!(aims("GOTO#1"), [(ReferenceTarget::Computed, "#1")]);
         for nothing in [
             "G04 P300",
             "G75 X10 Q3000",
