@@ -16,7 +16,7 @@ use gsk_core::program::{self, Program, ProgramMemory};
 use gsk_core::setup::{Setup, dnc_teach_ladder};
 use gsk_core::units::{NonFinite, Point, find_non_finite};
 use gsk_messages::{Language, Message, say};
-use gsk_milling::{MillSetup, WordError};
+use gsk_milling::{MillSetup, MillWordError};
 use gsk_runner::report;
 
 use crate::files::data_dir::DataDir;
@@ -203,7 +203,7 @@ pub fn mill(args: &SetupArgs) -> Result<(MillSetup, Setup), LoadError> {
     let mut mill = MillSetup::default().with(&model);
     mill.day_time = args.clock.unwrap_or_else(platform::day_time);
     let words = &args.mill;
-    let wrong = |error: WordError| LoadError::MillWord(error.0);
+    let wrong = |error: MillWordError| LoadError::MillWord(error.0);
     if let Some(start) = &words.mill_start {
         mill.take_start(start).map_err(wrong)?;
     }

@@ -6,7 +6,7 @@ use gsk_core::preview::{Bounds, Caution, End, Progress, preview_beyond_alarms};
 use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
 use gsk_messages::{Language, say};
-use gsk_milling::{MillSetup, Move, preview_while};
+use gsk_milling::{MillSetup, MillMove, preview_while};
 use gsk_runner::report::AlarmReport;
 
 use crate::line_times::LineTimes;
@@ -43,7 +43,7 @@ pub enum Extents {
     /// Bounds of a lathe path. X is a radius.
     Lathe(Bounds),
     /// Bounds of a mill path in X, Y and Z, with the further axes.
-    Mill(gsk_milling::Bounds, gsk_milling::Axes),
+    Mill(gsk_milling::MillBounds, gsk_milling::Axes),
 }
 
 /// The result of analysing a program.
@@ -107,7 +107,7 @@ pub fn analyse_mill(
     keep_going: &mut dyn FnMut(&Progress) -> bool,
 ) -> Analysis {
     let mut line_times = LineTimes::default();
-    let mut take = |made: &Move| line_times.add_move(made.source, made.start_s + made.duration_s);
+    let mut take = |made: &MillMove| line_times.add_move(made.source, made.start_s + made.duration_s);
     let preview = preview_while(setup, programs, &mut take, keep_going);
     line_times.advance_to(preview.time_s);
     let alarms = preview.alarm.iter().chain(&preview.further);

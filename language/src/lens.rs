@@ -2,7 +2,7 @@
 //! allowance.
 
 use gsk_messages::{Language, say};
-use gsk_milling::Axis;
+use gsk_milling::MillAxis;
 use gsk_runner::moves::{diameter_z, rounded};
 use gsk_runner::words::clock_in_seconds;
 
@@ -66,7 +66,7 @@ fn program_summary(analysis: &Analysis, language: Language) -> String {
             let extents = say::lens_extents_mill(x.0, x.1, y.0, y.1, z.0, z.1);
             parts.push(extents.text(language));
             for (axis, further) in axes.all_further() {
-                let (least, greatest) = bounds.further[usize::from(axis == Axis::Fifth)];
+                let (least, greatest) = bounds.further[usize::from(axis == MillAxis::Fifth)];
                 let (least, greatest) = (rounded(least), rounded(greatest));
                 let unit = if further.rotary { "°" } else { "" };
                 parts.push(format!("{} {least} … {greatest}{unit}", further.letter));

@@ -3,51 +3,51 @@
 use gsk_core::alarm::{Alarm, number};
 use gsk_messages::say;
 
-use crate::space::Flat;
+use crate::space::PlanePoint;
 
 /// The words that define a circle, after scaling and rotation, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Circle {
+pub(crate) enum ArcDefinition {
     /// R, negative for an arc over half a turn.
     Radius(f64),
     /// Distance from the start to the centre.
-    Center(Flat),
+    Center(PlanePoint),
 }
 
 /// Tolerance for differences between radii, mm: half an increment.
-const SAME: f64 = 0.000_5;
+const RADIUS_TOLERANCE: f64 = 0.000_5;
 
 /// Returns the centre of an arc. The end may be off the circle by up to `tolerance`, mm.
 /// Errors: alarm 013 if no such arc exists.
-pub(crate) fn center(
-    from: Flat,
-    to: Flat,
-    circle: Circle,
+pub(crate) fn arc_center(
+    from: PlanePoint,
+    to: PlanePoint,
+    circle: ArcDefinition,
     clockwise: bool,
     tolerance: f64,
-) -> Result<Flat, Alarm> {
+) -> Result<PlanePoint, Alarm> {
     let radius = match circle {
-        Circle::Radius(radius) => radius,
-        Circle::Center(way) => {
-            let center = from + way;
-            let (start, end) = (way.length(), (to - center).length());
-            if start < SAME {
-                return Err(wrong(say::arc_center_at_start()));
+        ArcDefinition::Radius(radius) => radius,
+        ArcDefinition::Center(to_center) => {
+            let center = from + to_center;
+            let (start, end) = (to_center.length(), (to - center).length());
+            if start < RADIUS_TOLERANCE {
+                return Err(arc_data_alarm(say::arc_center_at_start()));
             }
-            if (start - end).abs() > tolerance + SAME {
-                return Err(wrong(say::mill_arc_off_circle(start, end, tolerance)));
+            if (start - end).abs() > tolerance + RADIUS_TOLERANCE {
+                return Err(arc_data_alarm(say::mill_arc_off_circle(start, end, tolerance)));
             }
             return Ok(center);
         }
     };
     let chord = to - from;
     let half = chord.length() / 2.0;
-    if half < SAME / 2.0 {
-        return Err(wrong(say::mill_circle_by_radius()));
+    if half < RADIUS_TOLERANCE / 2.0 {
+        return Err(arc_data_alarm(say::mill_circle_by_radius()));
     }
     let off = radius * radius - half * half;
-    if half > radius.abs() + tolerance.min(SAME) {
-        return Err(wrong(say::mill_radius_too_small(radius.abs(), 2.0 * half)));
+    if half > radius.abs() + tolerance.min(RADIUS_TOLERANCE) {
+        return Err(arc_data_alarm(say::mill_radius_too_small(radius.abs(), 2.0 * half)));
     }
     let across = libm::sqrt(off.max(0.0)) / (2.0 * half);
     // Left of the chord for the shorter counter-clockwise arc.
@@ -56,11 +56,11 @@ pub(crate) fn center(
     } else {
         across
     };
-    let middle = from + chord.times(0.5);
-    Ok(middle + Flat::new(-chord.second, chord.first).times(left))
+    let middle = from + chord.scaled(0.5);
+    Ok(middle + PlanePoint::new(-chord.second, chord.first).scaled(left))
 }
 
-fn wrong(detail: gsk_messages::Message) -> Alarm {
+fn arc_data_alarm(detail: gsk_messages::Message) -> Alarm {
     Alarm::new(number::ARC_DATA).because(detail)
 }
 
@@ -68,9 +68,9 @@ fn wrong(detail: gsk_messages::Message) -> Alarm {
 mod tests {
     use super::*;
 
-    fn by_radius(radius: f64, clockwise: bool) -> Flat {
-        let (from, to) = (Flat::new(0.0, 0.0), Flat::new(10.0, 0.0));
-        center(from, to, Circle::Radius(radius), clockwise, 0.01).expect("centre")
+    fn center_by_radius(radius: f64, clockwise: bool) -> PlanePoint {
+        let (from, to) = (PlanePoint::new(0.0, 0.0), PlanePoint::new(10.0, 0.0));
+        arc_center(from, to, ArcDefinition::Radius(radius), clockwise, 0.01).expect("centre")
     }
 
     #[test]
@@ -82,7 +82,7 @@ mod tests {
             (-10.0, true, root),
             (-10.0, false, -root),
         ] {
-            let found = by_radius(radius, clockwise);
+            let found = center_by_radius(radius, clockwise);
             assert!((found.second - second).abs() < 1e-9, "{radius} {clockwise}");
             assert!((found.first - 5.0).abs() < 1e-9);
         }
@@ -90,15 +90,15 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_circle_is_refused() {
-        let from = Flat::default();
-        let refused = |to, circle| center(from, to, circle, true, 0.01).map_err(|it| it.number);
-        let far = Flat::new(10.0, 0.0);
-        assert_eq!(refused(far, Circle::Radius(4.9)), Err(13));
-        assert_eq!(refused(from, Circle::Radius(5.0)), Err(13));
-        let off = Circle::Center(Flat::new(4.9, 0.0));
+    fn an_invalid_circle_is_refused() {
+        let from = PlanePoint::default();
+        let refused = |to, circle| arc_center(from, to, circle, true, 0.01).map_err(|it| it.number);
+        let far = PlanePoint::new(10.0, 0.0);
+        assert_eq!(refused(far, ArcDefinition::Radius(4.9)), Err(13));
+        assert_eq!(refused(from, ArcDefinition::Radius(5.0)), Err(13));
+        let off = ArcDefinition::Center(PlanePoint::new(4.9, 0.0));
         assert_eq!(refused(far, off), Err(13));
-        assert_eq!(refused(far, Circle::Center(Flat::default())), Err(13));
-        assert!(refused(from, Circle::Center(Flat::new(5.0, 0.0))).is_ok());
+        assert_eq!(refused(far, ArcDefinition::Center(PlanePoint::default())), Err(13));
+        assert!(refused(from, ArcDefinition::Center(PlanePoint::new(5.0, 0.0))).is_ok());
     }
 }

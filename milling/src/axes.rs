@@ -2,11 +2,11 @@
 //! 1010, 1020, 187, 188, 1026, 1027 and 1260.
 
 use crate::memory::{MillMemory, parameter};
-use crate::space::{Axis, Length, Position};
+use crate::space::{MillAxis, Length, MillPosition};
 
 /// An axis besides X, Y and Z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Further {
+pub struct FurtherAxis {
     /// Its address: A, B or C.
     pub letter: char,
     /// Whether the axis is rotary and counts in degrees. A linear axis counts in mm.
@@ -20,18 +20,18 @@ pub struct Further {
 
 /// The fourth and the fifth axis, where the machine has them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Axes([Option<Further>; 2]);
+pub struct Axes([Option<FurtherAxis>; 2]);
 
 impl Axes {
     /// Reads the axes of a machine. An axis that follows X, Y or Z (1026, 1027) has no words
     /// and is left out.
-    pub fn of(memory: &MillMemory) -> Self {
+    pub fn from_memory(memory: &MillMemory) -> Self {
         let count = memory.value(parameter::AXES);
         let follows = [parameter::FOURTH_FOLLOWS, parameter::FIFTH_FOLLOWS];
         let mut axes = Self::default();
-        for (index, axis) in Axis::FURTHER.into_iter().enumerate() {
+        for (index, axis) in MillAxis::FURTHER.into_iter().enumerate() {
             let there = count > 3 + index as i32 && memory.value(follows[index]) == 0;
-            let own = |number| parameter::of(number, axis);
+            let own = |number| parameter::axis_parameter(number, axis);
             let letter = u8::try_from(memory.value(own(parameter::NAME))).unwrap_or(b'A');
             let letter = char::from(letter);
             // If both axes have the same name, the word moves the fourth.
@@ -44,7 +44,7 @@ impl Axes {
             let (rotary, counts_on) = (kind(0), kind(1));
             let turn = memory.length(own(parameter::TURN)).abs();
             let turn = (rotary && !counts_on && rolls(0) && turn > Length::ZERO).then_some(turn);
-            axes.0[index] = Some(Further {
+            axes.0[index] = Some(FurtherAxis {
                 letter,
                 rotary,
                 turn,
@@ -55,77 +55,77 @@ impl Axes {
     }
 
     /// Returns a fourth or fifth axis of the machine. `None` for X, Y, Z and missing axes.
-    pub const fn further(&self, axis: Axis) -> Option<Further> {
+    pub const fn further(&self, axis: MillAxis) -> Option<FurtherAxis> {
         match axis {
-            Axis::Fourth => self.0[0],
-            Axis::Fifth => self.0[1],
+            MillAxis::Fourth => self.0[0],
+            MillAxis::Fifth => self.0[1],
             _ => None,
         }
     }
 
     /// Returns the fourth and fifth axis that the machine has, in order.
-    pub fn all_further(&self) -> impl Iterator<Item = (Axis, Further)> + use<> {
+    pub fn all_further(&self) -> impl Iterator<Item = (MillAxis, FurtherAxis)> + use<> {
         let axes = *self;
         let axis = move |axis| Some((axis, axes.further(axis)?));
-        Axis::FURTHER.into_iter().filter_map(axis)
+        MillAxis::FURTHER.into_iter().filter_map(axis)
     }
 
     /// Returns all axes of the machine, in order.
-    pub(crate) fn all(&self) -> impl Iterator<Item = Axis> + use<> {
+    pub(crate) fn all(&self) -> impl Iterator<Item = MillAxis> + use<> {
         let further = self.all_further().map(|(axis, _)| axis);
-        Axis::BASIC.into_iter().chain(further)
+        MillAxis::BASIC.into_iter().chain(further)
     }
 
     /// Returns the address of an axis.
-    pub(crate) fn letter(&self, axis: Axis) -> char {
+    pub(crate) fn letter(&self, axis: MillAxis) -> char {
         match axis {
-            Axis::X => 'X',
-            Axis::Y => 'Y',
-            Axis::Z => 'Z',
-            Axis::Fourth | Axis::Fifth => self.further(axis).map_or('?', |it| it.letter),
+            MillAxis::X => 'X',
+            MillAxis::Y => 'Y',
+            MillAxis::Z => 'Z',
+            MillAxis::Fourth | MillAxis::Fifth => self.further(axis).map_or('?', |it| it.letter),
         }
     }
 
     /// Returns the fourth or fifth axis with an address.
-    pub(crate) fn axis(&self, letter: char) -> Option<Axis> {
+    pub(crate) fn axis(&self, letter: char) -> Option<MillAxis> {
         let mut all = self.all_further();
         all.find_map(|(axis, it)| (it.letter == letter).then_some(axis))
     }
 
     /// Returns whether an axis counts in degrees.
-    pub(crate) fn is_rotary(&self, axis: Axis) -> bool {
+    pub(crate) fn is_rotary(&self, axis: MillAxis) -> bool {
         self.further(axis).is_some_and(|it| it.rotary)
     }
 
     /// Returns whether the coordinates of an axis restart after a turn.
-    pub(crate) fn rolls(&self, axis: Axis) -> bool {
+    pub(crate) fn rolls_over(&self, axis: MillAxis) -> bool {
         self.turn(axis).is_some()
     }
 
-    fn turn(&self, axis: Axis) -> Option<Length> {
+    fn turn(&self, axis: MillAxis) -> Option<Length> {
         self.further(axis)?.turn
     }
 
     /// Returns a point with rollover axes wrapped into one turn.
     #[must_use]
-    pub(crate) fn rolled(&self, mut point: Position) -> Position {
-        for axis in Axis::FURTHER {
+    pub(crate) fn wrapped(&self, mut point: MillPosition) -> MillPosition {
+        for axis in MillAxis::FURTHER {
             if let Some(turn) = self.turn(axis) {
-                point.set(axis, within(point.get(axis), turn));
+                point.set(axis, wrap_into_turn(point.get(axis), turn));
             }
         }
         point
     }
 
     /// Returns the end of a move from `from` to the absolute word `to`, unwrapped.
-    pub(crate) fn towards(&self, axis: Axis, from: Length, to: Length) -> Length {
+    pub(crate) fn towards(&self, axis: MillAxis, from: Length, to: Length) -> Length {
         match self.further(axis) {
-            Some(Further {
+            Some(FurtherAxis {
                 turn: Some(turn),
                 by_sign: true,
                 ..
             }) => {
-                let ahead = within(to.abs() - from, turn);
+                let ahead = wrap_into_turn(to.abs() - from, turn);
                 let back = to < Length::ZERO && ahead != Length::ZERO;
                 from + if back { ahead - turn } else { ahead }
             }
@@ -134,11 +134,11 @@ impl Axes {
     }
 
     /// Returns the same end by the shorter direction. Plus wins if both are equal.
-    pub(crate) fn nearest(&self, axis: Axis, from: Length, to: Length) -> Length {
+    pub(crate) fn nearest(&self, axis: MillAxis, from: Length, to: Length) -> Length {
         let Some(turn) = self.turn(axis) else {
             return to;
         };
-        let ahead = within(to - from, turn);
+        let ahead = wrap_into_turn(to - from, turn);
         from + if ahead + ahead > turn {
             ahead - turn
         } else {
@@ -148,7 +148,7 @@ impl Axes {
 }
 
 /// Wraps a value into one turn, from 0.
-const fn within(value: Length, turn: Length) -> Length {
+const fn wrap_into_turn(value: Length, turn: Length) -> Length {
     Length::from_nm(value.nm().rem_euclid(turn.nm()))
 }
 
@@ -161,7 +161,7 @@ mod tests {
         for (number, value) in parameters {
             assert_eq!(memory.model.set_parameter(*number, *value), Ok(()));
         }
-        Axes::of(&memory)
+        Axes::from_memory(&memory)
     }
 
     #[test]
@@ -179,23 +179,23 @@ mod tests {
         assert_eq!(found, ["", "A", "AC", "C", "A"]);
         // Bit 1 of 187 alone has no meaning.
         let kinds = [0, 1, 2, 3].map(|kind| machine(&[(1010, 4), (40_187, kind)]));
-        let turns = kinds.map(|axes| axes.is_rotary(Axis::Fourth));
+        let turns = kinds.map(|axes| axes.is_rotary(MillAxis::Fourth));
         assert_eq!(turns, [false, true, false, true]);
     }
 
     #[test]
-    fn whatever_way_an_axis_turns_it_comes_to_its_word() {
+    fn an_axis_reaches_its_word_in_either_direction() {
         let shorter = machine(&[(1010, 4), (40_188, 1), (41_260, 90_000)]);
         let by_sign = machine(&[(1010, 4), (40_188, 3), (41_260, 90_000)]);
         let turn = Length::from_mm(90.0);
         for from in (0..90).map(|it| Length::from_mm(it.into())) {
             for to in (-200..200).map(|it| Length::from_mm(it.into())) {
-                let way = |axes: Axes| axes.towards(Axis::Fourth, from, to) - from;
-                let comes = |way: Length, to| within(from + way, turn) == within(to, turn);
-                let least = way(shorter);
-                assert!(comes(least, to) && least.abs() + least.abs() <= turn);
-                let signed = way(by_sign);
-                assert!(comes(signed, to.abs()) && signed.abs() < turn);
+                let distance = |axes: Axes| axes.towards(MillAxis::Fourth, from, to) - from;
+                let reaches = |distance: Length, to| wrap_into_turn(from + distance, turn) == wrap_into_turn(to, turn);
+                let least = distance(shorter);
+                assert!(reaches(least, to) && least.abs() + least.abs() <= turn);
+                let signed = distance(by_sign);
+                assert!(reaches(signed, to.abs()) && signed.abs() < turn);
                 let sense =
                     signed == Length::ZERO || (signed < Length::ZERO) == (to < Length::ZERO);
                 assert!(sense, "{from:?} {to:?}");

@@ -9,15 +9,15 @@ use gsk_messages::{Message, say};
 use crate::codes;
 use crate::cycles::HoleData;
 use crate::memory::{MillMemory, parameter};
-use crate::modal::{LengthOffset, Motion, Spindle, WorkZero};
-use crate::space::{Length, Position};
-use crate::state::{Polar, State};
-use crate::travel::{Scene, Way, holes, motion};
-use crate::words::{OneShot, Switch, Words};
+use crate::modal::{LengthOffset, Motion, SpindleState, WorkZero};
+use crate::space::{Length, MillPosition};
+use crate::state::{Polar, MillState};
+use crate::travel::{RunContext, StepKind, execute_holes, execute_motion};
+use crate::words::{OneShot, OnOff, BlockWords};
 
 /// Which block runs next.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Flow {
+pub(crate) enum BlockFlow {
     Next,
     /// M00.
     Stop,
@@ -41,8 +41,8 @@ pub(crate) enum Flow {
 
 /// The result of a block.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Outcome {
-    pub(crate) flow: Flow,
+pub(crate) struct BlockOutcome {
+    pub(crate) flow: BlockFlow,
     /// The block moved an axis, so that a modal macro is called.
     pub(crate) moved: bool,
 }
@@ -52,73 +52,73 @@ fn alarm(number: u16, detail: Message) -> Alarm {
 }
 
 /// Executes a block. Errors: the alarm that refuses it.
-pub(crate) fn carry_out(
-    state: &mut State,
+pub(crate) fn execute_block(
+    state: &mut MillState,
     block: &Block,
-    words: &Words,
-    scene: &mut Scene<'_, '_>,
-) -> Result<Outcome, Alarm> {
+    words: &BlockWords,
+    context: &mut RunContext<'_, '_>,
+) -> Result<BlockOutcome, Alarm> {
     words.check()?;
-    let flow = flow(words, scene.memory)?;
+    let flow = block_flow(words, context.memory)?;
     // Words of a macro are its arguments.
-    let is_macro = matches!(flow, Flow::Macro { .. });
+    let is_macro = matches!(flow, BlockFlow::Macro { .. });
     if !is_macro {
         words.check_axes()?;
     }
-    scene.exact = words.exact_stop;
-    set_plane(state, words, scene)?;
-    set_modal(state, words, scene)?;
+    context.exact = words.exact_stop;
+    set_plane(state, words, context)?;
+    set_modal(state, words, context)?;
     let length_before = state.length;
-    set_length(state, words, scene.memory)?;
-    set_spindle(state, words, scene)?;
+    set_length(state, words, context.memory)?;
+    set_spindle(state, words, context)?;
     let mut moved = false;
     match (words.scaling, words.rotation) {
-        (Some(Switch::On), _) => codes::scale(state, block, words, scene)?,
-        (_, Some(Switch::On)) => codes::rotate(state, words, scene)?,
+        (Some(OnOff::On), _) => codes::start_scaling(state, block, words, context)?,
+        (_, Some(OnOff::On)) => codes::start_rotation(state, words, context)?,
         _ if is_macro => {}
-        _ => moved = moves(state, words, length_before, scene)?,
+        _ => moved = execute_motion_words(state, words, length_before, context)?,
     }
     if !moved {
-        scene.cutter.pass_block(state.modal.cutter, scene.tracker)?;
+        context.cutter.skip_block(state.modal.cutter, context.tracker)?;
     }
-    follow_m(state, words, scene)?;
-    Ok(Outcome { flow, moved })
+    apply_m_after_motion(state, words, context)?;
+    Ok(BlockOutcome { flow, moved })
 }
 
-fn moves(
-    state: &mut State,
-    words: &Words,
+fn execute_motion_words(
+    state: &mut MillState,
+    words: &BlockWords,
     length_before: Length,
-    scene: &mut Scene<'_, '_>,
+    context: &mut RunContext<'_, '_>,
 ) -> Result<bool, Alarm> {
     if let Some(code) = words.one_shot {
         if state.length != length_before {
-            state.resync(scene.memory);
+            state.resync(context.memory);
         }
-        return codes::one_shot(code, state, words, scene);
+        return codes::execute_one_shot(code, state, words, context);
     }
     let moved = match state.modal.hole {
-        Some(hole) => holes(hole, state, words, scene)?,
-        None => motion(state, words, scene)?,
+        Some(hole) => execute_holes(hole, state, words, context)?,
+        None => execute_motion(state, words, context)?,
     };
     if moved || state.length == length_before {
         return Ok(moved);
     }
     // Only the length offset changes: the tool moves by it, or the coordinates do with 003.4.
-    if scene.memory.bit(parameter::OFFSETS, 4) {
-        state.resync(scene.memory);
+    if context.memory.bit(parameter::OFFSETS, 4) {
+        state.resync(context.memory);
         return Ok(false);
     }
-    let to = state.place(state.programmed, scene.memory);
-    let way = match state.modal.motion {
-        Motion::Rapid => Way::Rapid,
-        _ => Way::Cut,
+    let to = state.to_machine(state.programmed, context.memory);
+    let kind = match state.modal.motion {
+        Motion::Rapid => StepKind::Rapid,
+        _ => StepKind::Cut,
     };
-    scene.go(state, to, way, false)?;
+    context.go(state, to, kind, false)?;
     Ok(false)
 }
 
-fn set_plane(state: &mut State, words: &Words, scene: &Scene<'_, '_>) -> Result<(), Alarm> {
+fn set_plane(state: &mut MillState, words: &BlockWords, context: &RunContext<'_, '_>) -> Result<(), Alarm> {
     let Some(plane) = words.plane else {
         return Ok(());
     };
@@ -128,14 +128,14 @@ fn set_plane(state: &mut State, words: &Words, scene: &Scene<'_, '_>) -> Result<
     if transformed {
         return Err(alarm(number::BAD_G, say::mill_plane_in_transform()));
     }
-    if changes && scene.cutter.is_on() {
+    if changes && context.cutter.is_on() {
         return Err(alarm(number::BAD_G, say::mill_plane_in_compensation()));
     }
     state.modal.plane = plane;
     Ok(())
 }
 
-fn set_modal(state: &mut State, words: &Words, scene: &mut Scene<'_, '_>) -> Result<(), Alarm> {
+fn set_modal(state: &mut MillState, words: &BlockWords, context: &mut RunContext<'_, '_>) -> Result<(), Alarm> {
     let modal = &mut state.modal;
     modal.incremental = words.incremental.unwrap_or(modal.incremental);
     modal.inch = words.inch.unwrap_or(modal.inch);
@@ -173,23 +173,23 @@ fn set_modal(state: &mut State, words: &Words, scene: &mut Scene<'_, '_>) -> Res
     }
     modal.rigid &= words.motion.is_none() && words.hole != Some(None);
     match words.polar {
-        Some(Switch::On) => state.polar = Some(Polar::begin()),
-        Some(Switch::Off) => state.polar = None,
+        Some(OnOff::On) => state.polar = Some(Polar::begin()),
+        Some(OnOff::Off) => state.polar = None,
         None => {}
     }
-    set_zero(state, words, scene.memory)?;
-    if words.scaling == Some(Switch::Off) {
+    set_zero(state, words, context.memory)?;
+    if words.scaling == Some(OnOff::Off) {
         state.transform.scaling = None;
-        state.resync(scene.memory);
+        state.resync(context.memory);
     }
-    if words.rotation == Some(Switch::Off) {
+    if words.rotation == Some(OnOff::Off) {
         state.transform.rotation = None;
-        state.resync(scene.memory);
+        state.resync(context.memory);
     }
-    set_cutter(state, words, scene.memory)
+    set_cutter(state, words, context.memory)
 }
 
-fn set_cutter(state: &mut State, words: &Words, memory: &MillMemory) -> Result<(), Alarm> {
+fn set_cutter(state: &mut MillState, words: &BlockWords, memory: &MillMemory) -> Result<(), Alarm> {
     let beside = matches!(words.cutter, Some(Side::Left | Side::Right));
     if beside && !memory.bit(parameter::TOOLS, 1) {
         return Err(alarm(number::BAD_G, say::mill_compensation_off()));
@@ -216,7 +216,7 @@ fn offset_number(value: Number) -> Result<u16, Alarm> {
 }
 
 /// G54 to G59, G54.1.
-fn set_zero(state: &mut State, words: &Words, memory: &MillMemory) -> Result<(), Alarm> {
+fn set_zero(state: &mut MillState, words: &BlockWords, memory: &MillMemory) -> Result<(), Alarm> {
     let zero = match words.zero {
         _ if words.additional => {
             let p = words.letters.p.map(Number::integer);
@@ -233,14 +233,14 @@ fn set_zero(state: &mut State, words: &Words, memory: &MillMemory) -> Result<(),
     };
     state.modal.zero = zero;
     if memory.bit(parameter::ZEROS, 4) {
-        state.shift = Position::default();
+        state.shift = MillPosition::default();
     }
     state.resync(memory);
     Ok(())
 }
 
 /// G43, G44, G49 and H.
-fn set_length(state: &mut State, words: &Words, memory: &MillMemory) -> Result<(), Alarm> {
+fn set_length(state: &mut MillState, words: &BlockWords, memory: &MillMemory) -> Result<(), Alarm> {
     let modal = &mut state.modal;
     let changes = words.length.is_some() || modal.length != LengthOffset::Off;
     if let Some(h) = words.letters.h.filter(|_| changes) {
@@ -260,7 +260,7 @@ fn set_length(state: &mut State, words: &Words, memory: &MillMemory) -> Result<(
 }
 
 /// S, T and M codes that act before the motion.
-fn set_spindle(state: &mut State, words: &Words, scene: &Scene<'_, '_>) -> Result<(), Alarm> {
+fn set_spindle(state: &mut MillState, words: &BlockWords, context: &RunContext<'_, '_>) -> Result<(), Alarm> {
     let modal = &mut state.modal;
     if let Some(s) = words.letters.s {
         modal.speed = s.value();
@@ -276,9 +276,9 @@ fn set_spindle(state: &mut State, words: &Words, scene: &Scene<'_, '_>) -> Resul
     };
     let code = m.integer();
     modal.m = u16::try_from(code).unwrap_or(u16::MAX);
-    match does(code, scene.memory)? {
-        Some(MCode::SpindleForward) => modal.spindle = Spindle::Forward,
-        Some(MCode::SpindleReverse) => modal.spindle = Spindle::Reverse,
+    match m_function(code, context.memory)? {
+        Some(MCode::SpindleForward) => modal.spindle = SpindleState::Forward,
+        Some(MCode::SpindleReverse) => modal.spindle = SpindleState::Reverse,
         Some(MCode::CoolantOn) => modal.coolant = true,
         Some(MCode::RigidTapping) => modal.rigid = true,
         Some(MCode::ToolChange) => {
@@ -291,12 +291,12 @@ fn set_spindle(state: &mut State, words: &Words, scene: &Scene<'_, '_>) -> Resul
 }
 
 /// M codes that act after the motion.
-fn follow_m(state: &mut State, words: &Words, scene: &Scene<'_, '_>) -> Result<(), Alarm> {
+fn apply_m_after_motion(state: &mut MillState, words: &BlockWords, context: &RunContext<'_, '_>) -> Result<(), Alarm> {
     let Some(m) = words.letters.m else {
         return Ok(());
     };
-    match does(m.integer(), scene.memory)? {
-        Some(MCode::SpindleStop) => state.modal.spindle = Spindle::Stopped,
+    match m_function(m.integer(), context.memory)? {
+        Some(MCode::SpindleStop) => state.modal.spindle = SpindleState::Stopped,
         Some(MCode::CoolantOff) => state.modal.coolant = false,
         _ => {}
     }
@@ -304,7 +304,7 @@ fn follow_m(state: &mut State, words: &Words, scene: &Scene<'_, '_>) -> Result<(
 }
 
 /// What an M code does. `None` for one that calls a program and for one of the ladder.
-fn does(code: i64, memory: &MillMemory) -> Result<Option<MCode>, Alarm> {
+fn m_function(code: i64, memory: &MillMemory) -> Result<Option<MCode>, Alarm> {
     if memory.model.is_macro_of_m(code) || memory.model.subprogram_of_m(code).is_some() {
         return Ok(None);
     }
@@ -313,13 +313,13 @@ fn does(code: i64, memory: &MillMemory) -> Result<Option<MCode>, Alarm> {
         .and_then(|it| memory.model.record().m_function(it));
     match known {
         Some(function) => Ok(Some(function.does)),
-        None if is_of_ladder(code, memory) => Ok(None),
+        None if is_ladder_code(code, memory) => Ok(None),
         None => Err(alarm(number::BAD_M, say::mill_m_unknown(code))),
     }
 }
 
 /// Returns whether only the ladder knows an M code, so that its effect is unknown here.
-pub(crate) fn is_of_ladder(code: i64, memory: &MillMemory) -> bool {
+pub(crate) fn is_ladder_code(code: i64, memory: &MillMemory) -> bool {
     let record = memory.model.record();
     let Ok(code) = u8::try_from(code) else {
         return false;
@@ -330,7 +330,7 @@ pub(crate) fn is_of_ladder(code: i64, memory: &MillMemory) -> bool {
 }
 
 /// Number of runs of a call: L, or the digits before the last four of P.
-fn runs(words: &Words, by_p: i64) -> Result<u16, Alarm> {
+fn run_count(words: &BlockWords, by_p: i64) -> Result<u16, Alarm> {
     let runs = words.letters.l.map_or(by_p.max(1), Number::integer);
     match u16::try_from(runs) {
         Ok(runs @ 1..=9999) => Ok(runs),
@@ -342,9 +342,9 @@ fn runs(words: &Words, by_p: i64) -> Result<u16, Alarm> {
 }
 
 /// Returns the block that runs next.
-pub(crate) fn flow(words: &Words, memory: &MillMemory) -> Result<Flow, Alarm> {
+pub(crate) fn block_flow(words: &BlockWords, memory: &MillMemory) -> Result<BlockFlow, Alarm> {
     let Some(code) = words.letters.m.map(Number::integer) else {
-        return Ok(Flow::Next);
+        return Ok(BlockFlow::Next);
     };
     // P of a block with G04 is its time.
     let p = words
@@ -354,37 +354,37 @@ pub(crate) fn flow(words: &Words, memory: &MillMemory) -> Result<Flow, Alarm> {
     let p = p.map(Number::integer);
     let name = format!("M{code}");
     if let Some(program) = memory.model.subprogram_of_m(code) {
-        let runs = runs(words, 1)?;
-        return Ok(Flow::Call {
+        let runs = run_count(words, 1)?;
+        return Ok(BlockFlow::Call {
             program,
             runs,
             name,
         });
     }
     if memory.model.is_macro_of_m(code) {
-        let runs = runs(words, 1)?;
-        return Ok(Flow::Macro {
+        let runs = run_count(words, 1)?;
+        return Ok(BlockFlow::Macro {
             program: code,
             runs,
             name,
         });
     }
-    Ok(match does(code, memory)? {
-        Some(MCode::Stop) => Flow::Stop,
-        Some(MCode::End) => Flow::End,
+    Ok(match m_function(code, memory)? {
+        Some(MCode::Stop) => BlockFlow::Stop,
+        Some(MCode::End) => BlockFlow::End,
         Some(MCode::Call) => {
             let Some(p) = p else {
                 let detail = say::call_without_program();
                 return Err(alarm(number::CALL_WITHOUT_P, detail));
             };
-            Flow::Call {
+            BlockFlow::Call {
                 program: p % 10_000,
-                runs: runs(words, p / 10_000)?,
+                runs: run_count(words, p / 10_000)?,
                 name: format!("M98 P{p}"),
             }
         }
-        Some(MCode::Return) => Flow::Back(p),
-        _ => Flow::Next,
+        Some(MCode::Return) => BlockFlow::Back(p),
+        _ => BlockFlow::Next,
     })
 }
 

@@ -1,11 +1,11 @@
 //! Adds up path lengths and the bounding box of the path.
 
-use crate::moves::{Arc, Move, MoveKind};
-use crate::space::{Axis, Flat, Position};
+use crate::moves::{MillArc, MillMove, MillMoveKind};
+use crate::space::{MillAxis, PlanePoint, MillPosition};
 
 /// Path lengths, mm. A rapid counts as its chord.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Lengths {
+pub struct MillPathLengths {
     /// Rapids.
     pub rapid: f64,
     /// Straight cuts.
@@ -22,7 +22,7 @@ pub struct Lengths {
 
 /// The bounding box of a path in work coordinates, mm, or degrees for rotary axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
+pub struct MillBounds {
     /// Least X, Y, Z.
     pub least: [f64; 3],
     /// Greatest X, Y, Z.
@@ -31,11 +31,11 @@ pub struct Bounds {
     pub further: [(f64, f64); 2],
 }
 
-impl Bounds {
+impl MillBounds {
     /// Extends a bounding box by a move.
-    pub(crate) fn reach(bounds: &mut Option<Self>, made: &Move) {
-        let further = |point: &Position| Axis::FURTHER.map(|axis| point.get(axis).mm());
-        let (begin, end) = (further(&made.from), further(&made.to));
+    pub(crate) fn extend(bounds: &mut Option<Self>, executed: &MillMove) {
+        let further = |point: &MillPosition| MillAxis::FURTHER.map(|axis| point.get(axis).mm());
+        let (begin, end) = (further(&executed.from), further(&executed.to));
         let mut take = |point: [f64; 3]| {
             let bounds = bounds.get_or_insert(Self {
                 least: point,
@@ -51,16 +51,16 @@ impl Bounds {
                 bounds.greatest[axis] = bounds.greatest[axis].max(value);
             }
         };
-        take(made.from.mm());
-        take(made.to.mm());
-        let (Some(Arc { plane, center }), Some(sweep)) = (made.arc, made.sweep()) else {
+        take(executed.from.mm());
+        take(executed.to.mm());
+        let (Some(MillArc { plane, center }), Some(sweep)) = (executed.arc, executed.sweep()) else {
             return;
         };
-        let begin = made.from.flat(plane) - center;
-        for way in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
-            let turn = begin.sweep(Flat::new(way.0, way.1), made.kind == MoveKind::Clockwise);
+        let begin = executed.from.flat(plane) - center;
+        for direction in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
+            let turn = begin.sweep(PlanePoint::new(direction.0, direction.1), executed.kind == MillMoveKind::Clockwise);
             if turn < sweep {
-                take(made.at(turn / sweep));
+                take(executed.at(turn / sweep));
             }
         }
     }

@@ -8,19 +8,19 @@ use gsk_messages::{Message, say};
 use crate::block;
 use crate::memory::MillMemory;
 use crate::modal::{Hole, Motion};
-use crate::state::State;
-use crate::words::{OneShot, Switch, Words};
+use crate::state::MillState;
+use crate::words::{OneShot, OnOff, BlockWords};
 
 /// A probable mistake that raises no alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Slip {
+pub enum MillSlip {
     /// A word that no code of its block uses.
     WordWithoutEffect(char),
     /// An M code that the ladder executes.
     LadderCode(i64),
 }
 
-impl Slip {
+impl MillSlip {
     /// Returns the name of the warning, for programs that sort findings.
     pub const fn id(self) -> &'static str {
         match self {
@@ -40,14 +40,14 @@ impl Slip {
 
 /// A warning and the block that caused it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Caution {
+pub struct MillCaution {
     /// The warning.
-    pub slip: Slip,
+    pub slip: MillSlip,
     /// The first block with this warning.
     pub source: Source,
 }
 
-impl Caution {
+impl MillCaution {
     /// Returns the warning as a message with its line.
     pub fn sentence(&self) -> Message {
         say::in_line(self.source.line, self.slip.message())
@@ -56,29 +56,29 @@ impl Caution {
 
 /// Returns the warnings about an executed block that is not a macro call. `state` is the state
 /// after the block.
-pub(crate) fn slips<'a>(
+pub(crate) fn find_slips<'a>(
     block: &'a Block,
-    words: &'a Words,
-    state: &'a State,
+    words: &'a BlockWords,
+    state: &'a MillState,
     memory: &'a MillMemory,
-) -> impl Iterator<Item = Slip> + 'a {
+) -> impl Iterator<Item = MillSlip> + 'a {
     let m = words.letters.m.map(gsk_core::program::Number::integer);
     let ladder = m
-        .filter(|code| block::is_of_ladder(*code, memory))
-        .map(Slip::LadderCode);
+        .filter(|code| block::is_ladder_code(*code, memory))
+        .map(MillSlip::LadderCode);
     let written = block.words().iter();
     let unused = written.filter(move |word| !is_used(word.address, words, state, memory));
-    let unused = unused.map(|word| Slip::WordWithoutEffect(char::from(word.address)));
+    let unused = unused.map(|word| MillSlip::WordWithoutEffect(char::from(word.address)));
     ladder.into_iter().chain(unused)
 }
 
-fn is_used(address: u8, words: &Words, state: &State, memory: &MillMemory) -> bool {
+fn is_used(address: u8, words: &BlockWords, state: &MillState, memory: &MillMemory) -> bool {
     let one_shot = words.one_shot;
     let is = |code: OneShot| one_shot == Some(code);
     let arc = one_shot.is_none() && matches!(state.modal.motion, Motion::Arc { .. });
     let hole = state.modal.hole.filter(|_| one_shot.is_none());
-    let scaling = words.scaling == Some(Switch::On);
-    let rotation = words.rotation == Some(Switch::On);
+    let scaling = words.scaling == Some(OnOff::On);
+    let rotation = words.rotation == Some(OnOff::On);
     let calls = words.letters.m.is_some_and(|code| {
         let code = code.integer();
         matches!(code, 98 | 99) || memory.model.subprogram_of_m(code).is_some()

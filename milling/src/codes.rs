@@ -4,24 +4,24 @@ use gsk_core::alarm::{Alarm, number};
 use gsk_core::program::{Block, Number};
 use gsk_messages::{Message, say};
 
-use crate::memory::{Column, parameter};
+use crate::memory::{OffsetColumn, parameter};
 use crate::modal::{LengthOffset, Motion};
-use crate::space::{Axis, Each, Flat, Length, Position};
-use crate::state::State;
+use crate::space::{MillAxis, AxisValues, PlanePoint, Length, MillPosition};
+use crate::state::MillState;
 use crate::transform::{Rotation, Scaling};
-use crate::travel::{Scene, Way, settle_rotation, target};
-use crate::words::{OneShot, Words, length};
+use crate::travel::{RunContext, StepKind, settle_rotation, target};
+use crate::words::{OneShot, BlockWords, length};
 
 fn alarm(number: u16, detail: Message) -> Alarm {
     Alarm::new(number).because(detail)
 }
 
 /// Executes a code of group 00. Returns whether it moves an axis.
-pub(crate) fn one_shot(
+pub(crate) fn execute_one_shot(
     code: OneShot,
-    state: &mut State,
-    words: &Words,
-    scene: &mut Scene<'_, '_>,
+    state: &mut MillState,
+    words: &BlockWords,
+    context: &mut RunContext<'_, '_>,
 ) -> Result<bool, Alarm> {
     let returns = matches!(
         code,
@@ -35,15 +35,15 @@ pub(crate) fn one_shot(
         return Err(alarm(number::BAD_G, say::mill_transform_on()));
     }
     match code {
-        OneShot::Dwell => return dwell(state, words, scene).map(|()| false),
-        OneShot::OffsetInput => return offset_input(state, words, scene).map(|()| false),
+        OneShot::Dwell => return dwell(state, words, context).map(|()| false),
+        OneShot::OffsetInput => return offset_input(state, words, context).map(|()| false),
         OneShot::ReferenceCheck => {
             let programmed = target(state, words);
-            let to = state.place(programmed, scene.memory);
-            scene.go(state, to, Way::Rapid, true)?;
-            let reference = scene.memory.point(parameter::REFERENCE);
-            let reference = state.axes.rolled(reference);
-            for axis in named(words) {
+            let to = state.to_machine(programmed, context.memory);
+            context.go(state, to, StepKind::Rapid, true)?;
+            let reference = context.memory.point(parameter::REFERENCE);
+            let reference = state.axes.wrapped(reference);
+            for axis in named_axes(words) {
                 let (at, point) = (state.machine.get(axis), reference.get(axis));
                 if at != point {
                     let name = state.axes.letter(axis);
@@ -52,41 +52,41 @@ pub(crate) fn one_shot(
                     return Err(alarm(number::ZERO_RETURN, detail));
                 }
             }
-            keep_or_cancel_length(state, scene);
+            keep_or_cancel_length(state, context);
         }
-        OneShot::Reference => reference(0, state, words, scene)?,
+        OneShot::Reference => return_to_reference(0, state, words, context)?,
         OneShot::FurtherReference => {
             let p = words.letters.p.map_or(2, Number::integer);
             if !(2..=4).contains(&p) {
                 return Err(alarm(number::OUT_OF_RANGE, say::mill_reference_number(p)));
             }
-            reference(p as u16 - 1, state, words, scene)?;
+            return_to_reference(p as u16 - 1, state, words, context)?;
         }
         OneShot::ReferenceBack => {
             let programmed = target(state, words);
-            let end = programmed + state.frame(scene.memory);
+            let end = programmed + state.frame(context.memory);
             let intermediate = state.intermediate;
-            to_point(state, words, &intermediate, scene)?;
-            to_point(state, words, &end, scene)?;
+            rapid_to_point(state, words, &intermediate, context)?;
+            rapid_to_point(state, words, &end, context)?;
         }
         OneShot::Skip => {
             // Without a signal the move ends at its programmed point.
-            settle_rotation(state, scene.memory);
+            settle_rotation(state, context.memory);
             let programmed = target(state, words);
-            let to = state.place(programmed, scene.memory);
-            let way = if scene.memory.bit(parameter::SKIP, 2) {
-                Way::CutAt(scene.memory.value(parameter::SKIP_FEED).into())
+            let to = state.to_machine(programmed, context.memory);
+            let kind = if context.memory.bit(parameter::SKIP, 2) {
+                StepKind::CutAt(context.memory.value(parameter::SKIP_FEED).into())
             } else {
-                Way::Cut
+                StepKind::Cut
             };
-            scene.go(state, to, way, true)?;
-            state.skipped = state.work(scene.memory);
+            context.go(state, to, kind, true)?;
+            state.skipped = state.work(context.memory);
         }
-        OneShot::Measure => measure(state, words, scene)?,
+        OneShot::Measure => measure_tool(state, words, context)?,
         OneShot::Local => {
-            for axis in named(words) {
+            for axis in named_axes(words) {
                 let value = words.letters.axes.get(axis);
-                let value = value.map(|it| state.word(axis, it));
+                let value = value.map(|it| state.axis_value(axis, it));
                 let before = if state.modal.incremental {
                     state.local.get(axis)
                 } else {
@@ -94,7 +94,7 @@ pub(crate) fn one_shot(
                 };
                 state.local.set(axis, before + value.unwrap_or_default());
             }
-            state.resync(scene.memory);
+            state.resync(context.memory);
             return Ok(false);
         }
         OneShot::Machine => {
@@ -102,60 +102,60 @@ pub(crate) fn one_shot(
                 return Err(alarm(number::BAD_G, say::mill_machine_incremental()));
             }
             let mut to = state.machine;
-            for axis in named(words) {
+            for axis in named_axes(words) {
                 let value = words.letters.axes.get(axis);
-                let value = value.map(|it| state.word(axis, it)).unwrap_or_default();
+                let value = value.map(|it| state.axis_value(axis, it)).unwrap_or_default();
                 let from = state.machine.get(axis);
                 to.set(axis, state.axes.towards(axis, from, value));
             }
-            let way = match state.modal.motion {
-                Motion::Rapid => Way::Rapid,
-                _ => Way::Cut,
+            let kind = match state.modal.motion {
+                Motion::Rapid => StepKind::Rapid,
+                _ => StepKind::Cut,
             };
-            scene.go(state, to, way, true)?;
-            keep_or_cancel_length(state, scene);
+            context.go(state, to, kind, true)?;
+            keep_or_cancel_length(state, context);
         }
         OneShot::Coordinates => {
-            let work = state.work(scene.memory);
-            for axis in named(words) {
+            let work = state.work(context.memory);
+            for axis in named_axes(words) {
                 let value = words.letters.axes.get(axis);
-                let value = value.map(|it| state.word(axis, it));
+                let value = value.map(|it| state.axis_value(axis, it));
                 let by = work.get(axis) - value.unwrap_or_default();
                 state.shift.set(axis, state.shift.get(axis) + by);
             }
-            state.resync(scene.memory);
+            state.resync(context.memory);
             return Ok(false);
         }
     }
-    state.resync(scene.memory);
+    state.resync(context.memory);
     Ok(words.has_axes())
 }
 
 /// Moves at rapid to a point in machine coordinates, in the axes of the block.
-fn to_point(
-    state: &mut State,
-    words: &Words,
-    point: &Position,
-    scene: &mut Scene<'_, '_>,
+fn rapid_to_point(
+    state: &mut MillState,
+    words: &BlockWords,
+    point: &MillPosition,
+    context: &mut RunContext<'_, '_>,
 ) -> Result<(), Alarm> {
     let mut to = state.machine;
-    for axis in named(words) {
+    for axis in named_axes(words) {
         let from = to.get(axis);
         to.set(axis, state.axes.nearest(axis, from, point.get(axis)));
     }
-    scene.go(state, to, Way::Rapid, true)
+    context.go(state, to, StepKind::Rapid, true)
 }
 
 /// The axes that a block names.
-fn named(words: &Words) -> impl Iterator<Item = Axis> {
+fn named_axes(words: &BlockWords) -> impl Iterator<Item = MillAxis> {
     let axes = words.letters.axes;
-    Axis::ALL
+    MillAxis::ALL
         .into_iter()
         .filter(move |axis| axes.get(*axis).is_some())
 }
 
-fn dwell(state: &State, words: &Words, scene: &mut Scene<'_, '_>) -> Result<(), Alarm> {
-    let seconds = match (words.letters.p, words.letters.axes.get(Axis::X)) {
+fn dwell(state: &MillState, words: &BlockWords, context: &mut RunContext<'_, '_>) -> Result<(), Alarm> {
+    let seconds = match (words.letters.p, words.letters.axes.get(MillAxis::X)) {
         (Some(ms), _) => ms.value() / 1000.0,
         (None, Some(seconds)) => seconds.value(),
         (None, None) => 0.0,
@@ -163,17 +163,17 @@ fn dwell(state: &State, words: &Words, scene: &mut Scene<'_, '_>) -> Result<(), 
     if seconds < 0.0 {
         return Err(alarm(number::OUT_OF_RANGE, say::mill_dwell_negative()));
     }
-    scene.dwell(state, seconds)
+    context.dwell(state, seconds)
 }
 
 /// G10, memory of type C: lengths and radii, each with its wear.
-fn offset_input(state: &State, words: &Words, scene: &mut Scene<'_, '_>) -> Result<(), Alarm> {
+fn offset_input(state: &MillState, words: &BlockWords, context: &mut RunContext<'_, '_>) -> Result<(), Alarm> {
     let letters = &words.letters;
     let column = match letters.l.map(Number::integer) {
-        Some(10) => Column::Length,
-        Some(11) => Column::LengthWear,
-        Some(12) => Column::Radius,
-        Some(13) => Column::RadiusWear,
+        Some(10) => OffsetColumn::Length,
+        Some(11) => OffsetColumn::LengthWear,
+        Some(12) => OffsetColumn::Radius,
+        Some(13) => OffsetColumn::RadiusWear,
         _ => return Err(alarm(number::OUT_OF_RANGE, say::mill_offset_input_l())),
     };
     let (Some(p), Some(r)) = (letters.p, letters.r) else {
@@ -184,42 +184,42 @@ fn offset_input(state: &State, words: &Words, scene: &mut Scene<'_, '_>) -> Resu
     let mut value = length(r, inch);
     if state.modal.incremental {
         let mut before = u16::try_from(p)
-            .map(|it| scene.memory.offset(it))
+            .map(|it| context.memory.offset(it))
             .unwrap_or_default();
         value = value + *before.column(column);
     }
-    scene.memory.set_offset(p, column, value, inch)
+    context.memory.set_offset(p, column, value, inch)
 }
 
 /// G28, G30: over the intermediate point to a reference point.
-fn reference(
+fn return_to_reference(
     index: u16,
-    state: &mut State,
-    words: &Words,
-    scene: &mut Scene<'_, '_>,
+    state: &mut MillState,
+    words: &BlockWords,
+    context: &mut RunContext<'_, '_>,
 ) -> Result<(), Alarm> {
     let programmed = target(state, words);
-    let by = state.place(programmed, scene.memory);
-    let reference = scene.memory.point(parameter::REFERENCE + index);
-    let mut over = state.machine;
-    for axis in named(words) {
-        over.set(axis, by.get(axis));
+    let by = state.to_machine(programmed, context.memory);
+    let reference = context.memory.point(parameter::REFERENCE + index);
+    let mut intermediate_point = state.machine;
+    for axis in named_axes(words) {
+        intermediate_point.set(axis, by.get(axis));
         state.intermediate.set(axis, by.get(axis));
     }
-    scene.go(state, over, Way::Rapid, true)?;
-    to_point(state, words, &reference, scene)?;
-    if scene.memory.bit(parameter::LOCAL, 0) {
-        for axis in named(words) {
+    context.go(state, intermediate_point, StepKind::Rapid, true)?;
+    rapid_to_point(state, words, &reference, context)?;
+    if context.memory.bit(parameter::LOCAL, 0) {
+        for axis in named_axes(words) {
             state.local.set(axis, Length::ZERO);
         }
     }
-    keep_or_cancel_length(state, scene);
+    keep_or_cancel_length(state, context);
     Ok(())
 }
 
 /// A reference return and G53 cancel the length offset, unless 013.7 keeps it.
-fn keep_or_cancel_length(state: &mut State, scene: &Scene<'_, '_>) {
-    if !scene.memory.bit(parameter::LENGTHS, 7) {
+fn keep_or_cancel_length(state: &mut MillState, context: &RunContext<'_, '_>) {
+    if !context.memory.bit(parameter::LENGTHS, 7) {
         state.modal.length = LengthOffset::Off;
         state.length = Length::ZERO;
     }
@@ -227,40 +227,40 @@ fn keep_or_cancel_length(state: &mut State, scene: &Scene<'_, '_>) {
 
 /// G37: at rapid to a short distance before the point, then at the feed of 5040. The preview
 /// takes the signal to come at the point.
-fn measure(state: &mut State, words: &Words, scene: &mut Scene<'_, '_>) -> Result<(), Alarm> {
-    let mut axes = named(words);
+fn measure_tool(state: &mut MillState, words: &BlockWords, context: &mut RunContext<'_, '_>) -> Result<(), Alarm> {
+    let mut axes = named_axes(words);
     let (Some(axis), None) = (axes.next(), axes.next()) else {
         return Err(alarm(number::OUT_OF_RANGE, say::mill_measure_axis()));
     };
     let programmed = target(state, words);
-    let to = state.place(programmed, scene.memory);
-    let before = scene.memory.length(parameter::MEASURE_BEFORE);
+    let to = state.to_machine(programmed, context.memory);
+    let before = context.memory.length(parameter::MEASURE_BEFORE);
     let forward = to.get(axis) > state.machine.get(axis);
     let mut near = to;
     near.set(axis, to.get(axis) + if forward { -before } else { before });
-    scene.go(state, near, Way::Rapid, true)?;
-    let feed = scene.memory.value(parameter::MEASURE_FEED);
-    scene.go(state, to, Way::CutAt(feed.into()), true)
+    context.go(state, near, StepKind::Rapid, true)?;
+    let feed = context.memory.value(parameter::MEASURE_FEED);
+    context.go(state, to, StepKind::CutAt(feed.into()), true)
 }
 
 /// The greatest P of G51, and of parameter 5411.
-const SCALE_OF_ALL: i64 = 99_999_999;
+const MAX_SCALE: i64 = 99_999_999;
 /// The greatest I, J, K: 9.999, or 9.99999 in units of 0.00001.
 const AXIS_SCALE: [i64; 2] = [9999, 999_999];
 /// The greatest angle of G68, degrees.
-const GREATEST_ANGLE: f64 = 360.0;
+const MAX_ANGLE: f64 = 360.0;
 
 /// Executes G51.
-pub(crate) fn scale(
-    state: &mut State,
+pub(crate) fn start_scaling(
+    state: &mut MillState,
     block: &Block,
-    words: &Words,
-    scene: &Scene<'_, '_>,
+    words: &BlockWords,
+    context: &RunContext<'_, '_>,
 ) -> Result<(), Alarm> {
     let letters = &words.letters;
     let codes = block.g_codes().count();
     let by_axis = letters.center.0.iter().any(Option::is_some);
-    let each = scene.memory.bit(parameter::TRANSFORM, 4);
+    let each = context.memory.bit(parameter::TRANSFORM, 4);
     if codes > 1 || !block.has_only(b"GXYZPIJK") || (by_axis && !each) {
         let detail = say::mill_scaling_alone();
         return Err(alarm(number::TOO_MANY_WORDS, detail));
@@ -268,33 +268,33 @@ pub(crate) fn scale(
     if letters.center.0.iter().flatten().any(|it| it.has_point()) {
         return Err(alarm(number::BAD_POINT, say::mill_scale_with_point()));
     }
-    let fine = scene.memory.bit(parameter::SCALE_UNIT, 7);
+    let fine = context.memory.bit(parameter::SCALE_UNIT, 7);
     let factor = |units: i64| units as f64 * if fine { 0.000_01 } else { 0.001 };
     // 562.0 to 562.2: whether X, Y and Z are scaled.
-    let is_scaled = |axis: Axis| scene.memory.bit(parameter::TRANSFORM, axis as u8);
-    let units = |axis: Axis| {
+    let is_scaled = |axis: MillAxis| context.memory.bit(parameter::TRANSFORM, axis as u8);
+    let units = |axis: MillAxis| {
         let own = || {
-            scene
+            context
                 .memory
-                .value(parameter::of(parameter::AXIS_SCALE, axis))
+                .value(parameter::axis_parameter(parameter::AXIS_SCALE, axis))
                 .into()
         };
         letters.center.get(axis).map_or_else(own, Number::integer)
     };
     let of_all = match letters.p {
         Some(p) if !by_axis => Some(p.integer()),
-        None if !each => Some(scene.memory.value(parameter::SCALE).into()),
+        None if !each => Some(context.memory.value(parameter::SCALE).into()),
         _ => None,
     };
     let written = match of_all {
         Some(units) => [units; 3],
-        None => Axis::BASIC.map(units),
+        None => MillAxis::BASIC.map(units),
     };
     let greatest = match of_all {
-        Some(_) => SCALE_OF_ALL,
+        Some(_) => MAX_SCALE,
         None => AXIS_SCALE[usize::from(fine)],
     };
-    let scaled = Axis::BASIC.into_iter().zip(written);
+    let scaled = MillAxis::BASIC.into_iter().zip(written);
     for (_, units) in scaled.filter(|(axis, _)| is_scaled(*axis)) {
         if units == 0 {
             return Err(alarm(number::OUT_OF_RANGE, say::mill_scale_nothing()));
@@ -305,12 +305,12 @@ pub(crate) fn scale(
             return Err(alarm(number::OUT_OF_RANGE, detail));
         }
     }
-    let factors = Axis::BASIC.map(|axis| match is_scaled(axis) {
+    let factors = MillAxis::BASIC.map(|axis| match is_scaled(axis) {
         true => factor(written[axis as usize]),
         false => 1.0,
     });
-    let mut center = state.work(scene.memory);
-    for axis in named(words) {
+    let mut center = state.work(context.memory);
+    for axis in named_axes(words) {
         let value = words
             .letters
             .axes
@@ -320,24 +320,24 @@ pub(crate) fn scale(
     }
     state.transform.scaling = Some(Scaling {
         center,
-        factors: Each::basic(factors, 1.0),
+        factors: AxisValues::basic(factors, 1.0),
     });
-    state.resync(scene.memory);
+    state.resync(context.memory);
     Ok(())
 }
 
 /// Executes G68.
-pub(crate) fn rotate(state: &mut State, words: &Words, scene: &Scene<'_, '_>) -> Result<(), Alarm> {
-    if state.transform.scaling.is_some() && scene.cutter.is_on() {
+pub(crate) fn start_rotation(state: &mut MillState, words: &BlockWords, context: &RunContext<'_, '_>) -> Result<(), Alarm> {
+    if state.transform.scaling.is_some() && context.cutter.is_on() {
         return Err(alarm(number::BAD_G, say::mill_rotation_in_compensation()));
     }
     let plane = state.modal.plane;
     let [first, second, _] = plane.axes();
-    let work = state.work(scene.memory);
+    let work = state.work(context.memory);
     let inch = state.modal.inch;
     let before = state.transform.rotation;
     // A programmed centre is scaled. The tool position is scaled already.
-    let along = |axis: Axis| match words.letters.axes.get(axis) {
+    let along = |axis: MillAxis| match words.letters.axes.get(axis) {
         Some(value) => {
             let mut point = work;
             point.set(axis, length(value, inch));
@@ -345,16 +345,16 @@ pub(crate) fn rotate(state: &mut State, words: &Words, scene: &Scene<'_, '_>) ->
         }
         None => work.get(axis).mm(),
     };
-    let center = Flat::new(along(first), along(second));
+    let center = PlanePoint::new(along(first), along(second));
     let angle = match words.letters.r {
         Some(r) => r.value(),
-        None => f64::from(scene.memory.value(parameter::ANGLE)) / 1000.0,
+        None => f64::from(context.memory.value(parameter::ANGLE)) / 1000.0,
     };
-    if angle.abs() > GREATEST_ANGLE {
+    if angle.abs() > MAX_ANGLE {
         let detail = say::mill_angle_out_of_range(angle);
         return Err(alarm(number::OUT_OF_RANGE, detail));
     }
-    let adds = scene.memory.bit(parameter::TRANSFORM, 7) && state.modal.incremental;
+    let adds = context.memory.bit(parameter::TRANSFORM, 7) && state.modal.incremental;
     let programmed = match before {
         Some(before) if adds => before.programmed + angle,
         _ => angle,
@@ -368,8 +368,8 @@ pub(crate) fn rotate(state: &mut State, words: &Words, scene: &Scene<'_, '_>) ->
             programmed
         },
         programmed,
-        stood: Some(work.flat(plane)),
+        tool_at_start: Some(work.flat(plane)),
     });
-    state.resync(scene.memory);
+    state.resync(context.memory);
     Ok(())
 }

@@ -9,7 +9,7 @@ use crate::space::Length;
 
 /// CMR over CMD, parameters 015 and 016.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Gear {
+pub struct ElectronicGear {
     /// Parameter 015.
     pub multiplier: u32,
     /// Parameter 016.
@@ -36,7 +36,7 @@ fn greatest_divisor(a: u64, b: u64) -> u64 {
     }
 }
 
-fn gear(multiplier: u64, divider: u64) -> Result<Gear, Message> {
+fn gear(multiplier: u64, divider: u64) -> Result<ElectronicGear, Message> {
     let common = greatest_divisor(multiplier, divider).max(1);
     let (multiplier, divider) = (multiplier / common, divider / common);
     let fits = |value: u64| {
@@ -45,7 +45,7 @@ fn gear(multiplier: u64, divider: u64) -> Result<Gear, Message> {
             .filter(|_| (1..=GREATEST).contains(&value))
     };
     match (fits(multiplier), fits(divider)) {
-        (Some(multiplier), Some(divider)) => Ok(Gear {
+        (Some(multiplier), Some(divider)) => Ok(ElectronicGear {
             multiplier,
             divider,
         }),
@@ -64,7 +64,7 @@ pub fn linear_gear(
     increment: Length,
     lead: Length,
     teeth: Teeth,
-) -> Result<Gear, Message> {
+) -> Result<ElectronicGear, Message> {
     let nm = |length: Length| u64::try_from(length.nm()).unwrap_or(0);
     let multiplier = u64::from(counts) * u64::from(teeth.screw);
     let multiplier = multiplier.checked_mul(nm(increment));
@@ -81,7 +81,7 @@ pub fn linear_gear(
 /// # Errors
 ///
 /// As for [`linear_gear`].
-pub fn rotary_gear(counts: u32, pulses: u32, teeth: Teeth) -> Result<Gear, Message> {
+pub fn rotary_gear(counts: u32, pulses: u32, teeth: Teeth) -> Result<ElectronicGear, Message> {
     let multiplier = u64::from(counts) * u64::from(teeth.screw);
     let divider = u64::from(pulses) * u64::from(teeth.motor);
     if multiplier == 0 || divider == 0 {
@@ -99,7 +99,7 @@ pub const fn backlash_rate(parameter_010: u8, an_eighth: bool) -> u32 {
 
 /// The pitch errors of an axis.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PitchTable {
+pub struct MillPitchTable {
     /// 3620: the number at the reference point.
     origin: i64,
     /// 3624, 0.001 mm.
@@ -116,7 +116,7 @@ const NUMBERS: core::ops::RangeInclusive<i64> = 0..=1023;
 const VALUES: core::ops::RangeInclusive<i64> = -2550..=2550;
 const INTERVALS: core::ops::RangeInclusive<i64> = 1000..=999_999;
 
-impl PitchTable {
+impl MillPitchTable {
     /// Creates a table. Only values with numbers from `least` (3621) to `most` (3622) act.
     /// `interval` and values are in 0.001 mm.
     ///
@@ -271,8 +271,8 @@ mod tests {
 
     const DIRECT: Teeth = Teeth { screw: 1, motor: 1 };
 
-    fn table(origin: i64, interval: i64, window: (i64, i64), values: &[(i64, i64)]) -> PitchTable {
-        PitchTable::new(origin, interval, window, values).expect("a table")
+    fn table(origin: i64, interval: i64, window: (i64, i64), values: &[(i64, i64)]) -> MillPitchTable {
+        MillPitchTable::new(origin, interval, window, values).expect("a table")
     }
 
     /// Facts C34 and C35.

@@ -7,38 +7,38 @@ use gsk_core::alarm::Alarm;
 use gsk_core::compensation::cutter::{Compensated, CutterCompensation, FlatMove, FlatShape, Side};
 use gsk_core::units::Point;
 
-use crate::moves::{Arc, MoveKind};
-use crate::space::{Flat, Plane, Position};
-use crate::tracker::{Step, Tracker};
+use crate::moves::{MillArc, MillMoveKind};
+use crate::space::{PlanePoint, Plane, MillPosition};
+use crate::tracker::{PathStep, Tracker};
 
 /// Step numbers wrap at this count. Far fewer steps wait at a time.
-const KEPT: u32 = 4096;
+const STEP_NUMBERS: u32 = 4096;
 
 /// The cutter compensation with the steps in it.
 #[derive(Debug, Default)]
-pub(crate) struct Cutter {
+pub(crate) struct CutterStream {
     stream: CutterCompensation,
-    waiting: BTreeMap<u32, Step>,
+    waiting: BTreeMap<u32, PathStep>,
     count: u32,
     plane: Plane,
     /// End of the last step that went in.
-    at: Position,
+    at: MillPosition,
 }
 
-const fn point(flat: Flat) -> Point {
+const fn point(flat: PlanePoint) -> Point {
     Point {
         x: flat.second,
         z: flat.first,
     }
 }
 
-const fn flat(point: Point) -> Flat {
-    Flat::new(point.z, point.x)
+const fn flat(point: Point) -> PlanePoint {
+    PlanePoint::new(point.z, point.x)
 }
 
-impl Cutter {
+impl CutterStream {
     /// Starts at the position of the tool.
-    pub(crate) fn new(start: Position) -> Self {
+    pub(crate) fn new(start: MillPosition) -> Self {
         Self {
             at: start,
             ..Self::default()
@@ -54,7 +54,7 @@ impl Cutter {
     /// (a hole, a reference return), which is not compensated.
     pub(crate) fn take(
         &mut self,
-        step: &Step,
+        step: &PathStep,
         (side, radius): (Side, f64),
         (plane, apart): (Plane, bool),
         tracker: &mut Tracker<'_>,
@@ -68,20 +68,20 @@ impl Cutter {
             self.stream.stand_at(point(from.flat(plane)));
         }
         let number = self.count;
-        self.count = (self.count + 1) % KEPT;
+        self.count = (self.count + 1) % STEP_NUMBERS;
         self.waiting.insert(number, *step);
         let to = step.to.flat(plane);
         let moves = step.arc.is_some() || to != from.flat(plane);
         let shape = match (step.kind, step.arc) {
-            (MoveKind::Rapid, _) => FlatShape::Rapid,
-            (kind, Some(Arc { center, .. })) => FlatShape::Arc {
+            (MillMoveKind::Rapid, _) => FlatShape::Rapid,
+            (kind, Some(MillArc { center, .. })) => FlatShape::Arc {
                 center: point(center),
-                clockwise: kind == MoveKind::Clockwise,
+                clockwise: kind == MillMoveKind::Clockwise,
             },
             _ => FlatShape::Line,
         };
         let to = point(to);
-        if step.kind == MoveKind::Dwell || !(moves || apart || self.cancels(side)) {
+        if step.kind == MillMoveKind::Dwell || !(moves || apart || self.cancels(side)) {
             self.stream.push_other(number, side);
         } else if apart {
             self.stream.push_uncompensated(number, to, side);
@@ -97,7 +97,7 @@ impl Cutter {
                 radius,
             );
         }
-        self.drain(tracker)
+        self.make_ready_steps(tracker)
     }
 
     /// Whether a step cancels the compensation. It does so even without motion in the plane.
@@ -106,24 +106,24 @@ impl Cutter {
     }
 
     /// Takes a block without motion.
-    pub(crate) fn pass_block(
+    pub(crate) fn skip_block(
         &mut self,
         side: Side,
         tracker: &mut Tracker<'_>,
     ) -> Result<(), Alarm> {
         if self.is_on() {
-            self.stream.push_other(KEPT, side);
+            self.stream.push_other(STEP_NUMBERS, side);
         }
-        self.drain(tracker)
+        self.make_ready_steps(tracker)
     }
 
     /// Completes the waiting steps at the end of the program.
     pub(crate) fn flush(&mut self, tracker: &mut Tracker<'_>) -> Result<(), Alarm> {
         self.stream.flush();
-        self.drain(tracker)
+        self.make_ready_steps(tracker)
     }
 
-    fn drain(&mut self, tracker: &mut Tracker<'_>) -> Result<(), Alarm> {
+    fn make_ready_steps(&mut self, tracker: &mut Tracker<'_>) -> Result<(), Alarm> {
         while let Some(ready) = self.stream.take() {
             let ready = match ready {
                 Ok(ready) => ready,
@@ -141,7 +141,7 @@ impl Cutter {
                     if let Some(mut step) = self.waiting.remove(&number) {
                         // The step moves across the plane at the position of the cutter centre.
                         let centre = tracker.machine.flat(self.plane);
-                        step.to = step.to.at(self.plane, centre);
+                        step.to = step.to.moved_to(self.plane, centre);
                         tracker.make(&step)?;
                     }
                 }
@@ -156,20 +156,20 @@ impl Cutter {
                         // A corner move before the step.
                         let across = self.plane.across();
                         step.to.set(across, tracker.machine.get(across));
-                        step.to = step.to.turned_as(&tracker.machine);
+                        step.to = step.to.with_further_of(&tracker.machine);
                     }
-                    step.to = step.to.at(self.plane, flat(made.to));
+                    step.to = step.to.moved_to(self.plane, flat(made.to));
                     step.arc = match made.shape {
-                        FlatShape::Arc { center, .. } => Some(Arc {
+                        FlatShape::Arc { center, .. } => Some(MillArc {
                             plane: self.plane,
                             center: flat(center),
                         }),
                         FlatShape::Rapid | FlatShape::Line => None,
                     };
                     if step.arc.is_none()
-                        && matches!(step.kind, MoveKind::Clockwise | MoveKind::CounterClockwise)
+                        && matches!(step.kind, MillMoveKind::Clockwise | MillMoveKind::CounterClockwise)
                     {
-                        step.kind = MoveKind::Feed;
+                        step.kind = MillMoveKind::Feed;
                     }
                     tracker.make(&step)?;
                 }

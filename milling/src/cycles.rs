@@ -12,8 +12,8 @@ use gsk_core::alarm::{Alarm, number};
 use gsk_messages::say;
 
 use crate::memory::{MillMemory, parameter};
-use crate::modal::{Hole, Spindle};
-use crate::space::{Axis, Length, Plane, Position};
+use crate::modal::{Hole, SpindleState};
+use crate::space::{MillAxis, Length, Plane, MillPosition};
 
 /// Values that the words of a cycle keep for the next hole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,9 +21,9 @@ pub(crate) struct HoleData {
     /// Level before the first hole, machine coordinates.
     pub(crate) initial: Length,
     /// R as programmed. With G91 it counts from the initial level.
-    pub(crate) r: Option<Level>,
+    pub(crate) r: Option<HoleLevel>,
     /// The bottom: Z, or the axis across the plane. With G91 it counts from R.
-    pub(crate) bottom: Option<Level>,
+    pub(crate) bottom: Option<HoleLevel>,
     /// Q: the depth of a peck, or the shift of G76 and G87.
     pub(crate) q: Option<Length>,
     /// P, s.
@@ -32,29 +32,29 @@ pub(crate) struct HoleData {
 
 /// A level as programmed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Level {
+pub(crate) struct HoleLevel {
     pub(crate) value: Length,
     pub(crate) incremental: bool,
 }
 
 /// A step of a hole, machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Part {
+pub(crate) enum HoleStep {
     /// At rapid to a point.
-    Rapid(Position),
+    Rapid(MillPosition),
     /// At the feed to a point.
-    Feed(Position),
+    Feed(MillPosition),
     /// To a point, synchronised with the spindle.
     Tap {
         /// End of the move.
-        to: Position,
+        to: MillPosition,
         /// Whether the tap moves out of the hole.
         out: bool,
     },
     /// Duration of a dwell, s.
     Dwell(f64),
     /// Spindle state from here on.
-    Spindle(Spindle),
+    Spindle(SpindleState),
 }
 
 /// A hole: its position, depth and cycle.
@@ -63,129 +63,129 @@ pub(crate) struct Drilling<'a> {
     pub(crate) hole: Hole,
     pub(crate) plane: Plane,
     /// Position over the hole, at the level where it starts.
-    pub(crate) over: Position,
+    pub(crate) over: MillPosition,
     pub(crate) initial: Length,
     pub(crate) r: Length,
     pub(crate) bottom: Length,
     pub(crate) q: Option<Length>,
     pub(crate) dwell_s: f64,
     pub(crate) to_r: bool,
-    pub(crate) spindle: Spindle,
+    pub(crate) spindle: SpindleState,
     /// Whether taps are rigid: then Q is the depth of a peck.
     pub(crate) rigid: bool,
     pub(crate) memory: &'a MillMemory,
 }
 
 /// Greatest number of pecks in a hole.
-const PECKS: i64 = 10_000;
+const MAX_PECKS: i64 = 10_000;
 
 fn too_many_pecks() -> Alarm {
-    Alarm::new(number::CYCLE_DATA).because(say::mill_too_many_pecks(PECKS))
+    Alarm::new(number::CYCLE_DATA).because(say::mill_too_many_pecks(MAX_PECKS))
 }
 
 impl Drilling<'_> {
     /// A point over or in the hole.
-    fn at(&self, level: Length) -> Position {
+    fn at(&self, level: Length) -> MillPosition {
         let mut point = self.over;
         point.set(self.plane.across(), level);
         point
     }
 
     /// The same point shifted sideways by the shift of G76 and G87.
-    fn beside(&self, level: Length, shift: Length) -> Position {
+    fn shifted(&self, level: Length, shift: Length) -> MillPosition {
         let mut point = self.at(level);
         let bit = |bit| self.memory.bit(parameter::SHIFT, bit);
         let [first, second, _] = self.plane.axes();
-        let axis: Axis = if bit(1) { second } else { first };
+        let axis: MillAxis = if bit(1) { second } else { first };
         let by = if bit(0) { -shift } else { shift };
         point.set(axis, point.get(axis) + by);
         point
     }
 
     /// Returns the steps of the hole in order. Errors: alarm 062 if Q is missing.
-    pub(crate) fn parts(&self) -> Result<Vec<Part>, Alarm> {
-        let mut parts = vec![Part::Rapid(self.over)];
+    pub(crate) fn steps(&self) -> Result<Vec<HoleStep>, Alarm> {
+        let mut steps = vec![HoleStep::Rapid(self.over)];
         let (in_r, end) = (self.at(self.r), self.at(self.bottom));
         if self.hole != Hole::BackBore {
-            parts.push(Part::Rapid(in_r));
+            steps.push(HoleStep::Rapid(in_r));
         }
         let feeds_out = matches!(self.hole, Hole::Bore | Hole::BoreDwell);
         match self.hole {
-            Hole::Drill | Hole::Bore => parts.push(Part::Feed(end)),
+            Hole::Drill | Hole::Bore => steps.push(HoleStep::Feed(end)),
             Hole::DrillDwell | Hole::BoreDwell => {
-                parts.extend([Part::Feed(end), Part::Dwell(self.dwell_s)]);
+                steps.extend([HoleStep::Feed(end), HoleStep::Dwell(self.dwell_s)]);
             }
-            Hole::HighSpeedPeck | Hole::Peck => self.peck(&mut parts)?,
+            Hole::HighSpeedPeck | Hole::Peck => self.peck(&mut steps)?,
             Hole::LeftTap | Hole::RightTap => {
-                self.tap(&mut parts)?;
-                return Ok(self.finished(parts));
+                self.tap(&mut steps)?;
+                return Ok(self.with_dwell(steps));
             }
             // With G88 the operator withdraws the tool by hand.
-            Hole::BoreStop | Hole::BoreByHand => parts.extend([
-                Part::Feed(end),
-                Part::Dwell(self.dwell_s),
-                Part::Spindle(Spindle::Stopped),
+            Hole::BoreStop | Hole::BoreByHand => steps.extend([
+                HoleStep::Feed(end),
+                HoleStep::Dwell(self.dwell_s),
+                HoleStep::Spindle(SpindleState::Stopped),
             ]),
             Hole::FineBore => {
-                let shift = self.shift()?;
-                parts.extend([
-                    Part::Feed(end),
-                    Part::Dwell(self.dwell_s),
-                    Part::Spindle(Spindle::Stopped),
-                    Part::Rapid(self.beside(self.bottom, shift)),
-                    Part::Rapid(self.beside(self.back(), shift)),
-                    Part::Rapid(self.at(self.back())),
-                    Part::Spindle(self.spindle),
+                let shift = self.required_q()?;
+                steps.extend([
+                    HoleStep::Feed(end),
+                    HoleStep::Dwell(self.dwell_s),
+                    HoleStep::Spindle(SpindleState::Stopped),
+                    HoleStep::Rapid(self.shifted(self.bottom, shift)),
+                    HoleStep::Rapid(self.shifted(self.return_level(), shift)),
+                    HoleStep::Rapid(self.at(self.return_level())),
+                    HoleStep::Spindle(self.spindle),
                 ]);
-                return Ok(self.finished(parts));
+                return Ok(self.with_dwell(steps));
             }
             Hole::BackBore => {
-                let shift = self.shift()?;
+                let shift = self.required_q()?;
                 let top = self.initial;
-                parts.extend([
-                    Part::Spindle(Spindle::Stopped),
-                    Part::Rapid(self.beside(top, shift)),
-                    Part::Rapid(self.beside(self.r, shift)),
-                    Part::Rapid(in_r),
-                    Part::Spindle(self.spindle),
-                    Part::Feed(end),
-                    Part::Dwell(self.dwell_s),
-                    Part::Spindle(Spindle::Stopped),
-                    Part::Rapid(self.beside(self.bottom, shift)),
-                    Part::Rapid(self.beside(top, shift)),
-                    Part::Rapid(self.at(top)),
-                    Part::Spindle(self.spindle),
+                steps.extend([
+                    HoleStep::Spindle(SpindleState::Stopped),
+                    HoleStep::Rapid(self.shifted(top, shift)),
+                    HoleStep::Rapid(self.shifted(self.r, shift)),
+                    HoleStep::Rapid(in_r),
+                    HoleStep::Spindle(self.spindle),
+                    HoleStep::Feed(end),
+                    HoleStep::Dwell(self.dwell_s),
+                    HoleStep::Spindle(SpindleState::Stopped),
+                    HoleStep::Rapid(self.shifted(self.bottom, shift)),
+                    HoleStep::Rapid(self.shifted(top, shift)),
+                    HoleStep::Rapid(self.at(top)),
+                    HoleStep::Spindle(self.spindle),
                 ]);
-                return Ok(self.finished(parts));
+                return Ok(self.with_dwell(steps));
             }
         }
         if feeds_out {
-            parts.push(Part::Feed(in_r));
+            steps.push(HoleStep::Feed(in_r));
         }
-        parts.push(Part::Rapid(self.at(self.back())));
+        steps.push(HoleStep::Rapid(self.at(self.return_level())));
         if matches!(self.hole, Hole::BoreStop | Hole::BoreByHand) {
-            parts.push(Part::Spindle(self.spindle));
+            steps.push(HoleStep::Spindle(self.spindle));
         }
-        Ok(self.finished(parts))
+        Ok(self.with_dwell(steps))
     }
 
     /// The level that the tool returns to.
-    const fn back(&self) -> Length {
+    const fn return_level(&self) -> Length {
         if self.to_r { self.r } else { self.initial }
     }
 
     /// Adds the dwell after every hole (5108).
-    fn finished(&self, mut parts: Vec<Part>) -> Vec<Part> {
+    fn with_dwell(&self, mut steps: Vec<HoleStep>) -> Vec<HoleStep> {
         let dwell = self.memory.value(parameter::HOLE_DWELL);
         if dwell > 0 {
-            parts.push(Part::Dwell(f64::from(dwell) / 1000.0));
+            steps.push(HoleStep::Dwell(f64::from(dwell) / 1000.0));
         }
-        parts.retain(|part| !matches!(part, Part::Dwell(seconds) if *seconds <= 0.0));
-        parts
+        steps.retain(|step| !matches!(step, HoleStep::Dwell(seconds) if *seconds <= 0.0));
+        steps
     }
 
     /// Q, which must be greater than 0.
-    fn shift(&self) -> Result<Length, Alarm> {
+    fn required_q(&self) -> Result<Length, Alarm> {
         let shift = self.q.map(Length::abs).filter(|it| *it > Length::ZERO);
         shift.ok_or_else(|| {
             let detail = say::mill_hole_without_q(self.hole.code());
@@ -195,8 +195,8 @@ impl Drilling<'_> {
 
     /// G73 retracts a little after each peck. G83 retracts to R and returns to just before the
     /// last depth.
-    fn peck(&self, parts: &mut Vec<Part>) -> Result<(), Alarm> {
-        let q = self.shift()?;
+    fn peck(&self, steps: &mut Vec<HoleStep>) -> Result<(), Alarm> {
+        let q = self.required_q()?;
         let depth = self.bottom - self.r;
         let down = depth < Length::ZERO;
         let step = if down { -q } else { q };
@@ -220,57 +220,57 @@ impl Drilling<'_> {
         };
         let mut level = self.r;
         for peck in 0.. {
-            if peck == PECKS {
+            if peck == MAX_PECKS {
                 return Err(too_many_pecks());
             }
             let before = level;
             if peck > 0 && self.hole == Hole::Peck {
-                parts.push(Part::Rapid(self.at(self.r)));
-                parts.push(Part::Rapid(self.at(not_out(before + clearance))));
+                steps.push(HoleStep::Rapid(self.at(self.r)));
+                steps.push(HoleStep::Rapid(self.at(not_out(before + clearance))));
             } else if peck > 0 {
-                parts.push(Part::Rapid(self.at(not_out(before + back))));
+                steps.push(HoleStep::Rapid(self.at(not_out(before + back))));
             }
             level = before + step;
             if reached(level) {
                 break;
             }
-            parts.push(Part::Feed(self.at(level)));
+            steps.push(HoleStep::Feed(self.at(level)));
         }
-        parts.push(Part::Feed(self.at(self.bottom)));
-        parts.push(Part::Dwell(self.dwell_s));
+        steps.push(HoleStep::Feed(self.at(self.bottom)));
+        steps.push(HoleStep::Dwell(self.dwell_s));
         Ok(())
     }
 
     /// G74, G84: in, spindle reversal, out. Under M29 with Q in pecks. Without an encoder it
     /// drills.
-    fn tap(&self, parts: &mut Vec<Part>) -> Result<(), Alarm> {
+    fn tap(&self, steps: &mut Vec<HoleStep>) -> Result<(), Alarm> {
         let (in_r, end) = (self.at(self.r), self.at(self.bottom));
         if self.memory.value(parameter::ENCODER) == 0 {
-            parts.push(Part::Feed(end));
+            steps.push(HoleStep::Feed(end));
         } else {
             let (in_turn, out_turn) = match self.hole {
-                Hole::LeftTap => (Spindle::Reverse, Spindle::Forward),
-                _ => (Spindle::Forward, Spindle::Reverse),
+                Hole::LeftTap => (SpindleState::Reverse, SpindleState::Forward),
+                _ => (SpindleState::Forward, SpindleState::Reverse),
             };
-            parts.push(Part::Spindle(in_turn));
-            let tap = |to: Position, out: bool| Part::Tap { to, out };
+            steps.push(HoleStep::Spindle(in_turn));
+            let tap = |to: MillPosition, out: bool| HoleStep::Tap { to, out };
             for (level, back) in self.tap_pecks()? {
-                parts.extend([
+                steps.extend([
                     tap(self.at(level), false),
-                    Part::Spindle(out_turn),
+                    HoleStep::Spindle(out_turn),
                     tap(self.at(back), true),
-                    Part::Spindle(in_turn),
+                    HoleStep::Spindle(in_turn),
                 ]);
             }
-            parts.extend([
+            steps.extend([
                 tap(end, false),
-                Part::Dwell(self.dwell_s),
-                Part::Spindle(out_turn),
+                HoleStep::Dwell(self.dwell_s),
+                HoleStep::Spindle(out_turn),
                 tap(in_r, true),
-                Part::Spindle(in_turn),
+                HoleStep::Spindle(in_turn),
             ]);
         }
-        parts.push(Part::Rapid(self.at(self.back())));
+        steps.push(HoleStep::Rapid(self.at(self.return_level())));
         Ok(())
     }
 
@@ -283,22 +283,22 @@ impl Drilling<'_> {
             return Ok(pecks);
         }
         let down = self.bottom < self.r;
-        let way = |length: Length| if down { -length } else { length };
+        let signed = |length: Length| if down { -length } else { length };
         let before_bottom = |level: Length| (level > self.bottom) == down && level != self.bottom;
         let a_little = self.memory.length(parameter::TAP_BACK);
         let short = self.memory.bit(parameter::TAPS, 5);
-        let mut level = self.r + way(q);
+        let mut level = self.r + signed(q);
         while before_bottom(level) {
-            if pecks.len() as i64 == PECKS {
+            if pecks.len() as i64 == MAX_PECKS {
                 return Err(too_many_pecks());
             }
             let back = if short && a_little < q {
-                level - way(a_little)
+                level - signed(a_little)
             } else {
                 self.r
             };
             pecks.push((level, back));
-            level = level + way(q);
+            level = level + signed(q);
         }
         Ok(pecks)
     }

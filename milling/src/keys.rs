@@ -24,7 +24,7 @@ pub const KEYS: [(u16, [&str; 8]); 9] = [
 ];
 
 /// Returns the keys that a diagnosis number shows as pressed. `None` if the number has no keys.
-pub fn pressed(number: u16, bits: u8) -> Option<Vec<&'static str>> {
+pub fn pressed_keys(number: u16, bits: u8) -> Option<Vec<&'static str>> {
     let (_, keys) = KEYS.iter().find(|(own, _)| *own == number)?;
     let shown = keys.iter().enumerate();
     let shown = shown.filter(|(index, _)| bits >> (7 - index) & 1 == 1);
@@ -37,10 +37,10 @@ mod tests {
 
     #[test]
     fn bits_are_keys() {
-        assert_eq!(pressed(16, 0b0100_1000), Some(vec!["RST", "G"]));
-        assert_eq!(pressed(24, 1), Some(vec!["F8"]));
-        assert_eq!(pressed(23, 0), Some(vec![]));
-        assert_eq!(pressed(15, 1), None);
+        assert_eq!(pressed_keys(16, 0b0100_1000), Some(vec!["RST", "G"]));
+        assert_eq!(pressed_keys(24, 1), Some(vec!["F8"]));
+        assert_eq!(pressed_keys(23, 0), Some(vec![]));
+        assert_eq!(pressed_keys(15, 1), None);
         let mut names: Vec<_> = KEYS.iter().flat_map(|(_, keys)| keys).collect();
         names.sort_unstable();
         names.dedup();

@@ -6,7 +6,7 @@
 //!
 //! ```text
 //!   gsk_core: text -> words -> blocks, macro B, calls
-//!      Walker --block--> words --> block (codes/) --> transform --> cutter --> tracker --> Move
+//!      Walker --block--> words --> block (codes/) --> transform --> cutter --> tracker --> MillMove
 //!                                   |                                            |
 //!                                   memory: parameters, offsets, zeros           time, bounds
 //! ```
@@ -20,7 +20,7 @@ mod codes;
 pub mod commissioning;
 mod cutter;
 mod cycles;
-mod homing;
+mod reference_return;
 pub mod keys;
 mod memory;
 mod modal;
@@ -40,14 +40,14 @@ mod words;
 #[cfg(test)]
 mod tests;
 
-pub use axes::{Axes, Further};
-pub use bounds::{Bounds, Lengths};
-pub use caution::{Caution, Slip};
-pub use homing::{ParameterValues, homing};
-pub use memory::{MillMemory, Offset, parameter};
-pub use modal::{Modal, Spindle};
-pub use moves::{Arc, Move, MoveKind};
-pub use options::WordError;
-pub use parameter_table::{ParameterRow, parameter_rows};
-pub use preview::{End, MillSetup, Preview, Progress, preview_while};
-pub use space::{Axis, Each, Flat, Length, Plane, Position};
+pub use axes::{Axes, FurtherAxis};
+pub use bounds::{MillBounds, MillPathLengths};
+pub use caution::{MillCaution, MillSlip};
+pub use reference_return::{ParameterValues, describe_reference_returns};
+pub use memory::{MillMemory, MillOffset, parameter};
+pub use modal::{MillModal, SpindleState};
+pub use moves::{MillArc, MillMove, MillMoveKind};
+pub use options::MillWordError;
+pub use parameter_table::{MillParameterRow, mill_parameter_rows};
+pub use preview::{End, MillSetup, MillPreview, Progress, preview_while};
+pub use space::{MillAxis, AxisValues, PlanePoint, Length, Plane, MillPosition};

@@ -7,12 +7,12 @@ use gsk_core::model::{ControlModel, ModelId};
 use gsk_messages::say;
 
 use crate::modal::WorkZero;
-use crate::space::{Axis, Each, Length, Position};
+use crate::space::{MillAxis, AxisValues, Length, MillPosition};
 
 /// Numbers of mill parameters. For an axis add 10000 (X), 20000 (Y), 30000 (Z), 40000 (fourth)
 /// or 50000 (fifth).
 pub mod parameter {
-    use crate::space::Axis;
+    use crate::space::MillAxis;
 
     /// Bit 7: D is a diameter. Bit 1: cutter radius compensation is available.
     pub const TOOLS: u16 = 2;
@@ -111,7 +111,7 @@ pub mod parameter {
     /// Scale of an axis without I, J or K.
     pub const AXIS_SCALE: u16 = 5421;
     /// Returns the number of an axis's parameter.
-    pub const fn of(number: u16, axis: Axis) -> u16 {
+    pub const fn axis_parameter(number: u16, axis: MillAxis) -> u16 {
         number + 10_000 * (axis as u16 + 1)
     }
 }
@@ -124,7 +124,7 @@ const GREATEST_INCHES: Length = Length::from_nm(2_539_997_460);
 
 /// A row of the tool offset table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Offset {
+pub struct MillOffset {
     /// H: the length of the tool.
     pub length: Length,
     /// Wear of the length.
@@ -137,20 +137,20 @@ pub struct Offset {
 
 /// A column of the tool offset table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Column {
+pub(crate) enum OffsetColumn {
     Length,
     LengthWear,
     Radius,
     RadiusWear,
 }
 
-impl Offset {
-    pub(crate) const fn column(&mut self, column: Column) -> &mut Length {
+impl MillOffset {
+    pub(crate) const fn column(&mut self, column: OffsetColumn) -> &mut Length {
         match column {
-            Column::Length => &mut self.length,
-            Column::LengthWear => &mut self.length_wear,
-            Column::Radius => &mut self.radius,
-            Column::RadiusWear => &mut self.radius_wear,
+            OffsetColumn::Length => &mut self.length,
+            OffsetColumn::LengthWear => &mut self.length_wear,
+            OffsetColumn::Radius => &mut self.radius,
+            OffsetColumn::RadiusWear => &mut self.radius_wear,
         }
     }
 }
@@ -160,11 +160,11 @@ impl Offset {
 pub struct MillMemory {
     /// The control model with its parameters.
     pub model: ControlModel,
-    offsets: BTreeMap<u16, Offset>,
+    offsets: BTreeMap<u16, MillOffset>,
     /// External zero offset, added to all zeros.
-    pub(crate) external: Position,
+    pub(crate) external: MillPosition,
     /// The work zeros in machine coordinates.
-    zeros: [Position; WorkZero::COUNT],
+    zeros: [MillPosition; WorkZero::COUNT],
 }
 
 impl Default for MillMemory {
@@ -172,8 +172,8 @@ impl Default for MillMemory {
         Self {
             model: ControlModel::new(ModelId::Gsk980mdi),
             offsets: BTreeMap::new(),
-            external: Position::default(),
-            zeros: [Position::default(); WorkZero::COUNT],
+            external: MillPosition::default(),
+            zeros: [MillPosition::default(); WorkZero::COUNT],
         }
     }
 }
@@ -195,12 +195,12 @@ impl MillMemory {
     }
 
     /// Returns a parameter of each axis as a point.
-    pub(crate) fn point(&self, number: u16) -> Position {
-        Each(Axis::ALL.map(|axis| self.length(parameter::of(number, axis))))
+    pub(crate) fn point(&self, number: u16) -> MillPosition {
+        AxisValues(MillAxis::ALL.map(|axis| self.length(parameter::axis_parameter(number, axis))))
     }
 
     /// Returns a tool offset, 0 for those never set.
-    pub(crate) fn offset(&self, number: u16) -> Offset {
+    pub(crate) fn offset(&self, number: u16) -> MillOffset {
         self.offsets.get(&number).copied().unwrap_or_default()
     }
 
@@ -226,7 +226,7 @@ impl MillMemory {
     pub(crate) fn set_offset(
         &mut self,
         offset: i64,
-        column: Column,
+        column: OffsetColumn,
         value: Length,
         inch: bool,
     ) -> Result<(), Alarm> {
@@ -247,7 +247,7 @@ impl MillMemory {
     }
 
     /// Returns a work zero in machine coordinates, without the external offset.
-    pub(crate) fn zero(&self, zero: WorkZero) -> Position {
+    pub(crate) fn zero(&self, zero: WorkZero) -> MillPosition {
         self.zeros
             .get(usize::from(zero.0))
             .copied()
@@ -255,7 +255,7 @@ impl MillMemory {
     }
 
     /// Returns a work zero for changing.
-    pub(crate) fn zero_mut(&mut self, zero: WorkZero) -> Option<&mut Position> {
+    pub(crate) fn zero_mut(&mut self, zero: WorkZero) -> Option<&mut MillPosition> {
         self.zeros.get_mut(usize::from(zero.0))
     }
 }
@@ -268,12 +268,12 @@ mod tests {
     fn parameters_are_those_of_the_record() {
         let memory = MillMemory::default();
         assert_eq!(memory.value(parameter::SCALE), 1000);
-        for axis in Axis::ALL {
-            assert!(memory.value(parameter::of(parameter::RAPID_RATE, axis)) > 0);
+        for axis in MillAxis::ALL {
+            assert!(memory.value(parameter::axis_parameter(parameter::RAPID_RATE, axis)) > 0);
         }
-        for axis in Axis::BASIC {
+        for axis in MillAxis::BASIC {
             assert_eq!(
-                memory.value(parameter::of(parameter::AXIS_SCALE, axis)),
+                memory.value(parameter::axis_parameter(parameter::AXIS_SCALE, axis)),
                 1000
             );
         }

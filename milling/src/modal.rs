@@ -114,7 +114,7 @@ impl WorkZero {
 
 /// The state of the spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Spindle {
+pub enum SpindleState {
     /// M05.
     #[default]
     Stopped,
@@ -126,7 +126,7 @@ pub enum Spindle {
 
 /// The modal codes and words of a mill.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Modal {
+pub struct MillModal {
     /// Group 01.
     pub motion: Motion,
     /// Group 02.
@@ -160,7 +160,7 @@ pub struct Modal {
     /// S, r/min.
     pub speed: f64,
     /// State of the spindle.
-    pub spindle: Spindle,
+    pub spindle: SpindleState,
     /// Whether taps are rigid (M29).
     pub rigid: bool,
     /// Whether coolant is on.
@@ -173,7 +173,7 @@ pub struct Modal {
     pub m: u16,
 }
 
-impl Default for Modal {
+impl Default for MillModal {
     /// The modal state at power-on.
     fn default() -> Self {
         Self {
@@ -193,7 +193,7 @@ impl Default for Modal {
             feed: 0.0,
             lead: 0.0,
             speed: 0.0,
-            spindle: Spindle::Stopped,
+            spindle: SpindleState::Stopped,
             rigid: false,
             coolant: false,
             tool: 0,
@@ -203,7 +203,7 @@ impl Default for Modal {
     }
 }
 
-impl Modal {
+impl MillModal {
     /// Returns the G code of group 02.
     pub(crate) const fn plane_code(&self) -> u8 {
         match self.plane {

@@ -3,12 +3,12 @@
 use gsk_core::command::Source;
 use gsk_core::units::Feed;
 
-use crate::axes::{Axes, Further};
-use crate::space::{Axis, Flat, Plane, Position};
+use crate::axes::{Axes, FurtherAxis};
+use crate::space::{MillAxis, PlanePoint, Plane, MillPosition};
 
 /// The kind of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MoveKind {
+pub enum MillMoveKind {
     /// At the rapid rates of the axes.
     Rapid,
     /// A straight cut.
@@ -25,7 +25,7 @@ pub enum MoveKind {
     Dwell,
 }
 
-impl MoveKind {
+impl MillMoveKind {
     /// Returns the name of the kind in listings of moves.
     pub const fn name(self) -> &'static str {
         match self {
@@ -42,30 +42,30 @@ impl MoveKind {
 
 /// The circle of an arc. If the third axis moves too, the path is a helix.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Arc {
+pub struct MillArc {
     /// The plane of the circle.
     pub plane: Plane,
     /// Centre, in the coordinates of the move.
-    pub center: Flat,
+    pub center: PlanePoint,
 }
 
 /// A move of the preview.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Move {
+pub struct MillMove {
     /// The block that caused it.
     pub source: Source,
     /// The kind.
-    pub kind: MoveKind,
+    pub kind: MillMoveKind,
     /// Start of the tool tip in work coordinates. With G41 and G42, of the cutter centre.
-    pub from: Position,
+    pub from: MillPosition,
     /// End.
-    pub to: Position,
+    pub to: MillPosition,
     /// The fourth and fifth axis of the machine.
     pub axes: Axes,
     /// Machine coordinates of the work zero.
-    pub zero: Position,
+    pub zero: MillPosition,
     /// The circle, if it is an arc.
-    pub arc: Option<Arc>,
+    pub arc: Option<MillArc>,
     /// Shares of the duration after which X, Y and Z arrive. Set for a rapid whose axes arrive
     /// separately (012.7 = 0).
     pub arrivals: Option<[f64; 3]>,
@@ -79,12 +79,12 @@ pub struct Move {
     pub tool: u16,
 }
 
-impl Move {
+impl MillMove {
     /// Returns the angle of an arc, rad, greater than 0.
     pub fn sweep(&self) -> Option<f64> {
-        let Arc { plane, center } = self.arc?;
+        let MillArc { plane, center } = self.arc?;
         let (from, to) = (self.from.flat(plane) - center, self.to.flat(plane) - center);
-        let sweep = from.sweep(to, self.kind == MoveKind::Clockwise);
+        let sweep = from.sweep(to, self.kind == MillMoveKind::Clockwise);
         let chord = (to - from).length();
         // An arc that ends at its start is a full circle.
         Some(if chord < 1e-6 || sweep < 1e-12 {
@@ -96,7 +96,7 @@ impl Move {
 
     /// Returns the length of the path along X, Y and Z, mm. A rapid counts as its chord.
     pub fn length(&self) -> f64 {
-        let (Some(Arc { plane, center }), Some(sweep)) = (self.arc, self.sweep()) else {
+        let (Some(MillArc { plane, center }), Some(sweep)) = (self.arc, self.sweep()) else {
             return self.from.distance(&self.to);
         };
         let from = (self.from.flat(plane) - center).length();
@@ -109,10 +109,10 @@ impl Move {
 
     /// Returns the length of the path along all axes, to which the feed applies. A degree
     /// counts as a millimetre.
-    pub(crate) fn way(&self) -> f64 {
-        let way = self.to - self.from;
-        let squares = Axis::FURTHER
-            .map(|axis| way.get(axis).mm())
+    pub(crate) fn path_length(&self) -> f64 {
+        let distance = self.to - self.from;
+        let squares = MillAxis::FURTHER
+            .map(|axis| distance.get(axis).mm())
             .map(|it| it * it);
         let further: f64 = squares.iter().sum();
         let length = self.length();
@@ -124,13 +124,13 @@ impl Move {
     }
 
     /// Returns the longest distance along one axis, mm.
-    pub(crate) fn longest(&self) -> f64 {
-        let way = (self.to - self.from).0;
-        way.into_iter().map(|it| it.abs().mm()).fold(0.0, f64::max)
+    pub(crate) fn longest_distance(&self) -> f64 {
+        let distance = (self.to - self.from).0;
+        distance.into_iter().map(|it| it.abs().mm()).fold(0.0, f64::max)
     }
 
     /// Returns each fourth or fifth axis with its start and end, mm or degrees.
-    pub fn further(&self) -> impl Iterator<Item = (Further, f64, f64)> + use<> {
+    pub fn further(&self) -> impl Iterator<Item = (FurtherAxis, f64, f64)> + use<> {
         let (from, to) = (self.from, self.to);
         let all = self.axes.all_further();
         all.map(move |(axis, it)| (it, from.get(axis).mm(), to.get(axis).mm()))
@@ -148,13 +148,13 @@ impl Move {
             };
             from[axis] + (to[axis] - from[axis]) * done
         });
-        let (Some(Arc { plane, center }), Some(sweep)) = (self.arc, self.sweep()) else {
+        let (Some(MillArc { plane, center }), Some(sweep)) = (self.arc, self.sweep()) else {
             return point;
         };
         let begin = self.from.flat(plane) - center;
         let end = (self.to.flat(plane) - center).length();
         let turned = match self.kind {
-            MoveKind::Clockwise => -sweep * part,
+            MillMoveKind::Clockwise => -sweep * part,
             _ => sweep * part,
         };
         let radius = begin.length() + (end - begin.length()) * part;

@@ -5,13 +5,13 @@ use gsk_core::units::parse_finite;
 use gsk_messages::{Message, say};
 
 use crate::axes::Axes;
-use crate::memory::{Column, MillMemory};
+use crate::memory::{OffsetColumn, MillMemory};
 use crate::modal::WorkZero;
-use crate::space::{Length, Position};
+use crate::space::{Length, MillPosition};
 
 /// The reason why the word of an offset or a zero is invalid.
 #[derive(Clone, Debug, PartialEq)]
-pub struct WordError(pub Message);
+pub struct MillWordError(pub Message);
 
 impl MillMemory {
     /// Parses a tool offset: `1=H,D`, optionally followed by the wear of both, mm.
@@ -19,23 +19,23 @@ impl MillMemory {
     /// # Errors
     ///
     /// Returns a message if the form or a value is wrong.
-    pub fn take_offset(&mut self, word: &str) -> Result<(), WordError> {
-        let wrong = || WordError(say::mill_offset_form(word));
+    pub fn take_offset(&mut self, word: &str) -> Result<(), MillWordError> {
+        let wrong = || MillWordError(say::mill_offset_form(word));
         let (name, values) = word.split_once('=').ok_or_else(wrong)?;
         let number: i64 = name.trim().parse().map_err(|_| wrong())?;
         let columns = [
-            Column::Length,
-            Column::Radius,
-            Column::LengthWear,
-            Column::RadiusWear,
+            OffsetColumn::Length,
+            OffsetColumn::Radius,
+            OffsetColumn::LengthWear,
+            OffsetColumn::RadiusWear,
         ];
-        let values = numbers(values).ok_or_else(wrong)?;
+        let values = parse_lengths(values).ok_or_else(wrong)?;
         if values.len() > columns.len() {
             return Err(wrong());
         }
         for (column, value) in columns.into_iter().zip(values) {
             let set = self.set_offset(number, column, value, false);
-            set.map_err(|alarm| WordError(alarm.reason()))?;
+            set.map_err(|alarm| MillWordError(alarm.reason()))?;
         }
         Ok(())
     }
@@ -46,10 +46,10 @@ impl MillMemory {
     /// # Errors
     ///
     /// Returns a message if the form or a value is wrong.
-    pub fn take_zero(&mut self, word: &str) -> Result<(), WordError> {
-        let wrong = || WordError(say::mill_zero_form(word));
+    pub fn take_zero(&mut self, word: &str) -> Result<(), MillWordError> {
+        let wrong = || MillWordError(say::mill_zero_form(word));
         let (name, values) = word.split_once('=').ok_or_else(wrong)?;
-        let point = position(self, values).ok_or_else(wrong)?;
+        let point = parse_position(self, values).ok_or_else(wrong)?;
         let name = name.trim().trim_start_matches('G');
         let zero = match name.split_once(".1P") {
             Some(("54", additional)) => match additional.parse() {
@@ -74,21 +74,21 @@ impl MillMemory {
 
 /// Parses a point: `X,Y,Z` in mm, optionally followed by the fourth and fifth axis of the
 /// machine, mm or degrees.
-pub(crate) fn position(memory: &MillMemory, text: &str) -> Option<Position> {
-    let count = 3 + Axes::of(memory).all_further().count();
-    let values = numbers(text)?;
+pub(crate) fn parse_position(memory: &MillMemory, text: &str) -> Option<MillPosition> {
+    let count = 3 + Axes::from_memory(memory).all_further().count();
+    let values = parse_lengths(text)?;
     if !(3..=count).contains(&values.len()) {
         return None;
     }
-    let mut point = Position::default();
-    for (axis, value) in Axes::of(memory).all().zip(values) {
+    let mut point = MillPosition::default();
+    for (axis, value) in Axes::from_memory(memory).all().zip(values) {
         point.set(axis, value);
     }
     Some(point)
 }
 
 /// Parses lengths in mm, separated by commas.
-fn numbers(text: &str) -> Option<Vec<Length>> {
+fn parse_lengths(text: &str) -> Option<Vec<Length>> {
     let number = |word: &str| {
         let value = parse_finite(word.trim())?;
         (value.abs() <= 99_999.999).then(|| Length::from_mm(value).rounded())

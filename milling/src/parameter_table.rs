@@ -7,7 +7,7 @@ const TABLE: &str = include_str!("../../assets/tables/mill-parameters.tsv");
 
 /// A parameter, or a bit of one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ParameterRow {
+pub struct MillParameterRow {
     /// Its number. For an axis add 10000 (X) to 50000 (fifth).
     pub number: u16,
     /// The bit of a state parameter.
@@ -30,16 +30,16 @@ pub struct ParameterRow {
 }
 
 /// Returns the table, sorted by number and bit.
-pub fn parameter_rows() -> &'static [ParameterRow] {
-    static ROWS: LazyLock<Vec<ParameterRow>> =
+pub fn mill_parameter_rows() -> &'static [MillParameterRow] {
+    static ROWS: LazyLock<Vec<MillParameterRow>> =
         LazyLock::new(|| TABLE.lines().skip(1).filter_map(row).collect());
     &ROWS
 }
 
-fn row(line: &'static str) -> Option<ParameterRow> {
+fn row(line: &'static str) -> Option<MillParameterRow> {
     let mut fields = line.split('\t');
     let mut next = || fields.next();
-    Some(ParameterRow {
+    Some(MillParameterRow {
         number: next()?.parse().ok()?,
         bit: next()?.parse().ok(),
         symbol: next()?,
@@ -64,7 +64,7 @@ mod tests {
 
     #[test]
     fn every_line_is_a_row() {
-        let rows = parameter_rows();
+        let rows = mill_parameter_rows();
         assert_eq!(rows.len(), TABLE.lines().count() - 1);
         let keys: Vec<_> = rows
             .iter()
@@ -78,11 +78,11 @@ mod tests {
     #[test]
     fn what_acts_is_what_the_model_has() {
         let record = ModelId::Gsk980mdi.record();
-        let of_axes = |row: &ParameterRow| match row.axes {
+        let of_axes = |row: &MillParameterRow| match row.axes {
             [] => vec![row.number],
             axes => axes.iter().map(|axis| row.number + axis * 10_000).collect(),
         };
-        for row in parameter_rows() {
+        for row in mill_parameter_rows() {
             for number in of_axes(row) {
                 let Some(there) = record.parameters.get(&number) else {
                     assert!(!row.acts, "{number} acts, and the model has none");
@@ -104,9 +104,9 @@ mod tests {
                 assert_eq!(format!("{least}..{greatest}"), row.range, "{number}");
             }
         }
-        let listed: Vec<u16> = parameter_rows().iter().flat_map(of_axes).collect();
+        let listed: Vec<u16> = mill_parameter_rows().iter().flat_map(of_axes).collect();
         for (number, parameter) in &record.parameters {
-            let rows = parameter_rows().iter();
+            let rows = mill_parameter_rows().iter();
             let acts = rows
                 .clone()
                 .any(|row| of_axes(row).contains(number) && row.acts);

@@ -12,33 +12,33 @@ use gsk_messages::say;
 pub use gsk_core::preview::{End, Progress};
 
 use crate::axes::Axes;
-use crate::block::{self, Flow};
-use crate::bounds::{Bounds, Lengths};
-use crate::caution::{self, Caution};
-use crate::cutter::Cutter;
+use crate::block::{self, BlockFlow};
+use crate::bounds::{MillBounds, MillPathLengths};
+use crate::caution::{self, MillCaution};
+use crate::cutter::CutterStream;
 use crate::memory::{MillMemory, parameter};
-use crate::modal::{Modal, Motion};
-use crate::options::{WordError, position};
-use crate::space::{Axis, Length, Position};
-use crate::state::State;
-use crate::system::{Known, Variables};
-use crate::tracker::{OnMove, Tracker};
+use crate::modal::{MillModal, Motion};
+use crate::options::{MillWordError, parse_position};
+use crate::space::{MillAxis, Length, MillPosition};
+use crate::state::MillState;
+use crate::system::{VariableContext, MillVariables};
+use crate::tracker::{MoveCallback, Tracker};
 use crate::transform::Transform;
-use crate::travel::{GoOn, Patience, Scene};
-use crate::words::Words;
+use crate::travel::{ProgressCallback, ProgressCheck, RunContext};
+use crate::words::BlockWords;
 
 /// Blocks between two progress callbacks.
-const BLOCKS_A_LOOK: u64 = 1024;
+const BLOCKS_PER_CALLBACK: u64 = 1024;
 /// Limit of machine time, s: 1000 hours.
-const LONGEST_S: f64 = 3.6e6;
+const MAX_TIME_S: f64 = 3.6e6;
 /// Greatest number of further alarms.
-const MOST_FURTHER: usize = 20;
+const MAX_FURTHER_ALARMS: usize = 20;
 /// Greatest number of warnings.
-const MOST_CAUTIONS: usize = 50;
+const MAX_CAUTIONS: usize = 50;
 /// Greatest number of runs of a call.
-const MOST_RUNS: u16 = 9999;
+const MAX_RUNS: u16 = 9999;
 /// Blocks searched for further alarms.
-const FURTHER_BLOCKS: u64 = 100_000;
+const MAX_FURTHER_BLOCKS: u64 = 100_000;
 
 /// The state in which a program starts.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,7 +46,7 @@ pub struct MillSetup {
     /// Parameters, tool offsets and work zeros.
     pub memory: MillMemory,
     /// Start position, machine coordinates.
-    pub start: Position,
+    pub start: MillPosition,
     /// Whether blocks with `/` are skipped.
     pub block_skip: bool,
     /// Date and time of the control's clock at the start.
@@ -56,8 +56,8 @@ pub struct MillSetup {
 impl Default for MillSetup {
     /// Starts 100 mm above machine zero.
     fn default() -> Self {
-        let mut start = Position::default();
-        start.set(Axis::Z, Length::from_mm(100.0));
+        let mut start = MillPosition::default();
+        start.set(MillAxis::Z, Length::from_mm(100.0));
         Self {
             memory: MillMemory::default(),
             start,
@@ -81,16 +81,16 @@ impl MillSetup {
     /// # Errors
     ///
     /// Returns a message if the form or a value is wrong.
-    pub fn take_start(&mut self, word: &str) -> Result<(), WordError> {
-        let start = position(&self.memory, word);
-        self.start = start.ok_or_else(|| WordError(say::mill_start_form(word)))?;
+    pub fn take_start(&mut self, word: &str) -> Result<(), MillWordError> {
+        let start = parse_position(&self.memory, word);
+        self.start = start.ok_or_else(|| MillWordError(say::mill_start_form(word)))?;
         Ok(())
     }
 }
 
 /// The result of running a program.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Preview {
+pub struct MillPreview {
     /// How it ended.
     pub end: End,
     /// The alarm that ended it.
@@ -98,7 +98,7 @@ pub struct Preview {
     /// Alarms after the first one that do not depend on the position of the tool.
     pub further: Vec<Alarm>,
     /// Warnings, each kind once.
-    pub cautions: Vec<Caution>,
+    pub cautions: Vec<MillCaution>,
     /// Machine time of motion and dwells, s. M, S and T take no time.
     pub time_s: f64,
     /// Part of the machine time spent cutting, s.
@@ -114,34 +114,34 @@ pub struct Preview {
     /// Tools in the order of their first use.
     pub tools: Vec<u16>,
     /// The bounding box of the path.
-    pub bounds: Option<Bounds>,
+    pub bounds: Option<MillBounds>,
     /// Path lengths by kind.
-    pub lengths: Lengths,
+    pub lengths: MillPathLengths,
     /// Final position of the tool tip, work coordinates.
-    pub work: Position,
+    pub work: MillPosition,
     /// Final position, machine coordinates.
-    pub machine: Position,
+    pub machine: MillPosition,
     /// The fourth and fifth axis of the machine.
     pub axes: Axes,
     /// Modal state at the end.
-    pub modal: Modal,
+    pub modal: MillModal,
 }
 
-/// Runs the selected program. `on_move` receives every move in order. `go_on` is called every
+/// Runs the selected program. `on_move` receives every move in order. `on_progress` is called every
 /// 1024 blocks and before each repeated hole of a block. The run stops when it returns false.
 pub fn preview_while(
     setup: &MillSetup,
     programs: &ProgramMemory,
-    on_move: &mut OnMove<'_>,
-    go_on: &mut dyn FnMut(&Progress) -> bool,
-) -> Preview {
+    on_move: &mut MoveCallback<'_>,
+    on_progress: &mut dyn FnMut(&Progress) -> bool,
+) -> MillPreview {
     let Some(program) = programs.current() else {
         let alarm = Alarm::new(number::PROGRAM_MISSING).because(say::program_not_selected());
         return Run::new(setup, programs, ProgramId::External, on_move)
             .result(End::Alarm, Some(alarm));
     };
     let mut run = Run::new(setup, programs, program, on_move);
-    let (end, alarm) = match run.walk(go_on) {
+    let (end, alarm) = match run.run_blocks(on_progress) {
         Ok(end) => match run.cutter.flush(&mut run.tracker) {
             Ok(()) => (end, None),
             Err(alarm) => (End::Alarm, Some(alarm)),
@@ -157,7 +157,7 @@ pub fn preview_while(
     };
     let mut preview = run.result(end, alarm);
     if preview.end == End::Alarm {
-        preview.further = run.look_on(preview.alarm.as_ref(), go_on);
+        preview.further = run.find_further_alarms(preview.alarm.as_ref(), on_progress);
     }
     preview
 }
@@ -167,10 +167,10 @@ struct Run<'a> {
     programs: &'a ProgramMemory,
     main: ProgramId,
     walker: Walker,
-    state: State,
+    state: MillState,
     memory: MillMemory,
-    variables: Variables,
-    cutter: Cutter,
+    variables: MillVariables,
+    cutter: CutterStream,
     tracker: Tracker<'a>,
     block_skip: bool,
     blocks: u64,
@@ -179,7 +179,7 @@ struct Run<'a> {
     stops: u32,
     parts: u32,
     tools: Vec<u16>,
-    cautions: Vec<Caution>,
+    cautions: Vec<MillCaution>,
 }
 
 impl<'a> Run<'a> {
@@ -187,15 +187,15 @@ impl<'a> Run<'a> {
         setup: &MillSetup,
         programs: &'a ProgramMemory,
         program: ProgramId,
-        on_move: &'a mut OnMove<'_>,
+        on_move: &'a mut MoveCallback<'_>,
     ) -> Self {
         let memory = setup.memory.clone();
-        let axes = Axes::of(&memory);
-        let start = axes.rolled(setup.start);
-        let mut state = State {
+        let axes = Axes::from_memory(&memory);
+        let start = axes.wrapped(setup.start);
+        let mut state = MillState {
             axes,
             machine: start,
-            ..State::default()
+            ..MillState::default()
         };
         state.modal.feed = memory.value(parameter::FIRST_FEED).into();
         if memory.bit(parameter::MOTION, 4) {
@@ -207,10 +207,10 @@ impl<'a> Run<'a> {
             main: program,
             walker: Walker::new(program).with_codes(&memory.model),
             state,
-            cutter: Cutter::new(start),
+            cutter: CutterStream::new(start),
             tracker: Tracker::new(&memory, start, on_move),
             memory,
-            variables: Variables::new(setup.day_time),
+            variables: MillVariables::new(setup.day_time),
             block_skip: setup.block_skip,
             blocks: 0,
             work: 0,
@@ -222,12 +222,12 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn walk(&mut self, go_on: &mut dyn FnMut(&Progress) -> bool) -> Result<End, Alarm> {
+    fn run_blocks(&mut self, on_progress: &mut dyn FnMut(&Progress) -> bool) -> Result<End, Alarm> {
         for count in 1_u64.. {
-            if self.tracker.now >= LONGEST_S {
+            if self.tracker.now >= MAX_TIME_S {
                 break;
             }
-            if count % BLOCKS_A_LOOK == 0 && !go_on(&self.progress()) {
+            if count % BLOCKS_PER_CALLBACK == 0 && !on_progress(&self.progress()) {
                 break;
             }
             let moves = self.tracker.moves;
@@ -242,7 +242,7 @@ impl<'a> Run<'a> {
             };
             self.blocks += 1;
             let source = self.source();
-            let end = self.carry_out(&block, go_on);
+            let end = self.execute_block(&block, on_progress);
             let end = end.map_err(|alarm| alarm.at(source))?;
             self.motionless = match self.tracker.moves > moves {
                 true => 0,
@@ -279,7 +279,7 @@ impl<'a> Run<'a> {
             ..Syntax::default()
         };
         let program = self.programs.get(self.main).and_then(Program::number);
-        let mut known = Known {
+        let mut known = VariableContext {
             source: self.walker.source(self.programs),
             program: match self.walker.program() {
                 ProgramId::Stored(number) => number,
@@ -297,45 +297,45 @@ impl<'a> Run<'a> {
         read.map_err(|alarm| alarm.at(self.source()))
     }
 
-    fn carry_out(&mut self, block: &Block, go_on: &mut GoOn<'_>) -> Result<Option<End>, Alarm> {
-        let mut words = Words::of(block, self.memory.model.record(), self.state.axes)?;
-        let called = self.call_of(&mut words)?;
+    fn execute_block(&mut self, block: &Block, on_progress: &mut ProgressCallback<'_>) -> Result<Option<End>, Alarm> {
+        let mut words = BlockWords::parse(block, self.memory.model.record(), self.state.axes)?;
+        let called = self.take_call(&mut words)?;
         let source = self.source();
         let progress = self.progress();
-        let mut scene = Scene {
+        let mut context = RunContext {
             memory: &mut self.memory,
             cutter: &mut self.cutter,
             tracker: &mut self.tracker,
             source,
             exact: false,
-            patience: Patience {
-                go_on,
+            progress_check: ProgressCheck {
+                on_progress,
                 progress,
-                over: false,
+                is_stopped: false,
             },
         };
-        let outcome = block::carry_out(&mut self.state, block, &words, &mut scene)?;
-        if scene.patience.over {
+        let outcome = block::execute_block(&mut self.state, block, &words, &mut context)?;
+        if context.progress_check.is_stopped {
             return Ok(Some(End::Limit));
         }
-        self.look_at(block, &words, &outcome.flow, source);
+        self.store_cautions(block, &words, &outcome.flow, source);
         let tool = self.state.modal.tool;
         if tool > 0 && !self.tools.contains(&tool) {
             self.tools.push(tool);
         }
-        let calls = !matches!(outcome.flow, Flow::Next | Flow::Stop | Flow::End);
+        let calls = !matches!(outcome.flow, BlockFlow::Next | BlockFlow::Stop | BlockFlow::End);
         if !outcome.moved && !calls && words.letters.m.is_some() {
             // An M code acts after the motion has stopped.
-            self.tracker.stand();
+            self.tracker.stop();
         }
         if let Some(call) = called {
-            return self.enter(&call, &outcome.flow).map(|()| None);
+            return self.enter_called(&call, &outcome.flow).map(|()| None);
         }
         match outcome.flow {
-            Flow::Next if outcome.moved => self.walker.moved(),
-            Flow::Next => {}
-            Flow::Stop => self.stops += 1,
-            Flow::End => {
+            BlockFlow::Next if outcome.moved => self.walker.moved(),
+            BlockFlow::Next => {}
+            BlockFlow::Stop => self.stops += 1,
+            BlockFlow::End => {
                 self.finish_part();
                 self.walker.end();
                 self.reset();
@@ -344,12 +344,12 @@ impl<'a> Run<'a> {
                     _ => End::M30,
                 }));
             }
-            Flow::Call {
+            BlockFlow::Call {
                 program,
                 runs,
                 name,
             } => self.walker.call(self.programs, program, runs, &name)?,
-            Flow::Macro {
+            BlockFlow::Macro {
                 program,
                 runs,
                 name,
@@ -358,7 +358,7 @@ impl<'a> Run<'a> {
                 self.walker
                     .call_macro(self.programs, program, runs, &name, words)?;
             }
-            Flow::Back(p) => match self.walker.back(self.programs, p)? {
+            BlockFlow::Back(p) => match self.walker.back(self.programs, p)? {
                 Back::Returned | Back::Jumped => {}
                 Back::Repeats => {
                     self.finish_part();
@@ -371,7 +371,7 @@ impl<'a> Run<'a> {
 
     /// Takes the program that M or T of a block calls by 240 to 242 or 040.5. The word has no
     /// other effect.
-    fn call_of(&mut self, words: &mut Words) -> Result<Option<(PlainCall, u16)>, Alarm> {
+    fn take_call(&mut self, words: &mut BlockWords) -> Result<Option<(PlainCall, u16)>, Alarm> {
         let letters = &mut words.letters;
         let [m, t] = [letters.m, letters.t].map(|it| it.map(Number::integer));
         let Some(call) = self.walker.called_by(m, t) else {
@@ -386,17 +386,17 @@ impl<'a> Run<'a> {
         letters.m = None;
         let runs = letters.l.take().map_or(1, Number::integer);
         match u16::try_from(runs) {
-            Ok(runs @ 1..=MOST_RUNS) => Ok(Some((call, runs))),
+            Ok(runs @ 1..=MAX_RUNS) => Ok(Some((call, runs))),
             _ => {
-                let detail = say::macro_runs_out_of_range(runs, MOST_RUNS);
+                let detail = say::macro_runs_out_of_range(runs, MAX_RUNS);
                 Err(Alarm::new(number::OUT_OF_RANGE).because(detail))
             }
         }
     }
 
     /// Enters that program. No other word of the block may change the flow.
-    fn enter(&mut self, (call, runs): &(PlainCall, u16), rest: &Flow) -> Result<(), Alarm> {
-        if *rest != Flow::Next {
+    fn enter_called(&mut self, (call, runs): &(PlainCall, u16), rest: &BlockFlow) -> Result<(), Alarm> {
+        if *rest != BlockFlow::Next {
             let detail = say::call_twice_in_block(call.address, call.code);
             return Err(Alarm::new(number::TOO_MANY_WORDS).because(detail));
         }
@@ -404,14 +404,14 @@ impl<'a> Run<'a> {
     }
 
     /// Stores the warnings of a block, each once.
-    fn look_at(&mut self, block: &Block, words: &Words, flow: &Flow, source: Source) {
-        if matches!(flow, Flow::Macro { .. }) {
+    fn store_cautions(&mut self, block: &Block, words: &BlockWords, flow: &BlockFlow, source: Source) {
+        if matches!(flow, BlockFlow::Macro { .. }) {
             return;
         }
-        for slip in caution::slips(block, words, &self.state, &self.memory) {
+        for slip in caution::find_slips(block, words, &self.state, &self.memory) {
             let known = self.cautions.iter().any(|it| it.slip == slip);
-            if !known && self.cautions.len() < MOST_CAUTIONS {
-                self.cautions.push(Caution { slip, source });
+            if !known && self.cautions.len() < MAX_CAUTIONS {
+                self.cautions.push(MillCaution { slip, source });
             }
         }
     }
@@ -428,14 +428,14 @@ impl<'a> Run<'a> {
         self.state.transform = Transform::default();
         self.state.polar = None;
         if self.memory.bit(parameter::LOCAL, 1) {
-            self.state.local = Position::default();
+            self.state.local = MillPosition::default();
         }
     }
 
-    fn result(&mut self, end: End, alarm: Option<Alarm>) -> Preview {
-        self.tracker.stand();
+    fn result(&mut self, end: End, alarm: Option<Alarm>) -> MillPreview {
+        self.tracker.stop();
         let frame = self.state.frame(&self.memory);
-        Preview {
+        MillPreview {
             end,
             alarm,
             further: Vec::new(),
@@ -449,7 +449,7 @@ impl<'a> Run<'a> {
             tools: self.tools.clone(),
             bounds: self.tracker.bounds,
             lengths: self.tracker.lengths,
-            work: self.state.axes.rolled(self.tracker.machine - frame),
+            work: self.state.axes.wrapped(self.tracker.machine - frame),
             axes: self.state.axes,
             machine: self.tracker.machine,
             modal: self.state.modal,
@@ -457,15 +457,15 @@ impl<'a> Run<'a> {
     }
 
     /// After an alarm: finds blocks that are refused regardless of the tool's position.
-    fn look_on(&mut self, first: Option<&Alarm>, go_on: &mut GoOn<'_>) -> Vec<Alarm> {
+    fn find_further_alarms(&mut self, first: Option<&Alarm>, on_progress: &mut ProgressCallback<'_>) -> Vec<Alarm> {
         let mut lines: Vec<Source> = first.and_then(|alarm| alarm.source).into_iter().collect();
         let mut further = Vec::new();
-        for count in 1..=FURTHER_BLOCKS {
+        for count in 1..=MAX_FURTHER_BLOCKS {
             let progress = || Progress {
                 blocks: self.blocks + count,
                 ..self.progress()
             };
-            if count % BLOCKS_A_LOOK == 0 && !go_on(&progress()) {
+            if count % BLOCKS_PER_CALLBACK == 0 && !on_progress(&progress()) {
                 break;
             }
             let alarm = match self.read() {
@@ -473,7 +473,7 @@ impl<'a> Run<'a> {
                 Ok(Read::Nothing | Read::Returned) => continue,
                 Ok(Read::Words(block)) => {
                     let source = self.source();
-                    match self.refusal(&block) {
+                    match self.check_words(&block) {
                         Ok(true) => break,
                         Ok(false) => continue,
                         Err(alarm) => alarm.at(source),
@@ -487,7 +487,7 @@ impl<'a> Run<'a> {
             }
             lines.push(source);
             further.push(alarm);
-            if further.len() >= MOST_FURTHER {
+            if further.len() >= MAX_FURTHER_ALARMS {
                 break;
             }
         }
@@ -495,30 +495,30 @@ impl<'a> Run<'a> {
     }
 
     /// Checks a block by its words alone. Returns whether the program ends with it.
-    fn refusal(&mut self, block: &Block) -> Result<bool, Alarm> {
-        let mut words = Words::of(block, self.memory.model.record(), self.state.axes)?;
-        let called = self.call_of(&mut words)?;
+    fn check_words(&mut self, block: &Block) -> Result<bool, Alarm> {
+        let mut words = BlockWords::parse(block, self.memory.model.record(), self.state.axes)?;
+        let called = self.take_call(&mut words)?;
         words.check()?;
-        let flow = block::flow(&words, &self.memory)?;
-        if !matches!(flow, Flow::Macro { .. }) {
+        let flow = block::block_flow(&words, &self.memory)?;
+        if !matches!(flow, BlockFlow::Macro { .. }) {
             words.check_axes()?;
         }
         self.state.modal.inch = words.inch.unwrap_or(self.state.modal.inch);
         if let Some(call) = called {
-            return self.enter(&call, &flow).map(|()| false);
+            return self.enter_called(&call, &flow).map(|()| false);
         }
         match flow {
-            Flow::End => return Ok(true),
-            Flow::Back(p) => {
+            BlockFlow::End => return Ok(true),
+            BlockFlow::Back(p) => {
                 let back = self.walker.back(self.programs, p)?;
                 return Ok(back == Back::Repeats);
             }
-            Flow::Call {
+            BlockFlow::Call {
                 program,
                 runs,
                 name,
             } => self.walker.call(self.programs, program, runs, &name)?,
-            Flow::Macro {
+            BlockFlow::Macro {
                 program,
                 runs,
                 name,
@@ -527,7 +527,7 @@ impl<'a> Run<'a> {
                 self.walker
                     .call_macro(self.programs, program, runs, &name, words)?;
             }
-            Flow::Next | Flow::Stop => {}
+            BlockFlow::Next | BlockFlow::Stop => {}
         }
         Ok(false)
     }

@@ -81,7 +81,7 @@ impl Neg for Length {
 
 /// An axis of the mill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Axis {
+pub enum MillAxis {
     /// The table, left and right.
     X,
     /// The table, forward and back.
@@ -94,7 +94,7 @@ pub enum Axis {
     Fifth,
 }
 
-impl Axis {
+impl MillAxis {
     /// All axes.
     pub const ALL: [Self; 5] = [Self::X, Self::Y, Self::Z, Self::Fourth, Self::Fifth];
     /// The axes of the planes, which every machine has.
@@ -105,38 +105,38 @@ impl Axis {
 
 /// A value for each axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Each<T>(pub [T; 5]);
+pub struct AxisValues<T>(pub [T; 5]);
 
 /// A point, or a distance between points. A rotary axis counts a degree as a millimetre.
-pub type Position = Each<Length>;
+pub type MillPosition = AxisValues<Length>;
 
-impl<T: Copy> Each<T> {
+impl<T: Copy> AxisValues<T> {
     /// Creates values for X, Y and Z, with one value for both further axes.
     pub const fn basic([x, y, z]: [T; 3], further: T) -> Self {
         Self([x, y, z, further, further])
     }
 
     /// Returns the value of an axis.
-    pub const fn get(&self, axis: Axis) -> T {
+    pub const fn get(&self, axis: MillAxis) -> T {
         self.0[axis as usize]
     }
 
     /// Sets the value of an axis.
-    pub const fn set(&mut self, axis: Axis, value: T) {
+    pub const fn set(&mut self, axis: MillAxis, value: T) {
         self.0[axis as usize] = value;
     }
 }
 
-impl Position {
+impl MillPosition {
     /// Returns X, Y and Z in mm.
     pub fn mm(&self) -> [f64; 3] {
-        Axis::BASIC.map(|axis| self.get(axis).mm())
+        MillAxis::BASIC.map(|axis| self.get(axis).mm())
     }
 
     /// Returns the point with other X, Y and Z.
     #[must_use]
     pub(crate) fn with_basic(mut self, [x, y, z]: [Length; 3]) -> Self {
-        for (axis, value) in Axis::BASIC.into_iter().zip([x, y, z]) {
+        for (axis, value) in MillAxis::BASIC.into_iter().zip([x, y, z]) {
             self.set(axis, value);
         }
         self
@@ -144,21 +144,21 @@ impl Position {
 
     /// Returns the point with the fourth and fifth axis of another point.
     #[must_use]
-    pub(crate) const fn turned_as(mut self, other: &Self) -> Self {
-        self.set(Axis::Fourth, other.get(Axis::Fourth));
-        self.set(Axis::Fifth, other.get(Axis::Fifth));
+    pub(crate) const fn with_further_of(mut self, other: &Self) -> Self {
+        self.set(MillAxis::Fourth, other.get(MillAxis::Fourth));
+        self.set(MillAxis::Fifth, other.get(MillAxis::Fifth));
         self
     }
 
     /// Returns the coordinates along the first and second axis of a plane, mm.
-    pub fn flat(&self, plane: Plane) -> Flat {
+    pub fn flat(&self, plane: Plane) -> PlanePoint {
         let [first, second, _] = plane.axes();
-        Flat::new(self.get(first).mm(), self.get(second).mm())
+        PlanePoint::new(self.get(first).mm(), self.get(second).mm())
     }
 
     /// Returns the point moved in a plane to `flat`, rounded to the least increment.
     #[must_use]
-    pub fn at(mut self, plane: Plane, flat: Flat) -> Self {
+    pub fn moved_to(mut self, plane: Plane, flat: PlanePoint) -> Self {
         let [first, second, _] = plane.axes();
         self.set(first, Length::from_mm(flat.first).rounded());
         self.set(second, Length::from_mm(flat.second).rounded());
@@ -172,14 +172,14 @@ impl Position {
     }
 }
 
-impl Add for Position {
+impl Add for MillPosition {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self(core::array::from_fn(|axis| self.0[axis] + other.0[axis]))
     }
 }
 
-impl Sub for Position {
+impl Sub for MillPosition {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         Self(core::array::from_fn(|axis| self.0[axis] - other.0[axis]))
@@ -200,30 +200,30 @@ pub enum Plane {
 
 impl Plane {
     /// Returns the first and second axis of the plane, and the axis across it.
-    pub const fn axes(self) -> [Axis; 3] {
+    pub const fn axes(self) -> [MillAxis; 3] {
         match self {
-            Self::Xy => [Axis::X, Axis::Y, Axis::Z],
-            Self::Zx => [Axis::Z, Axis::X, Axis::Y],
-            Self::Yz => [Axis::Y, Axis::Z, Axis::X],
+            Self::Xy => [MillAxis::X, MillAxis::Y, MillAxis::Z],
+            Self::Zx => [MillAxis::Z, MillAxis::X, MillAxis::Y],
+            Self::Yz => [MillAxis::Y, MillAxis::Z, MillAxis::X],
         }
     }
 
     /// Returns the axis across the plane.
-    pub const fn across(self) -> Axis {
+    pub const fn across(self) -> MillAxis {
         self.axes()[2]
     }
 }
 
 /// A point in a plane, or a distance between two, mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Flat {
+pub struct PlanePoint {
     /// Coordinate along the first axis of the plane.
     pub first: f64,
     /// Coordinate along the second axis of the plane.
     pub second: f64,
 }
 
-impl Flat {
+impl PlanePoint {
     /// Creates a point from its coordinates.
     pub const fn new(first: f64, second: f64) -> Self {
         Self { first, second }
@@ -236,13 +236,13 @@ impl Flat {
 
     /// Returns the point multiplied by a factor.
     #[must_use]
-    pub fn times(self, factor: f64) -> Self {
+    pub fn scaled(self, factor: f64) -> Self {
         Self::new(self.first * factor, self.second * factor)
     }
 
     /// Returns the point rotated counter-clockwise about the origin. Quarter turns are exact.
     #[must_use]
-    pub fn turned(self, degrees: f64) -> Self {
+    pub fn rotated(self, degrees: f64) -> Self {
         let (sine, cosine) = sine_cosine(degrees);
         Self::new(
             self.first * cosine - self.second * sine,
@@ -264,14 +264,14 @@ impl Flat {
     }
 }
 
-impl Add for Flat {
+impl Add for PlanePoint {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self::new(self.first + other.first, self.second + other.second)
     }
 }
 
-impl Sub for Flat {
+impl Sub for PlanePoint {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         Self::new(self.first - other.first, self.second - other.second)
@@ -320,10 +320,10 @@ mod tests {
     }
 
     #[test]
-    fn angles_go_the_way_they_are_asked() {
-        let (right, up) = (Flat::new(1.0, 0.0), Flat::new(0.0, 1.0));
+    fn a_sweep_takes_its_direction() {
+        let (right, up) = (PlanePoint::new(1.0, 0.0), PlanePoint::new(0.0, 1.0));
         assert!((right.sweep(up, false).to_degrees() - 90.0).abs() < 1e-9);
         assert!((right.sweep(up, true).to_degrees() - 270.0).abs() < 1e-9);
-        assert_eq!(right.turned(90.0), up);
+        assert_eq!(right.rotated(90.0), up);
     }
 }

@@ -22,14 +22,14 @@ use gsk_core::memory::{Counters, DayTime, Registers};
 use gsk_messages::say;
 
 use crate::axes::Axes;
-use crate::memory::{Column, MillMemory, parameter};
+use crate::memory::{OffsetColumn, MillMemory, parameter};
 use crate::modal::{Hole, WorkZero};
-use crate::space::{Axis, Length, Position};
-use crate::state::State;
+use crate::space::{MillAxis, Length, MillPosition};
+use crate::state::MillState;
 
 /// Variables that programs write, and the counters of the control.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Variables {
+pub(crate) struct MillVariables {
     common: BTreeMap<u32, f64>,
     registers: Registers,
     /// #3002 before the run, ms.
@@ -39,7 +39,7 @@ pub(crate) struct Variables {
     required: u32,
 }
 
-impl Variables {
+impl MillVariables {
     /// Creates the variables for a run that starts at a clock time.
     pub(crate) fn new(day_time: DayTime) -> Self {
         Self {
@@ -55,24 +55,24 @@ impl Variables {
 }
 
 /// Everything that system variables read.
-pub(crate) struct Known<'a> {
-    pub(crate) state: &'a mut State,
+pub(crate) struct VariableContext<'a> {
+    pub(crate) state: &'a mut MillState,
     pub(crate) memory: &'a mut MillMemory,
-    pub(crate) variables: &'a mut Variables,
+    pub(crate) variables: &'a mut MillVariables,
     pub(crate) source: Source,
     /// Number of the running program.
     pub(crate) program: u16,
     /// Machine time, s.
     pub(crate) now: f64,
     /// Tool position with cutter radius compensation.
-    pub(crate) machine: Position,
+    pub(crate) machine: MillPosition,
 }
 
 /// A variable in the mill's memory.
-enum Place {
-    Offset(u16, Column),
-    External(Axis),
-    Zero(WorkZero, Axis),
+enum StoredVariable {
+    Offset(u16, OffsetColumn),
+    External(MillAxis),
+    Zero(WorkZero, MillAxis),
 }
 
 /// Milliseconds in an hour.
@@ -81,34 +81,34 @@ const HOUR_MS: f64 = 3.6e6;
 const INCH: u8 = 4;
 
 /// The axis of a last digit: 4 is the fourth, 5 the fifth, if the machine has them.
-fn axis(digit: u32, axes: Axes) -> Option<Axis> {
-    let axis = Axis::ALL.get(digit.checked_sub(1)? as usize).copied()?;
-    let further = Axis::FURTHER.contains(&axis);
+fn axis(digit: u32, axes: Axes) -> Option<MillAxis> {
+    let axis = MillAxis::ALL.get(digit.checked_sub(1)? as usize).copied()?;
+    let further = MillAxis::FURTHER.contains(&axis);
     (!further || axes.further(axis).is_some()).then_some(axis)
 }
 
 /// The offset or zero with a variable number.
-fn place(number: u32, axes: Axes) -> Option<Place> {
-    let offset = |first: u32, column| Some(Place::Offset((number - first) as u16, column));
+fn stored_variable(number: u32, axes: Axes) -> Option<StoredVariable> {
+    let offset = |first: u32, column| Some(StoredVariable::Offset((number - first) as u16, column));
     match number {
-        2001..=2200 => offset(2000, Column::LengthWear),
-        2201..=2400 => offset(2200, Column::Length),
-        10_001..=10_400 => offset(10_000, Column::LengthWear),
-        11_001..=11_400 => offset(11_000, Column::Length),
-        12_001..=12_400 => offset(12_000, Column::RadiusWear),
-        13_001..=13_400 => offset(13_000, Column::Radius),
+        2001..=2200 => offset(2000, OffsetColumn::LengthWear),
+        2201..=2400 => offset(2200, OffsetColumn::Length),
+        10_001..=10_400 => offset(10_000, OffsetColumn::LengthWear),
+        11_001..=11_400 => offset(11_000, OffsetColumn::Length),
+        12_001..=12_400 => offset(12_000, OffsetColumn::RadiusWear),
+        13_001..=13_400 => offset(13_000, OffsetColumn::Radius),
         2500..=2999 => {
             let axis = axis((number - 2400) / 100, axes)?;
             match number % 100 {
-                0 => Some(Place::External(axis)),
-                zero @ 1..=6 => Some(Place::Zero(WorkZero(zero as u8 - 1), axis)),
+                0 => Some(StoredVariable::External(axis)),
+                zero @ 1..=6 => Some(StoredVariable::Zero(WorkZero(zero as u8 - 1), axis)),
                 _ => None,
             }
         }
         7001..=7959 => {
             let (zero, digit) = ((number - 7001) / 20, (number - 7000) % 20);
             let zero = WorkZero(WorkZero::FIRST_ADDITIONAL + u8::try_from(zero).ok()?);
-            Some(Place::Zero(zero, axis(digit, axes)?))
+            Some(StoredVariable::Zero(zero, axis(digit, axes)?))
         }
         _ => None,
     }
@@ -128,7 +128,7 @@ const fn is_common(number: u32) -> bool {
 const OUTPUTS: u32 = 1132;
 
 /// Least and greatest value of signals to the ladder, and of settings that have no effect here.
-const fn range_of_kept(number: u32) -> Option<(i64, i64)> {
+const fn stored_range(number: u32) -> Option<(i64, i64)> {
     Some(match number {
         1100..=1115 => (i64::MIN, i64::MAX),
         OUTPUTS => (0, 0xFFFF),
@@ -140,7 +140,7 @@ const fn range_of_kept(number: u32) -> Option<(i64, i64)> {
     })
 }
 
-impl Known<'_> {
+impl VariableContext<'_> {
     fn modal(&self, variable: u32) -> Option<f64> {
         let modal = &self.state.modal;
         let transform = &self.state.transform;
@@ -188,7 +188,7 @@ impl Known<'_> {
             5000 => self.state.work(self.memory).get(axis),
             5020 => self.machine.get(axis),
             // Includes the offset.
-            5040 => self.state.axes.rolled(self.machine - zero).get(axis),
+            5040 => self.state.axes.wrapped(self.machine - zero).get(axis),
             5060 => self.state.skipped.get(axis),
             5080 => (frame - zero).get(axis),
             5100 => Length::ZERO,
@@ -198,14 +198,14 @@ impl Known<'_> {
     }
 }
 
-impl Known<'_> {
+impl VariableContext<'_> {
     /// Machine time, ms.
     fn now_ms(&self) -> u64 {
         (self.now * 1000.0) as u64
     }
 
     /// The value of a signal or setting.
-    fn kept(&self, variable: u32) -> f64 {
+    fn stored_value(&self, variable: u32) -> f64 {
         let value = |number: u32| self.variables.common.get(&number).copied().unwrap_or(0.0);
         match variable {
             1100..=1115 => f64::from(value(OUTPUTS) as u32 >> (variable - 1100) & 1),
@@ -218,11 +218,11 @@ impl Known<'_> {
     }
 
     /// Stores a signal or setting. Every value but 0 switches an output on.
-    fn keep(&mut self, variable: u32, value: i64) {
+    fn store_value(&mut self, variable: u32, value: i64) {
         let (variable, value) = match variable {
             1100..=1115 => {
                 let bit = 1 << (variable - 1100);
-                let others = self.kept(OUTPUTS) as i64 & !bit;
+                let others = self.stored_value(OUTPUTS) as i64 & !bit;
                 (OUTPUTS, if value == 0 { others } else { others | bit })
             }
             _ => (variable, value),
@@ -258,7 +258,7 @@ impl Known<'_> {
         let last = |count: u32| i64::from(count) - 1;
         match variable {
             3001 => {
-                let ms = within(variable, value, (0, Registers::TIMER_GREATEST))?;
+                let ms = round_in_range(variable, value, (0, Registers::TIMER_GREATEST))?;
                 variables.registers.set_timer(ms, now);
             }
             3002 => {
@@ -270,11 +270,11 @@ impl Known<'_> {
                 variables.hours_before = libm::round(hours * HOUR_MS) as i64 - now as i64;
             }
             3901 => {
-                let parts = within(variable, value, (0, last(Counters::PARTS)))?;
+                let parts = round_in_range(variable, value, (0, last(Counters::PARTS)))?;
                 variables.parts = parts as u32;
             }
             3902 => {
-                let parts = within(variable, value, (0, last(Counters::REQUIRED)))?;
+                let parts = round_in_range(variable, value, (0, last(Counters::REQUIRED)))?;
                 variables.required = parts as u32;
             }
             _ => return Ok(false),
@@ -289,7 +289,7 @@ fn out_of_range(variable: u32, value: f64, greatest: impl core::fmt::Display) ->
 }
 
 /// Rounds a value to an integer in a range. Errors: alarm 111 outside it.
-fn within(variable: u32, value: Option<f64>, (least, most): (i64, i64)) -> Result<i64, Alarm> {
+fn round_in_range(variable: u32, value: Option<f64>, (least, most): (i64, i64)) -> Result<i64, Alarm> {
     let value = value.unwrap_or(0.0);
     let whole = libm::round(value) as i64;
     match (least..=most).contains(&whole) {
@@ -298,22 +298,22 @@ fn within(variable: u32, value: Option<f64>, (least, most): (i64, i64)) -> Resul
     }
 }
 
-impl System for Known<'_> {
+impl System for VariableContext<'_> {
     fn read(&self, variable: u32) -> Result<Option<f64>, Alarm> {
         if is_common(variable) {
             return Ok(self.variables.common.get(&variable).copied());
         }
-        if let Some(place) = place(variable, self.state.axes) {
-            let value = match place {
-                Place::Offset(offset, column) => *self.memory.offset(offset).column(column),
-                Place::External(axis) => self.memory.external.get(axis),
-                Place::Zero(zero, axis) => self.memory.zero(zero).get(axis),
+        if let Some(stored) = stored_variable(variable, self.state.axes) {
+            let value = match stored {
+                StoredVariable::Offset(offset, column) => *self.memory.offset(offset).column(column),
+                StoredVariable::External(axis) => self.memory.external.get(axis),
+                StoredVariable::Zero(zero, axis) => self.memory.zero(zero).get(axis),
             };
             return Ok(Some(value.mm()));
         }
         let value = match variable {
             1000..=1015 | 1032 => Some(0.0),
-            _ if range_of_kept(variable).is_some() => Some(self.kept(variable)),
+            _ if stored_range(variable).is_some() => Some(self.stored_value(variable)),
             3000..=3999 => self.control(variable),
             4000..=4999 => self.modal(variable),
             5000..=5999 => self.position(variable),
@@ -330,27 +330,27 @@ impl System for Known<'_> {
             };
             return Ok(());
         }
-        if let Some(range) = range_of_kept(variable) {
-            let whole = within(variable, value, range)?;
-            self.keep(variable, whole);
+        if let Some(range) = stored_range(variable) {
+            let whole = round_in_range(variable, value, range)?;
+            self.store_value(variable, whole);
             return Ok(());
         }
         if self.write_control(variable, value)? {
             return Ok(());
         }
-        let Some(place) = place(variable, self.state.axes) else {
+        let Some(stored) = stored_variable(variable, self.state.axes) else {
             // The variable exists, but is read-only.
             self.read(variable)?;
             let detail = say::variable_of_macro_read_only(variable);
             return Err(Alarm::new(number::READ_ONLY).because(detail));
         };
         let length = Length::from_mm(value.unwrap_or(0.0)).rounded();
-        match place {
-            Place::Offset(offset, column) => {
+        match stored {
+            StoredVariable::Offset(offset, column) => {
                 return self.memory.set_offset(offset.into(), column, length, false);
             }
-            Place::External(axis) => self.memory.external.set(axis, length),
-            Place::Zero(zero, axis) => {
+            StoredVariable::External(axis) => self.memory.external.set(axis, length),
+            StoredVariable::Zero(zero, axis) => {
                 if let Some(point) = self.memory.zero_mut(zero) {
                     point.set(axis, length);
                 }

@@ -2,46 +2,46 @@
 //! constant at stops.
 
 use crate::memory::{MillMemory, parameter};
-use crate::space::{Axis, Each, Length, Position};
+use crate::space::{MillAxis, AxisValues, Length, MillPosition};
 
 /// The rates and time constants of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Rates {
+pub(crate) struct AxisRates {
     /// Rapid rates, mm/s or degrees/s.
-    rapid: Each<f64>,
+    rapid: AxisValues<f64>,
     /// Whether the axes of a rapid arrive together.
-    straight: bool,
+    is_straight: bool,
     /// Time to reach the rapid rate, s.
-    rapid_time: f64,
+    rapid_time_s: f64,
     /// Greatest feed, mm/s.
     feed: f64,
     /// Feed that needs no ramp, mm/s.
     feed_start: f64,
     /// Time constant of cuts, s.
-    feed_time: f64,
+    feed_time_s: f64,
     /// Time constants of rigid taps in and out, s.
-    tap_times: [f64; 2],
+    tap_times_s: [f64; 2],
 }
 
-impl Rates {
-    pub(crate) fn of(memory: &MillMemory) -> Self {
+impl AxisRates {
+    pub(crate) fn from_memory(memory: &MillMemory) -> Self {
         let seconds = |number| f64::from(memory.value(number)) / 1000.0;
         let index = memory.value(parameter::INDEX);
         Self {
-            rapid: Each(Axis::ALL.map(|axis| {
+            rapid: AxisValues(MillAxis::ALL.map(|axis| {
                 let number = match axis {
-                    Axis::Fourth if index == 4 => parameter::INDEX_RATE,
-                    Axis::Fifth if index == 5 => parameter::INDEX_RATE,
-                    _ => parameter::of(parameter::RAPID_RATE, axis),
+                    MillAxis::Fourth if index == 4 => parameter::INDEX_RATE,
+                    MillAxis::Fifth if index == 5 => parameter::INDEX_RATE,
+                    _ => parameter::axis_parameter(parameter::RAPID_RATE, axis),
                 };
                 f64::from(memory.value(number)) / 60.0
             })),
-            straight: memory.bit(parameter::MOTION, 7),
-            rapid_time: seconds(parameter::RAPID_TIME),
+            is_straight: memory.bit(parameter::MOTION, 7),
+            rapid_time_s: seconds(parameter::RAPID_TIME),
             feed: f64::from(memory.value(parameter::FEED_LIMIT)) / 60.0,
             feed_start: f64::from(memory.value(parameter::FEED_START)) / 60.0,
-            feed_time: seconds(parameter::FEED_TIME),
-            tap_times: match memory.value(parameter::TAP_TIME_OUT) {
+            feed_time_s: seconds(parameter::FEED_TIME),
+            tap_times_s: match memory.value(parameter::TAP_TIME_OUT) {
                 0 => [seconds(parameter::TAP_TIME); 2],
                 _ => [parameter::TAP_TIME, parameter::TAP_TIME_OUT].map(seconds),
             },
@@ -50,38 +50,38 @@ impl Rates {
 
     /// Returns the shares of a rapid's duration after which X, Y and Z arrive. `None` if they
     /// arrive together.
-    pub(crate) fn arrivals(&self, way: &Position) -> Option<[f64; 3]> {
-        let whole = self.rapid(way);
-        let part = |axis: Axis| {
-            let (way, rate) = (way.get(axis).abs().mm(), self.rapid.get(axis));
-            self.stand_to_stand(way, rate) / whole
+    pub(crate) fn arrivals(&self, distance: &MillPosition) -> Option<[f64; 3]> {
+        let whole = self.rapid(distance);
+        let part = |axis: MillAxis| {
+            let (distance, rate) = (distance.get(axis).abs().mm(), self.rapid.get(axis));
+            self.stop_to_stop(distance, rate) / whole
         };
-        let moves = |axis: &Axis| way.get(*axis) != Length::ZERO;
-        let mut moving = Axis::BASIC.into_iter().filter(moves).map(part);
+        let moves = |axis: &MillAxis| distance.get(*axis) != Length::ZERO;
+        let mut moving = MillAxis::BASIC.into_iter().filter(moves).map(part);
         let first = moving.next()?;
-        let apart = !self.straight && moving.any(|other| (other - first).abs() > 1e-9);
-        apart.then(|| Axis::BASIC.map(part))
+        let apart = !self.is_straight && moving.any(|other| (other - first).abs() > 1e-9);
+        apart.then(|| MillAxis::BASIC.map(part))
     }
 
     /// Returns the duration of a rapid from stop to stop, s: that of the slowest axis.
-    pub(crate) fn rapid(&self, way: &Position) -> f64 {
-        let axis = |axis: Axis| {
-            let (way, rate) = (way.get(axis).abs().mm(), self.rapid.get(axis));
-            self.stand_to_stand(way, rate)
+    pub(crate) fn rapid(&self, distance: &MillPosition) -> f64 {
+        let axis = |axis: MillAxis| {
+            let (distance, rate) = (distance.get(axis).abs().mm(), self.rapid.get(axis));
+            self.stop_to_stop(distance, rate)
         };
-        Axis::ALL.map(axis).into_iter().fold(0.0, f64::max)
+        MillAxis::ALL.map(axis).into_iter().fold(0.0, f64::max)
     }
 
     /// Duration with a linear rise and fall of the speed.
-    fn stand_to_stand(&self, way: f64, rate: f64) -> f64 {
-        if way <= 0.0 || rate <= 0.0 {
+    fn stop_to_stop(&self, distance: f64, rate: f64) -> f64 {
+        if distance <= 0.0 || rate <= 0.0 {
             return 0.0;
         }
-        let ramp = rate * self.rapid_time;
-        if way >= ramp {
-            way / rate + self.rapid_time
+        let ramp = rate * self.rapid_time_s;
+        if distance >= ramp {
+            distance / rate + self.rapid_time_s
         } else {
-            2.0 * libm::sqrt(way * self.rapid_time / rate)
+            2.0 * libm::sqrt(distance * self.rapid_time_s / rate)
         }
     }
 
@@ -97,12 +97,12 @@ impl Rates {
         if speed <= self.feed_start {
             0.0
         } else {
-            self.feed_time * (1.0 - self.feed_start / speed)
+            self.feed_time_s * (1.0 - self.feed_start / speed)
         }
     }
 
     /// Returns the additional duration of a stop at the end of a rigid tap, s.
-    pub(crate) const fn settling_of_tap(&self, out: bool) -> f64 {
-        self.tap_times[out as usize]
+    pub(crate) const fn tap_settling_s(&self, out: bool) -> f64 {
+        self.tap_times_s[out as usize]
     }
 }

@@ -6,23 +6,23 @@ use gsk_core::units::Feed;
 use gsk_messages::say;
 
 use crate::axes::Axes;
-use crate::bounds::{Bounds, Lengths};
+use crate::bounds::{MillBounds, MillPathLengths};
 use crate::memory::{MillMemory, parameter};
-use crate::moves::{Arc, Move, MoveKind};
-use crate::space::{Axis, Position};
-use crate::time::Rates;
+use crate::moves::{MillArc, MillMove, MillMoveKind};
+use crate::space::{MillAxis, MillPosition};
+use crate::time::AxisRates;
 
 /// A step of a program, machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Step {
+pub(crate) struct PathStep {
     pub(crate) source: Source,
-    pub(crate) kind: MoveKind,
-    pub(crate) to: Position,
-    pub(crate) arc: Option<Arc>,
+    pub(crate) kind: MillMoveKind,
+    pub(crate) to: MillPosition,
+    pub(crate) arc: Option<MillArc>,
     pub(crate) feed: Option<Feed>,
     /// Work zero in machine coordinates, without and with the length offset.
-    pub(crate) zero: Position,
-    pub(crate) frame: Position,
+    pub(crate) zero: MillPosition,
+    pub(crate) frame: MillPosition,
     pub(crate) tool: u16,
     /// Spindle speed for a feed per revolution, r/min.
     pub(crate) speed: f64,
@@ -35,31 +35,31 @@ pub(crate) struct Step {
 }
 
 /// Callback that receives each move.
-pub(crate) type OnMove<'a> = dyn FnMut(&Move) + 'a;
+pub(crate) type MoveCallback<'a> = dyn FnMut(&MillMove) + 'a;
 
 /// Turns steps into moves and adds them up.
 pub(crate) struct Tracker<'a> {
-    rates: Rates,
+    rates: AxisRates,
     axes: Axes,
     /// Travel limits, if they act.
-    travel: Option<(Position, Position)>,
-    pub(crate) machine: Position,
+    travel: Option<(MillPosition, MillPosition)>,
+    pub(crate) machine: MillPosition,
     pub(crate) now: f64,
     pub(crate) cutting_s: f64,
     pub(crate) moves: u64,
-    pub(crate) lengths: Lengths,
-    pub(crate) bounds: Option<Bounds>,
+    pub(crate) lengths: MillPathLengths,
+    pub(crate) bounds: Option<MillBounds>,
     /// The last cut and the duration of a stop at its end, s. The next step determines whether
     /// the motion stops there.
-    running: Option<(Move, f64)>,
-    on_move: &'a mut OnMove<'a>,
+    pending: Option<(MillMove, f64)>,
+    on_move: &'a mut MoveCallback<'a>,
 }
 
 impl<'a> Tracker<'a> {
-    pub(crate) fn new(memory: &MillMemory, start: Position, on_move: &'a mut OnMove<'a>) -> Self {
+    pub(crate) fn new(memory: &MillMemory, start: MillPosition, on_move: &'a mut MoveCallback<'a>) -> Self {
         Self {
-            rates: Rates::of(memory),
-            axes: Axes::of(memory),
+            rates: AxisRates::from_memory(memory),
+            axes: Axes::from_memory(memory),
             travel: (!memory.bit(parameter::LIMITS, 4)).then(|| {
                 (
                     memory.point(parameter::TRAVEL_MINUS),
@@ -70,29 +70,29 @@ impl<'a> Tracker<'a> {
             now: 0.0,
             cutting_s: 0.0,
             moves: 0,
-            lengths: Lengths::default(),
+            lengths: MillPathLengths::default(),
             bounds: None,
-            running: None,
+            pending: None,
             on_move,
         }
     }
 
     /// Makes a step. Errors: the alarm of a travel limit.
-    pub(crate) fn make(&mut self, step: &Step) -> Result<(), Alarm> {
+    pub(crate) fn make(&mut self, step: &PathStep) -> Result<(), Alarm> {
         let turns = step.arc.is_some();
-        if step.kind != MoveKind::Dwell && !turns && step.to == self.machine {
+        if step.kind != MillMoveKind::Dwell && !turns && step.to == self.machine {
             return Ok(());
         }
         self.check_travel(step)?;
-        let from = self.axes.rolled(self.machine - step.frame);
-        let mut made = Move {
+        let from = self.axes.wrapped(self.machine - step.frame);
+        let mut made = MillMove {
             source: step.source,
             kind: step.kind,
             from,
             to: from + (step.to - self.machine),
             axes: self.axes,
             zero: step.zero,
-            arc: step.arc.map(|arc| Arc {
+            arc: step.arc.map(|arc| MillArc {
                 center: arc.center - step.frame.flat(arc.plane),
                 ..arc
             }),
@@ -105,16 +105,16 @@ impl<'a> Tracker<'a> {
         let length = made.length();
         let mut settling = 0.0;
         match step.kind {
-            MoveKind::Rapid => {
-                self.stand();
+            MillMoveKind::Rapid => {
+                self.stop();
                 made.start_s = self.now;
-                let way = step.to - self.machine;
-                made.duration_s = self.rates.rapid(&way);
-                made.arrivals = self.rates.arrivals(&way);
+                let distance = step.to - self.machine;
+                made.duration_s = self.rates.rapid(&distance);
+                made.arrivals = self.rates.arrivals(&distance);
                 self.lengths.rapid += length;
             }
-            MoveKind::Dwell => {
-                self.stand();
+            MillMoveKind::Dwell => {
+                self.stop();
                 made.start_s = self.now;
                 made.duration_s = step.dwell_s;
             }
@@ -125,47 +125,47 @@ impl<'a> Tracker<'a> {
                     None => 0.0,
                 };
                 // The lead of a thread is along its longest axis.
-                let way = match step.kind {
-                    MoveKind::Thread => made.longest(),
-                    _ => made.way(),
+                let distance = match step.kind {
+                    MillMoveKind::Thread => made.longest_distance(),
+                    _ => made.path_length(),
                 };
-                made.duration_s = way / self.rates.cutting(feed);
+                made.duration_s = distance / self.rates.cutting(feed);
                 self.cutting_s += made.duration_s;
                 settling = match step.rigid_out {
-                    Some(out) => self.rates.settling_of_tap(out),
+                    Some(out) => self.rates.tap_settling_s(out),
                     None => self.rates.settling(feed),
                 };
                 *match step.kind {
-                    MoveKind::Clockwise => &mut self.lengths.clockwise,
-                    MoveKind::CounterClockwise => &mut self.lengths.counter_clockwise,
-                    MoveKind::Tap => &mut self.lengths.tap,
-                    MoveKind::Thread => &mut self.lengths.thread,
+                    MillMoveKind::Clockwise => &mut self.lengths.clockwise,
+                    MillMoveKind::CounterClockwise => &mut self.lengths.counter_clockwise,
+                    MillMoveKind::Tap => &mut self.lengths.tap,
+                    MillMoveKind::Thread => &mut self.lengths.thread,
                     _ => &mut self.lengths.feed,
                 } += length;
             }
         }
         self.now += made.duration_s;
-        self.machine = self.axes.rolled(step.to);
+        self.machine = self.axes.wrapped(step.to);
         self.moves += 1;
-        if step.kind != MoveKind::Dwell {
-            Bounds::reach(&mut self.bounds, &made);
+        if step.kind != MillMoveKind::Dwell {
+            MillBounds::extend(&mut self.bounds, &made);
         }
-        if matches!(step.kind, MoveKind::Rapid | MoveKind::Dwell) {
+        if matches!(step.kind, MillMoveKind::Rapid | MillMoveKind::Dwell) {
             (self.on_move)(&made);
         } else {
-            if let Some((before, _)) = self.running.replace((made, settling)) {
+            if let Some((before, _)) = self.pending.replace((made, settling)) {
                 (self.on_move)(&before);
             }
             if step.exact {
-                self.stand();
+                self.stop();
             }
         }
         Ok(())
     }
 
     /// Ends the last cut with a stop.
-    pub(crate) fn stand(&mut self) {
-        if let Some((mut last, settling)) = self.running.take() {
+    pub(crate) fn stop(&mut self) {
+        if let Some((mut last, settling)) = self.pending.take() {
             last.duration_s += settling;
             self.now += settling;
             self.cutting_s += settling;
@@ -173,25 +173,25 @@ impl<'a> Tracker<'a> {
         }
     }
 
-    fn check_travel(&self, step: &Step) -> Result<(), Alarm> {
+    fn check_travel(&self, step: &PathStep) -> Result<(), Alarm> {
         let Some((minus, plus)) = self.travel else {
             return Ok(());
         };
         for axis in self.axes.all() {
             let to = step.to.get(axis);
             let (low, high) = (minus.get(axis), plus.get(axis));
-            if (low..=high).contains(&to) || self.axes.rolls(axis) {
+            if (low..=high).contains(&to) || self.axes.rolls_over(axis) {
                 continue;
             }
             let beyond = match (axis, to > high) {
-                (Axis::X, true) => number::X_PLUS_LIMIT,
-                (Axis::X, false) => number::X_MINUS_LIMIT,
-                (Axis::Y, true) => number::Y_PLUS_LIMIT,
-                (Axis::Y, false) => number::Y_MINUS_LIMIT,
-                (Axis::Z, true) => number::Z_PLUS_LIMIT,
-                (Axis::Z, false) => number::Z_MINUS_LIMIT,
+                (MillAxis::X, true) => number::X_PLUS_LIMIT,
+                (MillAxis::X, false) => number::X_MINUS_LIMIT,
+                (MillAxis::Y, true) => number::Y_PLUS_LIMIT,
+                (MillAxis::Y, false) => number::Y_MINUS_LIMIT,
+                (MillAxis::Z, true) => number::Z_PLUS_LIMIT,
+                (MillAxis::Z, false) => number::Z_MINUS_LIMIT,
                 // The alarm list of this control family has no number for them.
-                (Axis::Fourth | Axis::Fifth, _) => number::OUT_OF_RANGE,
+                (MillAxis::Fourth | MillAxis::Fifth, _) => number::OUT_OF_RANGE,
             };
             let name = self.axes.letter(axis);
             let unit = if self.axes.is_rotary(axis) {
@@ -200,7 +200,7 @@ impl<'a> Tracker<'a> {
                 "mm"
             };
             let (to, low, high) = (to.mm(), low.mm(), high.mm());
-            let detail = match Axis::FURTHER.contains(&axis) {
+            let detail = match MillAxis::FURTHER.contains(&axis) {
                 true => say::mill_beyond_further(name, to, low, high, unit),
                 false => say::mill_beyond_travel(name, to, low, high),
             };

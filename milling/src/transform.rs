@@ -1,14 +1,14 @@
 //! Applies G51 and G68: scaling about a point, then rotation about another.
 
-use crate::space::{Axis, Each, Flat, Length, Plane, Position};
+use crate::space::{MillAxis, AxisValues, PlanePoint, Length, Plane, MillPosition};
 
 /// G51.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scaling {
     /// Fixed point, work coordinates.
-    pub(crate) center: Position,
+    pub(crate) center: MillPosition,
     /// Factors of X, Y and Z. A negative one mirrors. The fourth and fifth axis have 1.
-    pub(crate) factors: Each<f64>,
+    pub(crate) factors: AxisValues<f64>,
 }
 
 /// G68.
@@ -16,14 +16,14 @@ pub(crate) struct Scaling {
 pub(crate) struct Rotation {
     pub(crate) plane: Plane,
     /// Fixed point, after scaling.
-    pub(crate) center: Flat,
+    pub(crate) center: PlanePoint,
     /// Effective angle, counter-clockwise.
     pub(crate) degrees: f64,
     /// Programmed angle.
     pub(crate) programmed: f64,
     /// Tool position at G68, until the first motion. If that is incremental, the position is
     /// the centre.
-    pub(crate) stood: Option<Flat>,
+    pub(crate) tool_at_start: Option<PlanePoint>,
 }
 
 /// Scaling and rotation in force.
@@ -40,7 +40,7 @@ impl Transform {
     }
 
     /// Returns the scale of an axis.
-    pub(crate) fn factor(&self, axis: Axis) -> f64 {
+    pub(crate) fn factor(&self, axis: MillAxis) -> f64 {
         self.scaling.map_or(1.0, |it| it.factors.get(axis))
     }
 
@@ -51,7 +51,7 @@ impl Transform {
     }
 
     /// Returns a point after scaling, before rotation, mm.
-    pub(crate) fn scaled(&self, point: Position) -> [f64; 3] {
+    pub(crate) fn scaled(&self, point: MillPosition) -> [f64; 3] {
         let point = point.mm();
         let Some(Scaling { center, factors }) = self.scaling else {
             return point;
@@ -61,30 +61,30 @@ impl Transform {
     }
 
     /// Transforms a programmed point, rounded to the least increment.
-    pub(crate) fn apply(&self, point: Position) -> Position {
+    pub(crate) fn apply(&self, point: MillPosition) -> MillPosition {
         if self.is_none() {
             return point;
         }
         let mut mm = self.scaled(point);
         if let Some(rotation) = self.rotation {
             let [first, second, _] = rotation.plane.axes().map(|axis| axis as usize);
-            let from = Flat::new(mm[first], mm[second]) - rotation.center;
-            let turned = rotation.center + from.turned(rotation.degrees);
+            let from = PlanePoint::new(mm[first], mm[second]) - rotation.center;
+            let turned = rotation.center + from.rotated(rotation.degrees);
             (mm[first], mm[second]) = (turned.first, turned.second);
         }
         point.with_basic(mm.map(|value| Length::from_mm(value).rounded()))
     }
 
     /// Returns the programmed point of a transformed one.
-    pub(crate) fn undo(&self, point: Position) -> Position {
+    pub(crate) fn undo(&self, point: MillPosition) -> MillPosition {
         if self.is_none() {
             return point;
         }
         let mut mm = point.mm();
         if let Some(rotation) = self.rotation {
             let [first, second, _] = rotation.plane.axes().map(|axis| axis as usize);
-            let from = Flat::new(mm[first], mm[second]) - rotation.center;
-            let turned = rotation.center + from.turned(-rotation.degrees);
+            let from = PlanePoint::new(mm[first], mm[second]) - rotation.center;
+            let turned = rotation.center + from.rotated(-rotation.degrees);
             (mm[first], mm[second]) = (turned.first, turned.second);
         }
         if let Some(Scaling { center, factors }) = self.scaling {
@@ -97,15 +97,15 @@ impl Transform {
     }
 
     /// Transforms a distance in a plane: from the start of an arc to its centre.
-    pub(crate) fn way(&self, plane: Plane, way: Flat) -> Flat {
+    pub(crate) fn transform_distance(&self, plane: Plane, distance: PlanePoint) -> PlanePoint {
         let [first, second, _] = plane.axes();
-        let way = Flat::new(
-            way.first * self.factor(first),
-            way.second * self.factor(second),
+        let distance = PlanePoint::new(
+            distance.first * self.factor(first),
+            distance.second * self.factor(second),
         );
         match self.rotation {
-            Some(rotation) => way.turned(rotation.degrees),
-            None => way,
+            Some(rotation) => distance.rotated(rotation.degrees),
+            None => distance,
         }
     }
 }
@@ -117,18 +117,18 @@ mod tests {
     use crate::options;
 
     #[test]
-    fn what_is_undone_was_there() {
-        let position = |text: &str| options::position(&MillMemory::default(), text);
+    fn undo_reverses_apply() {
+        let position = |text: &str| options::parse_position(&MillMemory::default(), text);
         let scaling = Scaling {
             center: position("10,-20,5").expect("point"),
-            factors: Each::basic([2.0, -0.5, 1.0], 1.0),
+            factors: AxisValues::basic([2.0, -0.5, 1.0], 1.0),
         };
         let rotation = Rotation {
             plane: Plane::Xy,
-            center: Flat::new(3.0, 4.0),
+            center: PlanePoint::new(3.0, 4.0),
             degrees: 33.0,
             programmed: 33.0,
-            stood: None,
+            tool_at_start: None,
         };
         let both = Transform {
             scaling: Some(scaling),

@@ -8,45 +8,45 @@ use gsk_core::program::Number;
 use gsk_core::units::Feed;
 use gsk_messages::say;
 
-use crate::arc::{self, Circle};
-use crate::cutter::Cutter;
-use crate::cycles::{Drilling, HoleData, Level, Part};
+use crate::arc::{self, ArcDefinition};
+use crate::cutter::CutterStream;
+use crate::cycles::{Drilling, HoleData, HoleLevel, HoleStep};
 use crate::memory::{MillMemory, parameter};
-use crate::modal::{Hole, Motion, Spindle};
-use crate::moves::{Arc, MoveKind};
-use crate::space::{Axis, Flat, Length, Position, sine_cosine};
-use crate::state::{Polar, State};
-use crate::tracker::{Step, Tracker};
-use crate::words::{Words, length};
+use crate::modal::{Hole, Motion, SpindleState};
+use crate::moves::{MillArc, MillMoveKind};
+use crate::space::{MillAxis, PlanePoint, Length, MillPosition, sine_cosine};
+use crate::state::{Polar, MillState};
+use crate::tracker::{PathStep, Tracker};
+use crate::words::{BlockWords, length};
 
 /// What the blocks of a run act on.
-pub(crate) struct Scene<'a, 'b> {
+pub(crate) struct RunContext<'a, 'b> {
     pub(crate) memory: &'a mut MillMemory,
-    pub(crate) cutter: &'a mut Cutter,
+    pub(crate) cutter: &'a mut CutterStream,
     pub(crate) tracker: &'a mut Tracker<'b>,
     pub(crate) source: Source,
     /// Whether every block ends with an exact stop (G09).
     pub(crate) exact: bool,
     /// Whether the run continues, checked before each repeated hole of a block.
-    pub(crate) patience: Patience<'a>,
+    pub(crate) progress_check: ProgressCheck<'a>,
 }
 
 /// Lets the caller stop a run within a block.
-pub(crate) struct Patience<'a> {
+pub(crate) struct ProgressCheck<'a> {
     /// Progress callback, which returns false to stop the run.
-    pub(crate) go_on: &'a mut GoOn<'a>,
+    pub(crate) on_progress: &'a mut ProgressCallback<'a>,
     /// Progress before the block.
     pub(crate) progress: Progress,
     /// Set once the caller has stopped the run.
-    pub(crate) over: bool,
+    pub(crate) is_stopped: bool,
 }
 
 /// Progress callback, which returns whether the run continues.
-pub(crate) type GoOn<'a> = dyn FnMut(&Progress) -> bool + 'a;
+pub(crate) type ProgressCallback<'a> = dyn FnMut(&Progress) -> bool + 'a;
 
 /// How a step is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Way {
+pub(crate) enum StepKind {
     Rapid,
     /// A cut at the feed in force.
     Cut,
@@ -61,19 +61,19 @@ pub(crate) enum Way {
     Thread(f64),
 }
 
-impl Scene<'_, '_> {
+impl RunContext<'_, '_> {
     /// Whether to make more holes of a block.
-    fn goes_on(&mut self) -> bool {
-        let patience = &mut self.patience;
-        patience.progress.moves = self.tracker.moves;
-        patience.progress.time_s = self.tracker.now;
-        patience.over |= !(patience.go_on)(&patience.progress);
-        !patience.over
+    fn can_continue(&mut self) -> bool {
+        let progress_check = &mut self.progress_check;
+        progress_check.progress.moves = self.tracker.moves;
+        progress_check.progress.time_s = self.tracker.now;
+        progress_check.is_stopped |= !(progress_check.on_progress)(&progress_check.progress);
+        !progress_check.is_stopped
     }
 
     /// A step without an end point.
-    fn step(&self, state: &State, kind: MoveKind) -> Step {
-        Step {
+    fn step(&self, state: &MillState, kind: MillMoveKind) -> PathStep {
+        PathStep {
             source: self.source,
             kind,
             to: state.machine,
@@ -90,7 +90,7 @@ impl Scene<'_, '_> {
     }
 
     /// The feed of a tap. A rigid one moves out with the override of 5211.
-    fn of_tap(&self, state: &State, out: bool, feed: Feed) -> Feed {
+    fn of_tap(&self, state: &MillState, out: bool, feed: Feed) -> Feed {
         let percent = match self.memory.value(parameter::TAP_OUT) {
             0 => 100,
             percent => percent,
@@ -105,7 +105,7 @@ impl Scene<'_, '_> {
         }
     }
 
-    fn push(&mut self, state: &State, step: &Step, apart: bool) -> Result<(), Alarm> {
+    fn push(&mut self, state: &MillState, step: &PathStep, apart: bool) -> Result<(), Alarm> {
         let radius = match state.modal.cutter {
             Side::On => 0.0,
             _ => self.memory.cutter_radius(state.modal.d),
@@ -127,43 +127,43 @@ impl Scene<'_, '_> {
     /// the contour.
     pub(crate) fn go(
         &mut self,
-        state: &mut State,
-        to: Position,
-        way: Way,
+        state: &mut MillState,
+        to: MillPosition,
+        kind: StepKind,
         apart: bool,
     ) -> Result<(), Alarm> {
-        let mut step = match way {
-            Way::Rapid => self.step(state, MoveKind::Rapid),
-            Way::Cut => Step {
-                feed: Some(turning(state, &to, feed(state)?)),
-                ..self.step(state, MoveKind::Feed)
+        let mut step = match kind {
+            StepKind::Rapid => self.step(state, MillMoveKind::Rapid),
+            StepKind::Cut => PathStep {
+                feed: Some(rotary_feed(state, &to, feed(state)?)),
+                ..self.step(state, MillMoveKind::Feed)
             },
-            Way::CutAt(feed) => Step {
+            StepKind::CutAt(feed) => PathStep {
                 feed: Some(Feed::PerMinute(feed)),
-                ..self.step(state, MoveKind::Feed)
+                ..self.step(state, MillMoveKind::Feed)
             },
-            Way::Tap { out } => Step {
+            StepKind::Tap { out } => PathStep {
                 feed: Some(self.of_tap(state, out, feed(state)?)),
                 exact: true,
                 rigid_out: state.modal.rigid.then_some(out),
-                ..self.step(state, MoveKind::Tap)
+                ..self.step(state, MillMoveKind::Tap)
             },
-            Way::Thread(lead) => Step {
+            StepKind::Thread(lead) => PathStep {
                 feed: Some(Feed::PerRevolution(lead)),
-                ..self.step(state, MoveKind::Thread)
+                ..self.step(state, MillMoveKind::Thread)
             },
         };
         step.to = to;
         self.push(state, &step, apart)?;
-        state.stand_at(to);
+        state.set_machine(to);
         Ok(())
     }
 
     /// Makes a dwell, s. A dwell of 0 is an exact stop.
-    pub(crate) fn dwell(&mut self, state: &State, seconds: f64) -> Result<(), Alarm> {
-        let step = Step {
+    pub(crate) fn dwell(&mut self, state: &MillState, seconds: f64) -> Result<(), Alarm> {
+        let step = PathStep {
             dwell_s: seconds,
-            ..self.step(state, MoveKind::Dwell)
+            ..self.step(state, MillMoveKind::Dwell)
         };
         self.push(state, &step, false)
     }
@@ -171,7 +171,7 @@ impl Scene<'_, '_> {
 
 /// Returns the feed in force. Errors: alarm 011 without a feed, or without the spindle that it
 /// depends on.
-pub(crate) fn feed(state: &State) -> Result<Feed, Alarm> {
+pub(crate) fn feed(state: &MillState) -> Result<Feed, Alarm> {
     let modal = &state.modal;
     let none = |detail| Err(Alarm::new(number::NO_FEED).because(detail));
     if modal.feed <= 0.0 {
@@ -188,46 +188,46 @@ pub(crate) fn feed(state: &State) -> Result<Feed, Alarm> {
 
 /// The feed of a cut of rotary axes alone. An F in inches is no length there, so convert it
 /// back.
-fn turning(state: &State, to: &Position, feed: Feed) -> Feed {
-    let moves = |axis: &Axis| to.get(*axis) != state.machine.get(*axis);
+fn rotary_feed(state: &MillState, to: &MillPosition, feed: Feed) -> Feed {
+    let moves = |axis: &MillAxis| to.get(*axis) != state.machine.get(*axis);
     let mut moving = state.axes.all().filter(moves).peekable();
     let turns = moving.peek().is_some() && moving.all(|axis| state.axes.is_rotary(axis));
     match feed {
-        Feed::PerMinute(feed) if turns && state.modal.inch => Feed::PerMinute(feed / MM_AN_INCH),
+        Feed::PerMinute(feed) if turns && state.modal.inch => Feed::PerMinute(feed / MM_PER_INCH),
         feed => feed,
     }
 }
 
-const MM_AN_INCH: f64 = 25.4;
+const MM_PER_INCH: f64 = 25.4;
 
 /// Leads of threads, mm.
-const LEADS: core::ops::RangeInclusive<f64> = 0.001..=500.0;
+const LEAD_RANGE: core::ops::RangeInclusive<f64> = 0.001..=500.0;
 
 /// The lead of G33. Errors: alarm 011 without a lead, 043 outside the range, 094 while the
 /// spindle is stopped.
-fn lead(state: &State) -> Result<f64, Alarm> {
+fn thread_lead(state: &MillState) -> Result<f64, Alarm> {
     let modal = &state.modal;
     if modal.lead == 0.0 {
         return Err(Alarm::new(number::NO_FEED).because(say::mill_thread_without_lead()));
     }
-    if !LEADS.contains(&modal.lead) {
+    if !LEAD_RANGE.contains(&modal.lead) {
         let detail = say::thread_lead_out_of_range(modal.lead);
         return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
     }
-    if modal.spindle == Spindle::Stopped || modal.speed <= 0.0 {
+    if modal.spindle == SpindleState::Stopped || modal.speed <= 0.0 {
         return Err(Alarm::new(number::THREAD_SPEED).because(say::thread_spindle_stands()));
     }
     Ok(modal.lead)
 }
 
 /// Returns the point that the axis words of a block name, before scaling and rotation.
-pub(crate) fn target(state: &mut State, words: &Words) -> Position {
+pub(crate) fn target(state: &mut MillState, words: &BlockWords) -> MillPosition {
     let modal = &state.modal;
     let mut to = state.programmed;
-    let word = |axis: Axis| words.letters.axes.get(axis);
-    for axis in Axis::ALL {
+    let word = |axis: MillAxis| words.letters.axes.get(axis);
+    for axis in MillAxis::ALL {
         if let Some(value) = word(axis) {
-            let value = state.word(axis, value);
+            let value = state.axis_value(axis, value);
             let from = to.get(axis);
             to.set(
                 axis,
@@ -260,64 +260,64 @@ pub(crate) fn target(state: &mut State, words: &Words) -> Position {
     }
     let center = match modal.incremental {
         true => state.programmed.flat(modal.plane),
-        false => Flat::default(),
+        false => PlanePoint::default(),
     };
     let (sine, cosine) = sine_cosine(polar.degrees);
-    let way = Flat::new(cosine, sine).times(polar.radius.mm());
-    to.at(modal.plane, center + way)
+    let offset = PlanePoint::new(cosine, sine).scaled(polar.radius.mm());
+    to.moved_to(modal.plane, center + offset)
 }
 
 /// Sets the centre of G68 before the first motion: with an incremental one it is the position
 /// of the tool.
-pub(crate) fn settle_rotation(state: &mut State, memory: &MillMemory) {
+pub(crate) fn settle_rotation(state: &mut MillState, memory: &MillMemory) {
     let Some(rotation) = &mut state.transform.rotation else {
         return;
     };
-    let Some(stood) = rotation.stood.take() else {
+    let Some(tool_at_start) = rotation.tool_at_start.take() else {
         return;
     };
     if state.modal.incremental {
-        rotation.center = stood;
+        rotation.center = tool_at_start;
         state.resync(memory);
     }
 }
 
 /// Executes G00 to G03 and G33 of a block. Returns whether it moves.
-pub(crate) fn motion(
-    state: &mut State,
-    words: &Words,
-    scene: &mut Scene<'_, '_>,
+pub(crate) fn execute_motion(
+    state: &mut MillState,
+    words: &BlockWords,
+    context: &mut RunContext<'_, '_>,
 ) -> Result<bool, Alarm> {
     let round = words.letters.r.is_some() || words.letters.center.0.iter().any(Option::is_some);
     let motion = state.modal.motion;
-    let wanted = words.has_axes() || (round && matches!(motion, Motion::Arc { .. }));
-    if !wanted {
+    let is_needed = words.has_axes() || (round && matches!(motion, Motion::Arc { .. }));
+    if !is_needed {
         return Ok(false);
     }
-    settle_rotation(state, scene.memory);
+    settle_rotation(state, context.memory);
     let programmed = target(state, words);
-    let to = state.place(programmed, scene.memory);
+    let to = state.to_machine(programmed, context.memory);
     match motion {
-        Motion::Rapid => scene.go(state, to, Way::Rapid, false)?,
-        Motion::Line => scene.go(state, to, Way::Cut, false)?,
-        Motion::Arc { clockwise } => arc_to(state, words, to, clockwise, scene)?,
-        Motion::Thread => scene.go(state, to, Way::Thread(lead(state)?), true)?,
+        Motion::Rapid => context.go(state, to, StepKind::Rapid, false)?,
+        Motion::Line => context.go(state, to, StepKind::Cut, false)?,
+        Motion::Arc { clockwise } => arc_to(state, words, to, clockwise, context)?,
+        Motion::Thread => context.go(state, to, StepKind::Thread(thread_lead(state)?), true)?,
     }
-    state.programmed_at(programmed);
+    state.set_programmed(programmed);
     Ok(true)
 }
 
 fn arc_to(
-    state: &mut State,
-    words: &Words,
-    to: Position,
+    state: &mut MillState,
+    words: &BlockWords,
+    to: MillPosition,
     clockwise: bool,
-    scene: &mut Scene<'_, '_>,
+    context: &mut RunContext<'_, '_>,
 ) -> Result<(), Alarm> {
     let modal = &state.modal;
     let plane = modal.plane;
     let [first, second, _] = plane.axes();
-    let way = |axis| {
+    let center_word = |axis| {
         words
             .letters
             .center
@@ -328,41 +328,41 @@ fn arc_to(
         Some(r) => {
             let factor = |axis| state.transform.factor(axis).abs();
             let factor = factor(first).max(factor(second));
-            Circle::Radius(length(r, modal.inch).mm() * factor)
+            ArcDefinition::Radius(length(r, modal.inch).mm() * factor)
         }
-        None if way(first).or(way(second)).is_none() => {
+        None if center_word(first).or(center_word(second)).is_none() => {
             let detail = say::mill_arc_without_center();
             return Err(Alarm::new(number::ARC_DATA).because(detail));
         }
         None => {
-            let way = Flat::new(way(first).unwrap_or(0.0), way(second).unwrap_or(0.0));
-            Circle::Center(state.transform.way(plane, way))
+            let to_center = PlanePoint::new(center_word(first).unwrap_or(0.0), center_word(second).unwrap_or(0.0));
+            ArcDefinition::Center(state.transform.transform_distance(plane, to_center))
         }
     };
     let clockwise = clockwise != state.transform.mirrors(plane);
-    let tolerance = scene.memory.length(parameter::ARC_ERROR).mm();
+    let tolerance = context.memory.length(parameter::ARC_ERROR).mm();
     let ends = (state.machine.flat(plane), to.flat(plane));
-    let center = arc::center(ends.0, ends.1, circle, clockwise, tolerance)?;
+    let center = arc::arc_center(ends.0, ends.1, circle, clockwise, tolerance)?;
     let kind = if clockwise {
-        MoveKind::Clockwise
+        MillMoveKind::Clockwise
     } else {
-        MoveKind::CounterClockwise
+        MillMoveKind::CounterClockwise
     };
-    let step = Step {
+    let step = PathStep {
         to,
-        arc: Some(Arc { plane, center }),
+        arc: Some(MillArc { plane, center }),
         feed: Some(feed(state)?),
-        ..scene.step(state, kind)
+        ..context.step(state, kind)
     };
-    scene.push(state, &step, false)?;
-    state.stand_at(to);
+    context.push(state, &step, false)?;
+    state.set_machine(to);
     Ok(())
 }
 
 /// Stores the words of a hole cycle for this and the following holes.
-pub(crate) fn take_hole_data(state: &mut State, words: &Words) -> Result<(), Alarm> {
+pub(crate) fn take_hole_data(state: &mut MillState, words: &BlockWords) -> Result<(), Alarm> {
     let (modal, letters) = (&state.modal, &words.letters);
-    let level = |value: Number| Level {
+    let level = |value: Number| HoleLevel {
         value: length(value, modal.inch),
         incremental: modal.incremental,
     };
@@ -382,44 +382,44 @@ pub(crate) fn take_hole_data(state: &mut State, words: &Words) -> Result<(), Ala
 }
 
 /// Greatest number of holes in one block.
-const HOLES: i64 = 9999;
+const MAX_HOLES: i64 = 9999;
 
 /// Makes the holes of a block. Returns whether it moves.
-pub(crate) fn holes(
+pub(crate) fn execute_holes(
     hole: Hole,
-    state: &mut State,
-    words: &Words,
-    scene: &mut Scene<'_, '_>,
+    state: &mut MillState,
+    words: &BlockWords,
+    context: &mut RunContext<'_, '_>,
 ) -> Result<bool, Alarm> {
     take_hole_data(state, words)?;
-    let wanted = words.has_axes() || words.letters.r.is_some();
-    let count = words.letters.center.get(Axis::Z).or(words.letters.l);
+    let is_needed = words.has_axes() || words.letters.r.is_some();
+    let count = words.letters.center.get(MillAxis::Z).or(words.letters.l);
     let count = count.map_or(1, Number::integer);
-    if !(0..=HOLES).contains(&count) {
-        let detail = say::mill_repeats_out_of_range(count, HOLES);
+    if !(0..=MAX_HOLES).contains(&count) {
+        let detail = say::mill_repeats_out_of_range(count, MAX_HOLES);
         return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
     }
-    if !wanted || count == 0 {
+    if !is_needed || count == 0 {
         return Ok(false);
     }
-    settle_rotation(state, scene.memory);
+    settle_rotation(state, context.memory);
     let across = state.modal.plane.across();
     let mut beside = *words;
     beside.letters.axes.set(across, None);
     for hole_of_block in 0..count {
-        if hole_of_block > 0 && !scene.goes_on() {
+        if hole_of_block > 0 && !context.can_continue() {
             break;
         }
         let programmed = target(state, &beside);
-        let mut over = state.place(programmed, scene.memory);
+        let mut over = state.to_machine(programmed, context.memory);
         over.set(across, state.machine.get(across));
-        let rolled = state.axes.rolled(over);
-        if rolled != over {
+        let wrapped = state.axes.wrapped(over);
+        if wrapped != over {
             // The other steps of the hole must not turn the axis again.
-            scene.go(state, over, Way::Rapid, true)?;
-            over = rolled;
+            context.go(state, over, StepKind::Rapid, true)?;
+            over = wrapped;
         }
-        let levels = levels(hole, state, scene.memory)?;
+        let levels = hole_levels(hole, state, context.memory)?;
         let HoleData {
             initial,
             q,
@@ -438,31 +438,31 @@ pub(crate) fn holes(
             to_r: state.modal.to_r,
             spindle: state.modal.spindle,
             rigid: state.modal.rigid,
-            memory: scene.memory,
+            memory: context.memory,
         };
-        for part in drilling.parts()? {
+        for part in drilling.steps()? {
             match part {
-                Part::Rapid(to) => scene.go(state, to, Way::Rapid, true)?,
-                Part::Feed(to) => scene.go(state, to, Way::Cut, true)?,
-                Part::Tap { to, out } => scene.go(state, to, Way::Tap { out }, true)?,
-                Part::Dwell(seconds) => scene.dwell(state, seconds)?,
-                Part::Spindle(spindle) => state.modal.spindle = spindle,
+                HoleStep::Rapid(to) => context.go(state, to, StepKind::Rapid, true)?,
+                HoleStep::Feed(to) => context.go(state, to, StepKind::Cut, true)?,
+                HoleStep::Tap { to, out } => context.go(state, to, StepKind::Tap { out }, true)?,
+                HoleStep::Dwell(seconds) => context.dwell(state, seconds)?,
+                HoleStep::Spindle(spindle) => state.modal.spindle = spindle,
             }
         }
-        state.programmed_at(programmed);
-        let level = state.transform.undo(state.work(scene.memory)).get(across);
+        state.set_programmed(programmed);
+        let level = state.transform.undo(state.work(context.memory)).get(across);
         state.programmed.set(across, level);
     }
     Ok(true)
 }
 
 /// R and the bottom of a hole, machine coordinates. Those of G76 are not scaled.
-fn levels(hole: Hole, state: &State, memory: &MillMemory) -> Result<(Length, Length), Alarm> {
+fn hole_levels(hole: Hole, state: &MillState, memory: &MillMemory) -> Result<(Length, Length), Alarm> {
     let across = state.modal.plane.across();
     let data = &state.hole;
     let scales = hole != Hole::FineBore;
-    let level = |level: Level, from: Length| {
-        let Level { value, incremental } = level;
+    let level = |level: HoleLevel, from: Length| {
+        let HoleLevel { value, incremental } = level;
         if incremental {
             let factor = if scales {
                 state.transform.factor(across)

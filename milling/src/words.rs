@@ -8,7 +8,7 @@ use gsk_messages::say;
 
 use crate::axes::Axes;
 use crate::modal::{Hole, LengthOffset, Motion, WorkZero};
-use crate::space::{Axis, Each, Length, Plane};
+use crate::space::{MillAxis, AxisValues, Length, Plane};
 
 /// Group 00: codes that act in their own block only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,14 +28,14 @@ pub(crate) enum OneShot {
 
 /// Whether a code switches on or off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Switch {
+pub(crate) enum OnOff {
     On,
     Off,
 }
 
 /// The words of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Words {
+pub(crate) struct BlockWords {
     pub(crate) one_shot: Option<OneShot>,
     pub(crate) motion: Option<Motion>,
     pub(crate) plane: Option<Plane>,
@@ -47,25 +47,25 @@ pub(crate) struct Words {
     /// `Some(None)` is G80.
     pub(crate) hole: Option<Option<Hole>>,
     pub(crate) to_r: Option<bool>,
-    pub(crate) scaling: Option<Switch>,
+    pub(crate) scaling: Option<OnOff>,
     pub(crate) zero: Option<WorkZero>,
     /// Whether G54.1 is programmed. Its P names the zero.
     pub(crate) additional: bool,
     pub(crate) exact_mode: Option<bool>,
     pub(crate) exact_stop: bool,
-    pub(crate) rotation: Option<Switch>,
-    pub(crate) polar: Option<Switch>,
+    pub(crate) rotation: Option<OnOff>,
+    pub(crate) polar: Option<OnOff>,
     pub(crate) letters: Letters,
     /// A word that no code of a mill takes: of an axis that the machine does not have, or of a
     /// lathe.
-    pub(crate) stranger: Option<char>,
+    pub(crate) unused_word: Option<char>,
 }
 
 /// The numbers after the letters, as programmed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Letters {
-    pub(crate) axes: Each<Option<Number>>,
-    pub(crate) center: Each<Option<Number>>,
+    pub(crate) axes: AxisValues<Option<Number>>,
+    pub(crate) center: AxisValues<Option<Number>>,
     pub(crate) r: Option<Number>,
     pub(crate) q: Option<Number>,
     pub(crate) p: Option<Number>,
@@ -81,10 +81,10 @@ pub(crate) struct Letters {
 /// The number of G54.1, in millionths.
 const ADDITIONAL: i64 = 54_100_000;
 
-impl Words {
-    pub(crate) fn of(block: &Block, record: &Record, axes: Axes) -> Result<Self, Alarm> {
+impl BlockWords {
+    pub(crate) fn parse(block: &Block, record: &Record, axes: Axes) -> Result<Self, Alarm> {
         let mut words = Self::default();
-        let mut further = Each::default();
+        let mut further = AxisValues::default();
         for word in block.words() {
             match word.address {
                 b'G' if word.value.millionths() == ADDITIONAL => words.additional = true,
@@ -94,25 +94,25 @@ impl Words {
                     if let Some(axis) = axes.axis(letter) {
                         further.set(axis, Some(word.value));
                     } else {
-                        words.stranger = words.stranger.or(Some(letter));
+                        words.unused_word = words.unused_word.or(Some(letter));
                     }
                 }
                 letter if record.is_argument_only(letter) => {
-                    words.stranger = words.stranger.or(Some(letter.into()));
+                    words.unused_word = words.unused_word.or(Some(letter.into()));
                 }
                 _ => {}
             }
         }
         let number = |address| block.number(address);
         words.letters = Letters {
-            axes: Each([
+            axes: AxisValues([
                 number(b'X'),
                 number(b'Y'),
                 number(b'Z'),
-                further.get(Axis::Fourth),
-                further.get(Axis::Fifth),
+                further.get(MillAxis::Fourth),
+                further.get(MillAxis::Fifth),
             ]),
-            center: Each::basic([number(b'I'), number(b'J'), number(b'K')], None),
+            center: AxisValues::basic([number(b'I'), number(b'J'), number(b'K')], None),
             r: number(b'R'),
             q: number(b'Q'),
             p: number(b'P'),
@@ -171,12 +171,12 @@ impl Words {
             GCode::LengthPlus => self.length = Some(LengthOffset::Plus),
             GCode::LengthMinus => self.length = Some(LengthOffset::Minus),
             GCode::LengthOff => self.length = Some(LengthOffset::Off),
-            GCode::ScalingOn => self.scaling = Some(Switch::On),
-            GCode::ScalingOff => self.scaling = Some(Switch::Off),
-            GCode::RotationOn => self.rotation = Some(Switch::On),
-            GCode::RotationOff => self.rotation = Some(Switch::Off),
-            GCode::PolarOn => self.polar = Some(Switch::On),
-            GCode::PolarOff => self.polar = Some(Switch::Off),
+            GCode::ScalingOn => self.scaling = Some(OnOff::On),
+            GCode::ScalingOff => self.scaling = Some(OnOff::Off),
+            GCode::RotationOn => self.rotation = Some(OnOff::On),
+            GCode::RotationOff => self.rotation = Some(OnOff::Off),
+            GCode::PolarOn => self.polar = Some(OnOff::On),
+            GCode::PolarOff => self.polar = Some(OnOff::Off),
             GCode::WorkCoordinates1 => self.zero = Some(WorkZero(0)),
             GCode::WorkCoordinates2 => self.zero = Some(WorkZero(1)),
             GCode::WorkCoordinates3 => self.zero = Some(WorkZero(2)),
@@ -221,7 +221,7 @@ impl Words {
 
     /// Refuses a word that no code takes. In a call it is an argument.
     pub(crate) fn check_axes(&self) -> Result<(), Alarm> {
-        let detail = match self.stranger {
+        let detail = match self.unused_word {
             Some(letter @ ('U' | 'V' | 'W')) => {
                 say::mill_increment_of_lathe(letter, char::from(letter as u8 + 3))
             }
@@ -241,14 +241,14 @@ impl Words {
     pub(crate) fn check(&self) -> Result<(), Alarm> {
         let holes = self.hole.is_some_and(|hole| hole.is_some());
         // A reference return is a rapid. G53 moves at rapid or feed.
-        let together = |motion: &Motion| match self.one_shot {
+        let allowed = |motion: &Motion| match self.one_shot {
             Some(OneShot::Machine) => true,
             Some(OneShot::Reference | OneShot::FurtherReference | OneShot::ReferenceBack) => {
                 *motion == Motion::Rapid
             }
             _ => false,
         };
-        let motion = self.motion.filter(|motion| !together(motion));
+        let motion = self.motion.filter(|motion| !allowed(motion));
         let apart = self.one_shot.is_some() && (motion.is_some() || holes);
         if apart || (holes && self.motion.is_some()) {
             let detail = say::mill_one_shots();

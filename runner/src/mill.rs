@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use gsk_core::program::ProgramMemory;
 use gsk_core::units::Feed;
 use gsk_messages::Language;
-use gsk_milling::{Axis, Move, MoveKind, Position, Preview, Progress, preview_while};
+use gsk_milling::{MillAxis, MillMove, MillMoveKind, MillPosition, MillPreview, Progress, preview_while};
 
 use crate::decimal::Line;
 use crate::moves::rounded;
@@ -24,11 +24,11 @@ pub fn check(
     setup: &MillSetup,
     programs: &ProgramMemory,
     language: Option<Language>,
-    on_move: &mut dyn FnMut(&Move),
+    on_move: &mut dyn FnMut(&MillMove),
     goes_on: &mut dyn FnMut(&Progress) -> bool,
 ) -> Report {
     let mut times = Times::default();
-    let mut take = |made: &Move| {
+    let mut take = |made: &MillMove| {
         times.push(made);
         on_move(made);
     };
@@ -38,7 +38,7 @@ pub fn check(
 
 fn of(
     name: &str,
-    preview: &Preview,
+    preview: &MillPreview,
     times: &Times,
     programs: &ProgramMemory,
     language: Option<Language>,
@@ -66,9 +66,9 @@ fn of(
         s: modal.speed,
         t: tool_word(modal.tool),
         spindle: match modal.spindle {
-            gsk_milling::Spindle::Forward => "cw",
-            gsk_milling::Spindle::Reverse => "ccw",
-            gsk_milling::Spindle::Stopped => "stop",
+            gsk_milling::SpindleState::Forward => "cw",
+            gsk_milling::SpindleState::Reverse => "ccw",
+            gsk_milling::SpindleState::Stopped => "stop",
         },
         coolant: modal.coolant,
         parameters_changed: BTreeMap::new(),
@@ -98,7 +98,7 @@ fn of(
 }
 
 /// The box of the path with the further axes of the machine.
-fn bounds(preview: &Preview, found: &gsk_milling::Bounds) -> Bounds {
+fn bounds(preview: &MillPreview, found: &gsk_milling::MillBounds) -> Bounds {
     let side = |axis: usize| (rounded(found.least[axis]), rounded(found.greatest[axis]));
     let mut bounds = Bounds {
         x: side(0),
@@ -113,7 +113,7 @@ fn bounds(preview: &Preview, found: &gsk_milling::Bounds) -> Bounds {
             'B' => "b",
             _ => "c",
         };
-        let (least, greatest) = found.further[usize::from(axis == Axis::Fifth)];
+        let (least, greatest) = found.further[usize::from(axis == MillAxis::Fifth)];
         let range = (rounded(least), rounded(greatest));
         bounds.further.insert(name, range);
         if further.rotary {
@@ -124,7 +124,7 @@ fn bounds(preview: &Preview, found: &gsk_milling::Bounds) -> Bounds {
 }
 
 /// A point with the further axes of the machine.
-fn place(preview: &Preview, point: &Position) -> MillPlace {
+fn place(preview: &MillPreview, point: &MillPosition) -> MillPlace {
     let further = preview.axes.all_further();
     MillPlace {
         basic: point.mm().map(rounded),
@@ -148,7 +148,7 @@ pub(crate) struct Times {
 
 impl Times {
     /// Adds a move.
-    pub(crate) fn push(&mut self, made: &Move) {
+    pub(crate) fn push(&mut self, made: &MillMove) {
         let known = self.tools.iter().position(|(tool, _)| *tool == made.tool);
         let index = known.unwrap_or_else(|| {
             self.tools.push((made.tool, Seconds::default()));
@@ -156,10 +156,10 @@ impl Times {
         });
         for seconds in [&mut self.all, &mut self.tools[index].1] {
             *match made.kind {
-                MoveKind::Rapid => &mut seconds.rapid,
-                MoveKind::Tap | MoveKind::Thread => &mut seconds.thread,
-                MoveKind::Dwell => &mut seconds.dwell,
-                MoveKind::Feed | MoveKind::Clockwise | MoveKind::CounterClockwise => {
+                MillMoveKind::Rapid => &mut seconds.rapid,
+                MillMoveKind::Tap | MillMoveKind::Thread => &mut seconds.thread,
+                MillMoveKind::Dwell => &mut seconds.dwell,
+                MillMoveKind::Feed | MillMoveKind::Clockwise | MillMoveKind::CounterClockwise => {
                     &mut seconds.feed
                 }
             } += made.duration_s;
@@ -190,7 +190,7 @@ impl Times {
 ///
 /// # Errors
 /// It cannot be written.
-pub fn write_move(out: &mut dyn Write, made: &Move) -> io::Result<()> {
+pub fn write_move(out: &mut dyn Write, made: &MillMove) -> io::Result<()> {
     let mut line = Line::default();
     line.number("{\"line\":", made.source.line.into());
     match made.source.sequence {

@@ -83,7 +83,7 @@ pub struct WarningReport {
 
 impl WarningReport {
     /// What a mill takes without an alarm.
-    pub(crate) fn of_mill(caution: &gsk_milling::Caution, language: Option<Language>) -> Self {
+    pub(crate) fn of_mill(caution: &gsk_milling::MillCaution, language: Option<Language>) -> Self {
         Self {
             rule: caution.slip.id(),
             program: caution.source.program,

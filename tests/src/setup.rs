@@ -11,7 +11,7 @@ use gsk_core::plc::Ladder;
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::units::{Axis, Diameter, Point};
-use gsk_milling::{MillSetup, WordError};
+use gsk_milling::{MillSetup, MillWordError};
 use serde::Deserialize;
 
 /// Head of the program that fills the memory.
@@ -89,7 +89,7 @@ impl SetupWords {
         }
         let mut mill = MillSetup::default().with(model);
         mill.day_time = setup.day_time;
-        let said = |error: WordError| error.0.to_string();
+        let said = |error: MillWordError| error.0.to_string();
         if let Some(start) = &self.mill.start {
             mill.take_start(start).map_err(said)?;
         }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use gsk_core::preview::{End, Progress};
 use gsk_messages::{Language, say};
-use gsk_milling::{Move, preview_while};
+use gsk_milling::{MillMove, preview_while};
 use gsk_runner::mill::{self, MillSetup};
 use gsk_runner::picture::Format;
 use gsk_runner::picture::mill::{MillDrawing, encode};
@@ -69,7 +69,7 @@ fn check_file(
     file: &Path,
     (args, language): (&CheckArgs, Option<Language>),
     alone: bool,
-    on_move: &mut dyn FnMut(&Move),
+    on_move: &mut dyn FnMut(&MillMove),
 ) -> Result<Report, CommandError> {
     let (_, mut programs) = loading::mill(&args.setup)?;
     loading::open(&mut programs, &[file.to_owned()])?.print(language);

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use gsk_commission::ImportedFile;
 use gsk_messages::{Language, Message, say};
-use gsk_milling::commissioning::{PitchTable, Teeth, backlash_rate, linear_gear, rotary_gear};
-use gsk_milling::keys::{KEYS, pressed};
-use gsk_milling::{Length, ParameterValues, homing};
+use gsk_milling::commissioning::{MillPitchTable, Teeth, backlash_rate, linear_gear, rotary_gear};
+use gsk_milling::keys::{KEYS, pressed_keys};
+use gsk_milling::{Length, ParameterValues, describe_reference_returns};
 use gsk_runner::report;
 
 use super::{CommandError, FINE, output};
@@ -57,13 +57,13 @@ fn homing_of(args: &HomingArgs, language: Option<Language>) -> Result<u8, Comman
                 let rule = say::pitch_file_line(line, rule);
                 wrong(say::pitch_file(path.display(), rule))
             };
-            values.take(text).map_err(at_line)?;
+            values.parse_line(text).map_err(at_line)?;
         }
     }
     for word in &args.values {
-        values.take(word).map_err(wrong)?;
+        values.parse_line(word).map_err(wrong)?;
     }
-    for said in homing(&values) {
+    for said in describe_reference_returns(&values) {
         say_line(&said, language);
     }
     Ok(FINE)
@@ -100,7 +100,7 @@ fn pitch(args: &PitchArgs, language: Option<Language>) -> Result<u8, CommandErro
     const FARTHEST: f64 = 1e12;
     let thousandths = |mm: f64| (mm * 1000.0).round().clamp(-FARTHEST, FARTHEST) as i64;
     let interval = thousandths(args.interval);
-    let table = PitchTable::new(args.origin, interval, args.window, &args.values);
+    let table = MillPitchTable::new(args.origin, interval, args.window, &args.values);
     let mut table = table.map_err(wrong)?;
     let (axis, backlash) = match &args.ren {
         Some(path) => add_file(&mut table, args, path)?,
@@ -147,7 +147,7 @@ fn keep_apart_from(source: Option<&Path>, target: &Path) -> Result<(), CommandEr
 /// Adds the values of a Renishaw text; the axis that it names and its backlash, 0.001 mm,
 /// where it has them.
 fn add_file(
-    table: &mut PitchTable,
+    table: &mut MillPitchTable,
     args: &PitchArgs,
     path: &Path,
 ) -> Result<(Option<char>, Option<i64>), CommandError> {
@@ -203,7 +203,7 @@ fn add_file(
 }
 
 fn in_renishaw_form(
-    table: &PitchTable,
+    table: &MillPitchTable,
     axis: Option<char>,
     interval: i64,
     backlash: Option<i64>,
@@ -235,7 +235,7 @@ fn keys(args: &MillKeysArgs, language: Option<Language>) -> Result<u8, CommandEr
     }
     for (number, bits) in &args.shown {
         let written = format!("{number:03}");
-        let keys = pressed(*number, *bits);
+        let keys = pressed_keys(*number, *bits);
         let keys = keys.ok_or_else(|| wrong(say::mill_keys_number(&written)))?;
         let said = match keys.is_empty() {
             true => say::mill_keys_none(written),

@@ -4,7 +4,7 @@ use gsk_core::machine::FAULTS;
 use gsk_core::model::ModelId;
 use gsk_core::{alarm, memory};
 use gsk_messages::{Language, Message, say};
-use gsk_milling::parameter_rows;
+use gsk_milling::mill_parameter_rows;
 use gsk_panel::keys::{Bit, KEYS, Role, STRIP};
 use gsk_panel::signals;
 use gsk_runner::report::class_name;
@@ -168,7 +168,7 @@ fn of_the_mill(language: Option<Language>) -> Table {
             "NUMBER", "SYMBOL", "AXES", "UNIT", "RANGE", "ACTS", "中文", "MEANING",
         ],
     });
-    for row in parameter_rows() {
+    for row in mill_parameter_rows() {
         let number = match row.bit {
             Some(bit) => format!("{:03}.{bit}", row.number),
             None => format!("{:03}", row.number),
@@ -400,7 +400,7 @@ mod tests {
 
     #[test]
     fn the_numbers_of_the_axes_of_a_mill_are_known() {
-        for row in parameter_rows() {
+        for row in mill_parameter_rows() {
             let known: [&[u16]; 4] = [&[], &[4, 5], &[1, 2, 3], &[1, 2, 3, 4, 5]];
             assert!(known.contains(&row.axes), "{}", row.number);
         }

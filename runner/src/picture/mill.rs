@@ -15,7 +15,7 @@ mod panes;
 mod parts;
 
 use gsk_messages::Language;
-use gsk_milling::{Further, Move, MoveKind};
+use gsk_milling::{FurtherAxis, MillMove, MillMoveKind};
 
 use super::canvas::{Align, Canvas};
 use super::drawing::Look;
@@ -80,7 +80,7 @@ pub struct MillDrawing {
     all: Option<Cube>,
     times: Times,
     /// What further axes reach that have moved: mm, or degrees.
-    further: Vec<(Further, f64, f64)>,
+    further: Vec<(FurtherAxis, f64, f64)>,
     count: usize,
     left_out: u64,
 }
@@ -104,9 +104,9 @@ impl MillDrawing {
     }
 
     /// Adds a move.
-    pub fn push(&mut self, made: &Move) {
+    pub fn push(&mut self, made: &MillMove) {
         self.times.push(made);
-        if made.kind == MoveKind::Dwell {
+        if made.kind == MillMoveKind::Dwell {
             return;
         }
         self.turn(made);
@@ -123,7 +123,7 @@ impl MillDrawing {
         let place =
             |point: [f64; 3]| core::array::from_fn(|axis| point[axis] + zero[axis] - first[axis]);
         let way = match made.kind {
-            MoveKind::Rapid => Made::Rapid,
+            MillMoveKind::Rapid => Made::Rapid,
             _ => Made::Cut(self.index_of(made.tool)),
         };
         let begin: [f64; 3] = place(made.from.mm());
@@ -147,7 +147,7 @@ impl MillDrawing {
     }
 
     /// Takes what further axes do; of one that has never moved nothing is said.
-    fn turn(&mut self, made: &Move) {
+    fn turn(&mut self, made: &MillMove) {
         for (further, from, to) in made.further() {
             let (least, greatest) = (from.min(to), from.max(to));
             let mut known = self.further.iter_mut();
@@ -202,7 +202,7 @@ impl MillDrawing {
 
 /// Points of a move after its begin: chords of an arc; the places where axes of a rapid
 /// that go by themselves arrive.
-fn corners(made: &Move) -> Vec<[f64; 3]> {
+fn corners(made: &MillMove) -> Vec<[f64; 3]> {
     if let Some(mut parts) = made.arrivals {
         parts.sort_by(f64::total_cmp);
         let parts = parts.into_iter().filter(|part| *part > 0.0 && *part < 1.0);
@@ -328,7 +328,7 @@ mod tests {
                 assert_eq!(setup.memory.model.set_parameter(*number, *value), Ok(()));
             }
             let mut drawing = MillDrawing::new("", Look::default());
-            let mut take = |made: &Move| drawing.push(made);
+            let mut take = |made: &MillMove| drawing.push(made);
             gsk_milling::preview_while(&setup, &programs, &mut take, &mut |_| true);
             drawing
         };

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use gsk_core::model::{ControlModel, ModelId};
-use gsk_milling::{MillSetup, Move, preview_while};
+use gsk_milling::{MillSetup, MillMove, preview_while};
 
 use super::{settings, watch};
 
@@ -28,8 +28,8 @@ pub(super) fn run(input: &[u8]) {
     for offset in ["1=80,5", "2=110.5,3,0,-0.02", "3=60,12"] {
         let _ = mill.memory.take_offset(offset);
     }
-    let mut last: Option<Move> = None;
-    let mut take = |made: &Move| {
+    let mut last: Option<MillMove> = None;
+    let mut take = |made: &MillMove| {
         watch::seen("move", made.kind.name());
         assert!(made.duration_s >= 0.0 && made.duration_s.is_finite());
         if let Some(last) = &last {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use gsk_messages::{Message, say};
 
 use crate::memory::parameter;
-use crate::parameter_table::{ParameterRow, parameter_rows};
+use crate::parameter_table::{MillParameterRow, mill_parameter_rows};
 
 /// Parameter values read from a file. Missing ones are 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -17,7 +17,7 @@ const FIRST_SWITCH: usize = 3;
 /// Bit 2: the jog key of a reference return is self-holding.
 const KEY: (u16, usize) = (11, 2);
 /// The axes that return in minus, from bit 0 on.
-const SENSE: u16 = 13;
+const DIRECTIONS: u16 = 13;
 /// Speeds of a reference return, mm/min.
 const FAST: u16 = 31;
 const SLOW: u16 = 32;
@@ -37,7 +37,7 @@ impl ParameterValues {
     /// # Errors
     ///
     /// Returns a message if the form, the number or the value is wrong.
-    pub fn take(&mut self, line: &str) -> Result<(), Message> {
+    pub fn parse_line(&mut self, line: &str) -> Result<(), Message> {
         let text = line.split(['#', ';']).next().unwrap_or_default().trim();
         if text.is_empty() {
             return Ok(());
@@ -49,7 +49,7 @@ impl ParameterValues {
             let number: u16 = number.parse().map_err(|_| form())?;
             let bit = bit.parse().ok().filter(|bit| *bit < 8_u8);
             let bit = bit.ok_or_else(form)?;
-            let known = of_number(number).any(|row| row.bit == Some(bit));
+            let known = rows_of_number(number).any(|row| row.bit == Some(bit));
             if !known {
                 return Err(say::mill_parameter_unknown(name));
             }
@@ -69,7 +69,7 @@ impl ParameterValues {
         } else {
             value.parse().map_err(|_| form())?
         };
-        let mut rows = of_number(number).peekable();
+        let mut rows = rows_of_number(number).peekable();
         if rows.peek().is_none() {
             return Err(say::mill_parameter_unknown(name));
         }
@@ -98,14 +98,14 @@ impl ParameterValues {
 }
 
 /// The rows of a number, which may be that of an axis.
-fn of_number(number: u16) -> impl Iterator<Item = &'static ParameterRow> {
-    parameter_rows().iter().filter(move |row| {
+fn rows_of_number(number: u16) -> impl Iterator<Item = &'static MillParameterRow> {
+    mill_parameter_rows().iter().filter(move |row| {
         let mut own = row.axes.iter().map(|axis| row.number + axis * 10_000);
         (row.axes.is_empty() && row.number == number) || own.any(|own| own == number)
     })
 }
 
-fn in_range(row: &ParameterRow, value: i32) -> bool {
+fn in_range(row: &MillParameterRow, value: i32) -> bool {
     let bounds = row.range.split_once("..");
     let bounds = bounds.and_then(|(low, high)| Some((low.parse().ok()?, high.parse().ok()?)));
     match (row.bit, bounds) {
@@ -116,7 +116,7 @@ fn in_range(row: &ParameterRow, value: i32) -> bool {
 }
 
 /// Returns a sentence about the reference return of each axis, and one about the key.
-pub fn homing(values: &ParameterValues) -> Vec<Message> {
+pub fn describe_reference_returns(values: &ParameterValues) -> Vec<Message> {
     let count = usize::try_from(values.value(parameter::AXES))
         .unwrap_or(0)
         .max(3);
@@ -134,25 +134,25 @@ pub fn homing(values: &ParameterValues) -> Vec<Message> {
         if values.bit(ENCODERS.0, ENCODERS.1) {
             return say::mill_homing_of_absolute(letter);
         }
-        let sense = if values.bit(SENSE, index) { '-' } else { '+' };
+        let direction = if values.bit(DIRECTIONS, index) { '-' } else { '+' };
         let (fast, slow) = (values.speed(FAST), values.speed(SLOW));
         let offset = f64::from(values.value(own(OFFSET))) / 1000.0;
         if index >= BASIC.len() && values.bit(own(METHOD_D.0), METHOD_D.1) {
-            return say::mill_homing_of_d(letter, sense, fast, slow, offset);
+            return say::mill_homing_of_d(letter, direction, fast, slow, offset);
         }
         let bit = index + FIRST_SWITCH;
         let switch = match values.bit(SWITCHES, bit) {
             true => say::mill_homing_switch_closed(bit),
             false => say::mill_homing_switch_open(bit),
         };
-        say::mill_homing_of_switch(letter, sense, fast, switch, slow, offset)
+        say::mill_homing_of_switch(letter, direction, fast, switch, slow, offset)
     };
-    let mut said: Vec<Message> = (0..count.min(5)).map(axis).collect();
-    said.push(match values.bit(KEY.0, KEY.1) {
+    let mut sentences: Vec<Message> = (0..count.min(5)).map(axis).collect();
+    sentences.push(match values.bit(KEY.0, KEY.1) {
         true => say::mill_homing_key_holds(),
         false => say::mill_homing_key_held(),
     });
-    said
+    sentences
 }
 
 #[cfg(test)]
@@ -160,17 +160,17 @@ mod tests {
     use super::*;
     use gsk_messages::Language;
 
-    fn said(lines: &[&str]) -> Vec<String> {
+    fn sentences_of(lines: &[&str]) -> Vec<String> {
         let mut values = ParameterValues::default();
         for line in lines {
-            assert_eq!(values.take(line), Ok(()), "{line}");
+            assert_eq!(values.parse_line(line), Ok(()), "{line}");
         }
-        let said = homing(&values);
-        said.iter().map(|it| it.text(Language::En)).collect()
+        let sentences = describe_reference_returns(&values);
+        sentences.iter().map(|it| it.text(Language::En)).collect()
     }
 
     #[test]
-    fn every_axis_goes_home_by_its_parameters() {
+    fn every_axis_returns_by_its_parameters() {
         let lines = [
             "1010 = 5",
             "13=00010010   # Y and the fifth in minus",
@@ -182,7 +182,7 @@ mod tests {
             "40188.6=1",
             "41246=-1500",
         ];
-        let found = said(&lines);
+        let found = sentences_of(&lines);
         assert_eq!(found.len(), 6);
         assert!(found[0].starts_with('X') && found[0].contains("+ at 3000 mm/min (031)"));
         assert!(found[0].contains("004.3 = 0") && found[2].contains("004.5 = 1"));
@@ -190,19 +190,19 @@ mod tests {
         assert!(found[3].starts_with('A') && found[3].contains("188.6"));
         assert!(found[3].contains("-1.5"), "{}", found[3]);
         assert!(found[4].starts_with('C') && found[4].contains("- at"));
-        let absolute = said(&["760.0=1"]);
+        let absolute = sentences_of(&["760.0=1"]);
         assert_eq!(absolute.len(), 4);
         assert!(absolute[0].contains("760.0"), "{}", absolute[0]);
     }
 
     #[test]
-    fn a_value_that_is_none_is_refused() {
+    fn an_invalid_value_is_refused() {
         let mut values = ParameterValues::default();
         for line in [
             "31", "x=1", "31=x", "31=5", "32=2000", "4.1=1", "4.8=1", "13.0=2", "999=1", "188=64",
             "10188=64", "4=256",
         ] {
-            assert!(values.take(line).is_err(), "{line}");
+            assert!(values.parse_line(line).is_err(), "{line}");
         }
         assert_eq!(values, ParameterValues::default());
     }
