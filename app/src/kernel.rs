@@ -32,7 +32,7 @@ use gsk_messages::say;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
 use gsk_panel::panel::KeyEvent;
-use gsk_panel::refusal::Press;
+use gsk_panel::refusal::KeyPress;
 use gsk_runner::partner::{Partner as _, Patience};
 use web_time::Duration;
 
@@ -192,7 +192,7 @@ impl Kernel {
 
     /// The serial port is at a port of the computer.
     pub fn take_serial_line(&mut self, line: SerialLine) {
-        self.emulator.panel.connect_line();
+        self.emulator.panel.connect_port();
         self.serial = Some(line);
     }
 
@@ -515,7 +515,7 @@ impl Kernel {
     /// Gives the panel what a key or a typed character did.
     fn hand_over(&mut self, event: KeyEvent) {
         let pressed = match event {
-            KeyEvent::Down(key) => Some(Press::new(key, &self.emulator.simulation.cnc)),
+            KeyEvent::Down(key) => Some(KeyPress::new(key, &self.emulator.simulation.cnc)),
             KeyEvent::Type(_) => Some(None),
             _ => None,
         };

@@ -16,7 +16,7 @@ use gsk_app::files::data_dir::DataDir;
 use gsk_app::retained::{self, Keeper, Restored};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
-use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
 
 /// Kills when nothing else is asked for.
@@ -45,7 +45,7 @@ fn begin(data: &DataDir) -> (Emulator, Restored) {
     setup.alarms.clear();
     let mut emulator = Emulator::new(setup);
     restored.restore_panel(&mut emulator);
-    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
     (emulator, restored)
 }
 

@@ -11,7 +11,7 @@ use gsk_app::window::layout::{Layout, Layouts};
 use gsk_app::window::view::View;
 use gsk_core::setup::Setup;
 use gsk_panel::keys::Key;
-use gsk_panel::script::Action;
+use gsk_panel::script::ScriptAction;
 use gsk_runner::lesson::{LESSONS, Lesson};
 
 /// Clicks something beside the panel.
@@ -142,14 +142,16 @@ fn lessons_are_done_with_the_mouse() {
     for (name, text) in &LESSONS {
         let lesson = Lesson::read(name, text).expect("a lesson");
         let lines = lesson.steps.iter().flat_map(|step| &step.solution.lines);
-        let actions: Vec<&Action> = lines.map(|line| &line.action).collect();
-        let can = |action: &&&Action| {
-            let action: &Action = action;
+        let actions: Vec<&ScriptAction> = lines.map(|line| &line.action).collect();
+        let can = |action: &&&ScriptAction| {
+            let action: &ScriptAction = action;
             !matches!(
                 action,
-                Action::Hold(..) | Action::Down(_) | Action::Press(Key::ToolChange)
-            ) && !matches!(action, Action::WaitFor(condition, ..)
-                if !matches!(condition, gsk_panel::emulator::Condition::Stopped))
+                ScriptAction::Hold(..)
+                    | ScriptAction::Down(_)
+                    | ScriptAction::Press(Key::ToolChange)
+            ) && !matches!(action, ScriptAction::WaitFor(condition, ..)
+                if !matches!(condition, gsk_panel::emulator::WaitCondition::Stopped))
         };
         if actions.iter().filter(can).count() < actions.len() {
             left.push(*name);

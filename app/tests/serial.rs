@@ -11,7 +11,7 @@ use gsk_app::kernel::{Command as Order, Kernel, Outside, start};
 use gsk_app::serial::{End, SerialLine};
 use gsk_core::setup::Setup;
 use gsk_messages::Id;
-use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
 
 use crate::common::folder::Folder;
@@ -246,7 +246,7 @@ fn about_to_send(param: &[(u16, i32)]) -> Emulator {
         .store("O0331;\nM30;\n")
         .expect("room for a program");
     let mut emulator = Emulator::new(setup);
-    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
     emulator.press(Key::Edit);
     emulator.press(Key::Program);
     emulator.type_text("O331");

@@ -8,7 +8,7 @@ use gsk_app::ending::Ending;
 use gsk_app::kernel::{Command, Kernel, Notice, Outside, start};
 use gsk_app::transfer;
 use gsk_core::setup::Setup;
-use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
 
 use crate::common::folder::Folder;
@@ -23,7 +23,7 @@ fn about_to_send() -> Emulator {
         .store("O0331;\nM30;\n")
         .expect("room for a program");
     let mut emulator = Emulator::new(setup);
-    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
     emulator.panel.connect(true);
     emulator.press(Key::Edit);
     emulator.press(Key::Program);

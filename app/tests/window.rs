@@ -12,7 +12,7 @@ use gsk_core::operation::RunState;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_link::LinkState;
-use gsk_panel::keys::{KEYS, Key, Role};
+use gsk_panel::keys::{KEYS, Key, KeyRole};
 
 #[test]
 fn a_program_is_opened_started_and_stopped_by_the_emergency_stop() {
@@ -281,7 +281,7 @@ fn a_key_that_is_to_be_explained_does_nothing_unless_it_stops() {
 #[test]
 fn every_machine_key_has_its_contact() {
     for row in &KEYS {
-        if let Role::Machine(bit) = row.role {
+        if let KeyRole::Machine(bit) = row.role {
             assert!(
                 (20..=26).contains(&bit.byte),
                 "{} has X{}",

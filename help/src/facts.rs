@@ -3,7 +3,7 @@
 use gsk_core::memory::{self, Disk, Effective, ParameterRow};
 use gsk_core::{alarm, alarm::AlarmRow};
 use gsk_messages::{Language, say};
-use gsk_panel::keys::{Bit, KEYS, KeyRow, Role, STRIP, StripLamp};
+use gsk_panel::keys::{Bit, KEYS, KeyRole, KeyRow, STRIP, StripLamp};
 use gsk_panel::pages::PAGES;
 use gsk_panel::signals::{self, Signal};
 
@@ -123,7 +123,7 @@ fn parameter_facts(row: &ParameterRow, language: Language) -> Vec<String> {
 
 fn key_facts(row: &KeyRow, language: Language) -> Vec<String> {
     let mut facts = vec![say::help_printed_on_it(row.legend.join(" ")).text(language)];
-    if let Role::Machine(contact) = row.role {
+    if let KeyRole::Machine(contact) = row.role {
         facts.push(say::help_contact(address('X', contact)).text(language));
     }
     facts.extend(row.lamp.map(|lamp| lamp_signal(lamp, language)));
@@ -141,7 +141,10 @@ fn signal_facts(row: &Signal, language: Language) -> Vec<String> {
 
 /// Returns the sender and the receiver of a PLC signal: `CNC → PLC`.
 pub fn signal_direction(row: &Signal, language: Language) -> String {
-    let ends = row.direction.split('>').map(|end| endpoint_name(end, language));
+    let ends = row
+        .direction
+        .split('>')
+        .map(|end| endpoint_name(end, language));
     ends.collect::<Vec<_>>().join(" → ")
 }
 

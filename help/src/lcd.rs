@@ -122,7 +122,9 @@ fn selected_entry(screen: &Screen, row: usize) -> Option<(String, Option<u8>)> {
         .into_iter()
         .nth(1)?
         .text;
-    let named = words(screen, DESCRIPTION_ROW, 0..COLUMNS).into_iter().next();
+    let named = words(screen, DESCRIPTION_ROW, 0..COLUMNS)
+        .into_iter()
+        .next();
     let bit = named.and_then(|word| {
         let word = word.text.to_ascii_uppercase();
         let digit = word.strip_prefix("BIT")?.bytes().next()?;
@@ -150,7 +152,8 @@ fn signal(screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> 
     let (byte, bit) = match named_bit(screen, row, column) {
         Some((byte, bit)) => (byte, bit),
         None => {
-            let (byte, bit) = selected_entry(screen, row).or_else(|| list_entry(screen, row, column))?;
+            let (byte, bit) =
+                selected_entry(screen, row).or_else(|| list_entry(screen, row, column))?;
             (byte, bit?)
         }
     };

@@ -52,20 +52,28 @@ fn search_topics(
 }
 
 /// Rank of a topic for a query, 0 for an exact match, or `None` if it does not match.
-fn match_rank(topic: &Topic, folded_query: &str, number: Option<u16>, words: &[String]) -> Option<u8> {
+fn match_rank(
+    topic: &Topic,
+    folded_query: &str,
+    number: Option<u16>,
+    words: &[String],
+) -> Option<u8> {
     let designation = fold_word(&topic.subject.to_string());
-    let headed = |language| fold_words(&article::designation(topic.subject, language)) == folded_query;
+    let headed =
+        |language| fold_words(&article::designation(topic.subject, language)) == folded_query;
     if [Language::Zh, Language::En].into_iter().any(headed) {
         return Some(0);
     }
-    if designation == folded_query || designation.strip_prefix("no. ") == Some(folded_query) && number.is_none() {
+    if designation == folded_query
+        || designation.strip_prefix("no. ") == Some(folded_query) && number.is_none()
+    {
         return Some(0);
     }
     if number.is_some() {
         return (topic.subject.number() == number).then_some(1);
     }
-    let names =
-        [Language::Zh, Language::En].map(|language| subject_name(topic.subject, language).to_lowercase());
+    let names = [Language::Zh, Language::En]
+        .map(|language| subject_name(topic.subject, language).to_lowercase());
     let all = |text: &str| words.iter().all(|word| text.contains(word.as_str()));
     if all(&designation) || names.iter().any(|name| all(name)) {
         return Some(2);

@@ -77,7 +77,10 @@ fn table_subjects() -> impl Iterator<Item = Subject<'static>> {
 }
 
 /// Returns the topics of a help table.
-pub(crate) fn parse_topics(table: &'static str, parse_subject: ParseSubject) -> impl Iterator<Item = Topic> {
+pub(crate) fn parse_topics(
+    table: &'static str,
+    parse_subject: ParseSubject,
+) -> impl Iterator<Item = Topic> {
     let lines = table.lines().skip(1);
     lines.filter_map(move |line| Topic::parse(line, parse_subject))
 }

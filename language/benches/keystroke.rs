@@ -11,7 +11,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use gsk_core::command::ProgramId;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
-use gsk_language::{TextChange, Position, Structure, TextDocument, analyse, folds, symbols};
+use gsk_language::{Position, Structure, TextChange, TextDocument, analyse, folds, symbols};
 use gsk_messages::Language;
 
 /// Blocks of the program.
@@ -74,7 +74,9 @@ fn keystroke(criterion: &mut Criterion) {
             text.apply(&removal);
         });
     });
-    group.bench_function("look", |bench| bench.iter(|| black_box(analyse_text(&text))));
+    group.bench_function("look", |bench| {
+        bench.iter(|| black_box(analyse_text(&text)))
+    });
     group.bench_function("structure", |bench| {
         bench.iter(|| black_box(Structure::read(&text)));
     });

@@ -7,12 +7,12 @@ use gsk_core::model::GCode;
 
 use crate::ReadingContext;
 use crate::hover::{code_topic, escape_markdown, value_range};
+use crate::meaning::{code_meaning, letter_meaning};
 use crate::reference_target::{ReferenceTarget, reference_target};
-use crate::meaning::{letter_meaning, code_meaning};
 use crate::snippets::{is_hole_cycle, letters, snippet};
 use crate::structure::Structure;
-use crate::text::{TextRange, Position, TextDocument};
-use crate::words::{SpanKind, Span, spans, word_of};
+use crate::text::{Position, TextDocument, TextRange};
+use crate::words::{Span, SpanKind, spans, word_of};
 
 /// What a completion inserts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -399,10 +399,16 @@ mod tests {
     }
 
     #[test]
-    fn a_snippet_gives_way_to_what_was_typed() {
+    fn a_snippet_replaces_the_typed_text() {
         let text = TextDocument::new("g7");
         let at = Position { line: 0, byte: 2 };
-        let found = complete(&text, &Structure::read(&text), at, CONTEXT, &BTreeSet::new());
+        let found = complete(
+            &text,
+            &Structure::read(&text),
+            at,
+            CONTEXT,
+            &BTreeSet::new(),
+        );
         let cycle = found.iter().find(|it| it.label == "G71 …").expect("G71");
         assert_eq!((cycle.range.from, cycle.range.to), (0, 2));
         assert!(

@@ -6,7 +6,7 @@ use gsk_core::preview::{Bounds, Caution, End, Progress, preview_beyond_alarms};
 use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
 use gsk_messages::{Language, say};
-use gsk_milling::{MillSetup, MillMove, preview_while};
+use gsk_milling::{MillMove, MillSetup, preview_while};
 use gsk_runner::report::AlarmReport;
 
 use crate::line_times::LineTimes;
@@ -80,7 +80,9 @@ pub fn analyse(
     let preview = preview_beyond_alarms(setup, programs, &mut take, keep_going);
     line_times.advance_to(preview.time_s);
     let alarms = preview.alarm.iter().chain(&preview.further.alarms);
-    let mut findings: Vec<ProgramFinding> = alarms.map(|it| alarm_finding(it, programs, language)).collect();
+    let mut findings: Vec<ProgramFinding> = alarms
+        .map(|it| alarm_finding(it, programs, language))
+        .collect();
     findings.extend(limit_finding(preview.end, language));
     let cautions = preview.cautions.iter();
     findings.extend(cautions.map(|it| caution_finding(it, programs, language)));
@@ -107,11 +109,14 @@ pub fn analyse_mill(
     keep_going: &mut dyn FnMut(&Progress) -> bool,
 ) -> Analysis {
     let mut line_times = LineTimes::default();
-    let mut take = |made: &MillMove| line_times.add_move(made.source, made.start_s + made.duration_s);
+    let mut take =
+        |made: &MillMove| line_times.add_move(made.source, made.start_s + made.duration_s);
     let preview = preview_while(setup, programs, &mut take, keep_going);
     line_times.advance_to(preview.time_s);
     let alarms = preview.alarm.iter().chain(&preview.further);
-    let mut findings: Vec<ProgramFinding> = alarms.map(|it| alarm_finding(it, programs, language)).collect();
+    let mut findings: Vec<ProgramFinding> = alarms
+        .map(|it| alarm_finding(it, programs, language))
+        .collect();
     findings.extend(limit_finding(preview.end, language));
     let slips = preview.cautions.iter();
     findings.extend(slips.map(|it| {
@@ -153,7 +158,11 @@ fn alarm_finding(alarm: &Alarm, programs: &ProgramMemory, language: Language) ->
     let line_of = |line| programs.get(program).map_or("", |it| it.line(line));
     let report = AlarmReport::new(alarm, programs, Some(language));
     let mut text = format!("{} {}", report.shown, report.text);
-    let further = report.detail.iter().map(String::as_str).chain(report.way_out);
+    let further = report
+        .detail
+        .iter()
+        .map(String::as_str)
+        .chain(report.way_out);
     for more in further {
         text.push('\n');
         text.push_str(more);
@@ -167,7 +176,11 @@ fn alarm_finding(alarm: &Alarm, programs: &ProgramMemory, language: Language) ->
     }
 }
 
-fn caution_finding(caution: &Caution, programs: &ProgramMemory, language: Language) -> ProgramFinding {
+fn caution_finding(
+    caution: &Caution,
+    programs: &ProgramMemory,
+    language: Language,
+) -> ProgramFinding {
     let text = caution.slip.message().text(language);
     let first_column = caution.columns().map(|(first, _)| first);
     warning(
@@ -219,7 +232,9 @@ mod tests {
     }
 
     fn tool_times(analysis: &Analysis, text: &str) -> Vec<f64> {
-        analysis.line_times.by_tool(&Structure::read(&TextDocument::new(text)))
+        analysis
+            .line_times
+            .by_tool(&Structure::read(&TextDocument::new(text)))
     }
 
     #[test]
@@ -237,7 +252,10 @@ mod tests {
             .collect();
         assert_eq!(found[0], ("011", Some((3, 0..7))), "{found:?}");
         assert_eq!(found[1], ("006", Some((4, 13..14))), "{found:?}");
-        assert!(analysis.findings[0].text.starts_with("P/S 011 "), "{analysis:?}");
+        assert!(
+            analysis.findings[0].text.starts_with("P/S 011 "),
+            "{analysis:?}"
+        );
     }
 
     #[test]
@@ -286,7 +304,8 @@ mod tests {
         assert_eq!(found, [("010", Some(6)), ("009", Some(7))]);
         assert_eq!(analysis.tools, ["T01"]);
         assert!(
-            tool_times(&analysis, text)[0] > 7.0 && matches!(analysis.extents, Some(Extents::Mill(..)))
+            tool_times(&analysis, text)[0] > 7.0
+                && matches!(analysis.extents, Some(Extents::Mill(..)))
         );
     }
 

@@ -1,7 +1,7 @@
 //! Finds foldable ranges: profiles of cycles, loops, the blocks of each tool, and programs.
 
 use crate::structure::Structure;
-use crate::text::{TextRange, TextDocument};
+use crate::text::{TextDocument, TextRange};
 
 /// Returns the first and last line of each fold, sorted by first line.
 pub fn folds(text: &TextDocument, structure: &Structure) -> Vec<(u32, u32)> {

@@ -9,8 +9,8 @@ use gsk_messages::{Message, say};
 use crate::reference_target::ReferenceTarget;
 use crate::rename::check_targets_known;
 use crate::structure::Structure;
-use crate::text::{TextChange, TextRange, TextDocument};
-use crate::words::{SpanKind, Span, spans};
+use crate::text::{TextChange, TextDocument, TextRange};
+use crate::words::{Span, SpanKind, spans};
 
 /// Which blocks get sequence numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -112,7 +112,10 @@ pub fn format(
         let line = text.line(index);
         let written = rewrite_line(index, line, style, &numbers);
         if written != line {
-            edits.push(TextChange::replace(&TextRange::new(index, &(0..line.len())), written));
+            edits.push(TextChange::replace(
+                &TextRange::new(index, &(0..line.len())),
+                written,
+            ));
         }
     }
     Formatted {
@@ -172,7 +175,8 @@ fn renumber(
     let mut blocks = structure.blocks.iter().peekable();
     for lines in &structure.parts {
         let mut next = u32::from(start);
-        for index in lines.from.max(structure.block_lines.0)..lines.to.min(structure.block_lines.1) {
+        for index in lines.from.max(structure.block_lines.0)..lines.to.min(structure.block_lines.1)
+        {
             let line = text.line(index);
             for block in blocks_of(line, &spans(line)) {
                 let Some(word) = first_word(block) else {
@@ -186,8 +190,8 @@ fn renumber(
                 let own = blocks.next_if(|it| here(&it.digits));
                 // An N elsewhere in its block is its number, too. O, or `:` of other controls,
                 // names a program.
-                let named =
-                    block.iter().any(|it| it.kind == SpanKind::Name) || line[word..].starts_with(':');
+                let named = block.iter().any(|it| it.kind == SpanKind::Name)
+                    || line[word..].starts_with(':');
                 match own {
                     Some(own) => {
                         anew.insert(&own.digits, next);
@@ -261,8 +265,8 @@ fn is_mark(line: &str, span: &Span, marks: &[&str]) -> bool {
 /// The first byte of the first word of a block, after its skip mark. `None` if the block has no
 /// words.
 fn first_word(block: &[Span]) -> Option<usize> {
-    let mut pieces = block.iter();
-    let word = pieces.find(|it| !matches!(it.kind, SpanKind::Comment | SpanKind::Mark))?;
+    let mut spans = block.iter();
+    let word = spans.find(|it| !matches!(it.kind, SpanKind::Comment | SpanKind::Mark))?;
     Some(word.range.start)
 }
 
@@ -308,15 +312,27 @@ fn separator(line: &str, before: &Span, span: &Span, spacing: Spacing) -> &'stat
         return "";
     }
     match spacing {
-        Spacing::None if before.kind != SpanKind::Statement && span.kind != SpanKind::Statement => "",
+        Spacing::None if before.kind != SpanKind::Statement && span.kind != SpanKind::Statement => {
+            ""
+        }
         _ => " ",
     }
 }
 
 /// Appends a span in the style with its new number.
-fn write_span(index: u32, line: &str, span: &Span, style: Style, numbers: &Numbers, out: &mut String) {
+fn write_span(
+    index: u32,
+    line: &str,
+    span: &Span,
+    style: Style,
+    numbers: &Numbers,
+    out: &mut String,
+) {
     let text = line.get(span.range.clone()).unwrap_or("");
-    if matches!(span.kind, SpanKind::Comment | SpanKind::Mark | SpanKind::Foreign) {
+    if matches!(
+        span.kind,
+        SpanKind::Comment | SpanKind::Mark | SpanKind::Foreign
+    ) {
         out.push_str(text);
         return;
     }

@@ -7,12 +7,12 @@ use gsk_help::{Subject, Topic, article, topic_of};
 use gsk_messages::{Language, say};
 
 use crate::ReadingContext;
+use crate::meaning::{code_meaning, letter_meaning};
 use crate::reference_target::ReferenceTarget;
-use crate::meaning::{letter_meaning, code_meaning};
 use crate::references::{CursorTarget, definition, references_to, target_at};
 use crate::structure::Structure;
-use crate::text::{TextRange, Position, TextDocument};
-use crate::words::{SpanKind, Span, ParsedWord, spans, word_of};
+use crate::text::{Position, TextDocument, TextRange};
+use crate::words::{ParsedWord, Span, SpanKind, spans, word_of};
 
 /// Greatest number of program or profile lines shown.
 const MAX_LINES: usize = 16;
@@ -46,9 +46,17 @@ pub fn hover(
     let mut parts = Vec::new();
     parts.extend(describe_variable(line, span, byte, context));
     if parts.is_empty() {
-        parts.extend(word_of(line, span).and_then(|word| describe_word(line, &spans, &word, context)));
+        parts.extend(
+            word_of(line, span).and_then(|word| describe_word(line, &spans, &word, context)),
+        );
     }
-    parts.extend(describe_reference(text, structure, at, context.language, program));
+    parts.extend(describe_reference(
+        text,
+        structure,
+        at,
+        context.language,
+        program,
+    ));
     (!parts.is_empty()).then(|| Hover {
         range: TextRange::new(at.line, &span.range),
         markdown: parts.join("\n\n---\n\n"),
@@ -56,7 +64,12 @@ pub fn hover(
 }
 
 /// The article of a word, or one line with its meaning and range.
-fn describe_word(line: &str, spans: &[Span], word: &ParsedWord<'_>, context: ReadingContext) -> Option<String> {
+fn describe_word(
+    line: &str,
+    spans: &[Span],
+    word: &ParsedWord<'_>,
+    context: ReadingContext,
+) -> Option<String> {
     let language = context.language;
     let number = word.number();
     match (word.address, number) {
@@ -196,7 +209,12 @@ pub fn without_markup(markdown: &str) -> String {
 const FENCE: &str = "````";
 
 /// Describes the variable under the pointer.
-fn describe_variable(line: &str, span: &Span, byte: usize, context: ReadingContext) -> Option<String> {
+fn describe_variable(
+    line: &str,
+    span: &Span,
+    byte: usize,
+    context: ReadingContext,
+) -> Option<String> {
     let text = line.get(span.range.clone())?;
     let offset = byte.checked_sub(span.range.start)?;
     let hashes = text.match_indices('#').map(|(at, _)| at);
@@ -229,10 +247,9 @@ fn describe_reference(
 ) -> Option<String> {
     match target_at(structure, at)? {
         CursorTarget::Reference(reference) => {
-            let cycle = structure
-                .cycles
-                .iter()
-                .find(|it| it.range.line == at.line && matches!(reference.target, ReferenceTarget::Block(_)));
+            let cycle = structure.cycles.iter().find(|it| {
+                it.range.line == at.line && matches!(reference.target, ReferenceTarget::Block(_))
+            });
             if let Some(cycle) = cycle {
                 let line = |number| {
                     let found = structure.blocks_in_part(number, cycle.part).next();
@@ -339,7 +356,8 @@ mod tests {
             macro_b: true,
             ..CONTEXT
         };
-        let text_at = |byte| hover_text("G43 H1 Y5 G54.1 P2 G71\n", 0, byte, mill).unwrap_or_default();
+        let text_at =
+            |byte| hover_text("G43 H1 Y5 G54.1 P2 G71\n", 0, byte, mill).unwrap_or_default();
         assert!(text_at(1).contains("length"), "{}", text_at(1));
         assert!(text_at(4).contains("length"), "{}", text_at(4));
         assert!(text_at(7).starts_with("Y: end point"), "{}", text_at(7));

@@ -22,12 +22,12 @@ mod diagnose;
 mod fold;
 mod format;
 mod hover;
-mod reference_target;
 mod lens;
 mod line_times;
 mod locate;
 pub mod meaning;
 mod plain_block;
+mod reference_target;
 mod references;
 mod rename;
 mod snippets;
@@ -36,20 +36,24 @@ mod symbols;
 mod text;
 pub mod words;
 
-pub use complete::{CompletionProposal, CompletionKind, complete};
+pub use complete::{CompletionKind, CompletionProposal, complete};
 pub use diagnose::{Analysis, Extents, ProgramFinding, Severity, analyse, analyse_mill};
 pub use fold::folds;
 pub use format::{Casing, Formatted, Numbering, Spacing, Style, format};
 pub use hover::{Hover, hover, without_markup};
-pub use reference_target::{ReferenceTarget, reference_target};
 pub use lens::{Lens, lenses};
 pub use line_times::LineTimes;
 pub use locate::{LineSpan, locate_alarm};
-pub use references::{Definition, CursorTarget, definition, programs_called, references, target_at};
+pub use reference_target::{ReferenceTarget, reference_target};
+pub use references::{
+    CursorTarget, Definition, definition, programs_called, references, target_at,
+};
 pub use rename::{renamable, rename};
-pub use structure::{ProfileCycle, WordReference, MacroLoop, NumberedBlock, ProgramPart, Structure, Title, ToolCall};
+pub use structure::{
+    MacroLoop, NumberedBlock, ProfileCycle, ProgramPart, Structure, Title, ToolCall, WordReference,
+};
 pub use symbols::{Symbol, SymbolKind, symbols};
-pub use text::{TextChange, TextRange, Position, TextDocument};
+pub use text::{Position, TextChange, TextDocument, TextRange};
 
 use gsk_core::model::ModelId;
 use gsk_messages::Language;

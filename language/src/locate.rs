@@ -38,14 +38,14 @@ pub fn locate_alarm<'a>(alarm: &Alarm, line_of: impl Fn(u32) -> &'a str) -> Opti
 /// Returns the bytes of the word at a column (characters from 1), or of the whole line without
 /// surrounding blanks.
 pub(crate) fn bytes_at_column(line: &str, column: Option<usize>) -> Range<usize> {
-    let pieces = spans(line);
+    let all_spans = spans(line);
     let Some(column) = column else {
         return trimmed_range(line);
     };
     let mut characters = line.char_indices().skip(column.saturating_sub(1));
     let Some((at, character)) = characters.next() else {
         // Something missing at the end of a line is shown at its last span.
-        let last = pieces.last();
+        let last = all_spans.last();
         return last.map_or(0..line.len(), |span| span.range.clone());
     };
     let word = spans(line)

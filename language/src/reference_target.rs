@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::words::{SpanKind, Span, ParsedWord, word_of};
+use crate::words::{ParsedWord, Span, SpanKind, word_of};
 
 /// The target of a reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +21,11 @@ pub enum ReferenceTarget {
 
 /// Returns the target of a word or statement and the bytes of its number. `block` contains the
 /// spans of the block in `line`.
-pub fn reference_target(line: &str, block: &[Span], span: &Span) -> Option<(ReferenceTarget, Range<usize>)> {
+pub fn reference_target(
+    line: &str,
+    block: &[Span],
+    span: &Span,
+) -> Option<(ReferenceTarget, Range<usize>)> {
     if span.kind == SpanKind::Statement {
         return goto(line, span);
     }
@@ -52,7 +56,9 @@ pub fn reference_target(line: &str, block: &[Span], span: &Span) -> Option<(Refe
             }
         }
         'P' if has('M', &[99]) => sequence(line, span, &word, ReferenceTarget::Caller),
-        'P' | 'Q' if has('G', &[70, 71, 72, 73]) => sequence(line, span, &word, ReferenceTarget::Block),
+        'P' | 'Q' if has('G', &[70, 71, 72, 73]) => {
+            sequence(line, span, &word, ReferenceTarget::Block)
+        }
         _ => None,
     }
 }
@@ -63,7 +69,11 @@ fn called_program(value: &str) -> Option<u16> {
     value.get(digits..)?.parse().ok()
 }
 
-fn program(line: &str, span: &Span, word: &ParsedWord<'_>) -> Option<(ReferenceTarget, Range<usize>)> {
+fn program(
+    line: &str,
+    span: &Span,
+    word: &ParsedWord<'_>,
+) -> Option<(ReferenceTarget, Range<usize>)> {
     word.number()?;
     let number = called_program(&word.value)?;
     let digits = digits_at_end(line, &span.range);
@@ -101,7 +111,10 @@ fn goto(line: &str, span: &Span) -> Option<(ReferenceTarget, Range<usize>)> {
     let target = text[at..].trim_start();
     let from = span.range.start + text.len() - target.len();
     match target.bytes().all(|byte| byte.is_ascii_digit()) {
-        true => Some((ReferenceTarget::Block(target.parse().ok()?), from..span.range.end)),
+        true => Some((
+            ReferenceTarget::Block(target.parse().ok()?),
+            from..span.range.end,
+        )),
         false => Some((ReferenceTarget::Computed, from..span.range.end)),
     }
 }
@@ -121,23 +134,39 @@ mod tests {
 
     fn aims(line: &str) -> Vec<(ReferenceTarget, &str)> {
         let spans = spans(line);
-        let found = spans.iter().filter_map(|span| reference_target(line, &spans, span));
-        found.map(|(target, digits)| (target, &line[digits])).collect()
+        let found = spans
+            .iter()
+            .filter_map(|span| reference_target(line, &spans, span));
+        found
+            .map(|(target, digits)| (target, &line[digits]))
+            .collect()
     }
 
     #[test]
     fn words_lead_to_blocks_and_programs() {
         assert_eq!(
             aims("G71 P30 Q0050 U0.5"),
-            [(ReferenceTarget::Block(30), "30"), (ReferenceTarget::Block(50), "0050")]
+            [
+                (ReferenceTarget::Block(30), "30"),
+                (ReferenceTarget::Block(50), "0050")
+            ]
         );
         assert_eq!(aims("M98 P20003"), [(ReferenceTarget::Program(3), "0003")]);
         assert_eq!(aims("m98p7"), [(ReferenceTarget::Program(7), "7")]);
         assert_eq!(aims("M99 P30"), [(ReferenceTarget::Caller(30), "30")]);
         assert_eq!(aims("G65 H80 P-12"), [(ReferenceTarget::Block(12), "12")]);
-        assert_eq!(aims("G65 H81 P#200 Q1"), [(ReferenceTarget::Computed, "P#200")]);
-        assert_eq!(aims("G65 P9010 A1.0"), [(ReferenceTarget::Program(9010), "9010")]);
-        assert_eq!(aims("IF [#1 GT 5] GOTO 20"), [(ReferenceTarget::Block(20), "20")]);
+        assert_eq!(
+            aims("G65 H81 P#200 Q1"),
+            [(ReferenceTarget::Computed, "P#200")]
+        );
+        assert_eq!(
+            aims("G65 P9010 A1.0"),
+            [(ReferenceTarget::Program(9010), "9010")]
+        );
+        assert_eq!(
+            aims("IF [#1 GT 5] GOTO 20"),
+            [(ReferenceTarget::Block(20), "20")]
+        );
         assert_eq!(aims("GOTO#1"), [(ReferenceTarget::Computed, "#1")]);
         for nothing in [
             "G04 P300",

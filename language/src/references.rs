@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use crate::reference_target::ReferenceTarget;
-use crate::structure::{WordReference, MacroLoop, NumberedBlock, ProgramPart, Structure};
-use crate::text::{TextRange, Position};
+use crate::structure::{MacroLoop, NumberedBlock, ProgramPart, Structure, WordReference};
+use crate::text::{Position, TextRange};
 
 /// The symbol under the cursor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,7 +70,9 @@ pub fn definition(structure: &Structure, at: Position) -> Definition {
                 }
             } else {
                 let found = structure.referenced_blocks(reference).into_iter();
-                definition.blocks.extend(found.map(|block| block.digits.clone()));
+                definition
+                    .blocks
+                    .extend(found.map(|block| block.digits.clone()));
             }
         }
         None => {}
@@ -79,16 +81,21 @@ pub fn definition(structure: &Structure, at: Position) -> Definition {
 }
 
 /// Returns all references to the symbol at a position, or to its target. Also returns the
-/// number if the target is a program, because other files may call it. `include_declaration` includes the
-/// block number or program name.
-pub fn references(structure: &Structure, at: Position, include_declaration: bool) -> (Vec<TextRange>, Option<u16>) {
+/// number if the target is a program, because other files may call it.
+/// `include_declaration` includes the block number or program name.
+pub fn references(
+    structure: &Structure,
+    at: Position,
+    include_declaration: bool,
+) -> (Vec<TextRange>, Option<u16>) {
     let mut ranges = Vec::new();
     let mut program = None;
     match target_at(structure, at) {
         Some(CursorTarget::Loop(it)) => ranges.extend([it.begin.clone(), it.end.clone()]),
         Some(CursorTarget::Program(part)) => program = part.number,
         Some(CursorTarget::Block(block)) => {
-            ranges.extend(references_to(structure, block).map(|reference| reference.digits.clone()));
+            ranges
+                .extend(references_to(structure, block).map(|reference| reference.digits.clone()));
             ranges.extend(include_declaration.then(|| block.digits.clone()));
         }
         Some(CursorTarget::Reference(reference)) => match reference.target {

@@ -6,7 +6,7 @@ use gsk_messages::{Message, say};
 use crate::reference_target::ReferenceTarget;
 use crate::references::{CursorTarget, references_to, target_at};
 use crate::structure::{NumberedBlock, Structure};
-use crate::text::{TextChange, TextRange, Position, TextDocument};
+use crate::text::{Position, TextChange, TextDocument, TextRange};
 
 /// Returns the range of the number that a rename at a position would change: of a block, or of
 /// a reference to one.
@@ -64,11 +64,13 @@ pub fn rename(
 fn block_at(structure: &Structure, at: Position) -> Result<&NumberedBlock, Message> {
     match target_at(structure, at) {
         Some(CursorTarget::Block(block)) => Ok(block),
-        Some(CursorTarget::Reference(reference)) => match structure.referenced_blocks(reference)[..] {
-            [block] => Ok(block),
-            [] => Err(say::lead_to_nothing(reference.digits.line + 1)),
-            _ => Err(say::lead_to_several(reference.digits.line + 1)),
-        },
+        Some(CursorTarget::Reference(reference)) => {
+            match structure.referenced_blocks(reference)[..] {
+                [block] => Ok(block),
+                [] => Err(say::lead_to_nothing(reference.digits.line + 1)),
+                _ => Err(say::lead_to_several(reference.digits.line + 1)),
+            }
+        }
         _ => Err(say::rename_nothing()),
     }
 }

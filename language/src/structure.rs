@@ -3,10 +3,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::reference_target::{ReferenceTarget, reference_target, digits_at_end};
 use crate::plain_block::parse_plain_block;
-use crate::text::{TextRange, TextDocument};
-use crate::words::{SpanKind, Span, ParsedWord, spans, word_of};
+use crate::reference_target::{ReferenceTarget, digits_at_end, reference_target};
+use crate::text::{TextDocument, TextRange};
+use crate::words::{ParsedWord, Span, SpanKind, spans, word_of};
 
 /// A program of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -193,7 +193,9 @@ impl Structure {
                     callers => callers,
                 };
                 let found = searched.iter();
-                found.flat_map(|part| self.blocks_in_part(number, *part)).collect()
+                found
+                    .flat_map(|part| self.blocks_in_part(number, *part))
+                    .collect()
             }
             ReferenceTarget::Program(_) | ReferenceTarget::Computed => Vec::new(),
         }

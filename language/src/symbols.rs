@@ -1,7 +1,7 @@
 //! Lists the outline of a text: programs, tools, referenced blocks, titles.
 
 use crate::structure::Structure;
-use crate::text::{TextRange, TextDocument};
+use crate::text::{TextDocument, TextRange};
 
 /// The kind of a symbol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub struct Symbol {
     pub name: String,
     /// The kind.
     pub kind: SymbolKind,
-    /// The name in the text.
+    /// The range of the name in the text.
     pub range: TextRange,
     /// The last line that belongs to it.
     pub last_line: u32,

@@ -195,7 +195,7 @@ mod tests {
         assert_eq!(text.line(7), "");
     }
 
-    fn piece() -> impl Strategy<Value = String> {
+    fn fragment() -> impl Strategy<Value = String> {
         proptest::collection::vec(
             prop_oneof![
                 Just("\r"),
@@ -207,7 +207,7 @@ mod tests {
             ],
             0..5,
         )
-        .prop_map(|pieces| pieces.concat())
+        .prop_map(|fragments| fragments.concat())
     }
 
     proptest! {
@@ -215,8 +215,8 @@ mod tests {
 
         #[test]
         fn a_changed_text_is_the_text_read_anew(
-            begin in piece(),
-            changes in proptest::collection::vec((0..6_u32, 0..6_u32, 0..6_u32, 0..6_u32, piece()), 1..6),
+            begin in fragment(),
+            changes in proptest::collection::vec((0..6_u32, 0..6_u32, 0..6_u32, 0..6_u32, fragment()), 1..6),
         ) {
             let mut text = TextDocument::new(begin);
             for (line, byte, to_line, to_byte, with) in changes {

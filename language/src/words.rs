@@ -7,15 +7,15 @@ use std::ops::Range;
 /// The kind of a span.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpanKind {
-    /// N or O: names a block or a program.
+    /// An N or O word, which names a block or a program.
     Name,
-    /// G.
+    /// A G word.
     Code,
-    /// M.
+    /// An M word.
     Function,
-    /// S, T or F.
+    /// An S, T or F word.
     Setting,
-    /// X, Z, U or W.
+    /// An X, Z, U or W word.
     Axis,
     /// Any other letter with its number.
     Other,
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn statements_of_macro_b_stand_in_one_piece() {
+    fn a_statement_of_macro_b_is_one_span() {
         assert_eq!(
             found("N10 IF [#1 GT 5] GOTO 20 (on);G1 X[#1/2]Z-#2"),
             [
@@ -282,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_word_stays_in_one_piece_each() {
+    fn invalid_characters_are_separate_spans() {
         for line in [
             "",
             "   ",

@@ -35,7 +35,9 @@ pub(crate) fn arc_center(
                 return Err(arc_data_alarm(say::arc_center_at_start()));
             }
             if (start - end).abs() > tolerance + RADIUS_TOLERANCE {
-                return Err(arc_data_alarm(say::mill_arc_off_circle(start, end, tolerance)));
+                return Err(arc_data_alarm(say::mill_arc_off_circle(
+                    start, end, tolerance,
+                )));
             }
             return Ok(center);
         }
@@ -47,7 +49,10 @@ pub(crate) fn arc_center(
     }
     let off = radius * radius - half * half;
     if half > radius.abs() + tolerance.min(RADIUS_TOLERANCE) {
-        return Err(arc_data_alarm(say::mill_radius_too_small(radius.abs(), 2.0 * half)));
+        return Err(arc_data_alarm(say::mill_radius_too_small(
+            radius.abs(),
+            2.0 * half,
+        )));
     }
     let across = libm::sqrt(off.max(0.0)) / (2.0 * half);
     // Left of the chord for the shorter counter-clockwise arc.
@@ -98,7 +103,10 @@ mod tests {
         assert_eq!(refused(from, ArcDefinition::Radius(5.0)), Err(13));
         let off = ArcDefinition::Center(PlanePoint::new(4.9, 0.0));
         assert_eq!(refused(far, off), Err(13));
-        assert_eq!(refused(far, ArcDefinition::Center(PlanePoint::default())), Err(13));
+        assert_eq!(
+            refused(far, ArcDefinition::Center(PlanePoint::default())),
+            Err(13)
+        );
         assert!(refused(from, ArcDefinition::Center(PlanePoint::new(5.0, 0.0))).is_ok());
     }
 }

@@ -2,7 +2,7 @@
 //! 1010, 1020, 187, 188, 1026, 1027 and 1260.
 
 use crate::memory::{MillMemory, parameter};
-use crate::space::{MillAxis, Length, MillPosition};
+use crate::space::{Length, MillAxis, MillPosition};
 
 /// An axis besides X, Y and Z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -191,7 +191,9 @@ mod tests {
         for from in (0..90).map(|it| Length::from_mm(it.into())) {
             for to in (-200..200).map(|it| Length::from_mm(it.into())) {
                 let distance = |axes: Axes| axes.towards(MillAxis::Fourth, from, to) - from;
-                let reaches = |distance: Length, to| wrap_into_turn(from + distance, turn) == wrap_into_turn(to, turn);
+                let reaches = |distance: Length, to| {
+                    wrap_into_turn(from + distance, turn) == wrap_into_turn(to, turn)
+                };
                 let least = distance(shorter);
                 assert!(reaches(least, to) && least.abs() + least.abs() <= turn);
                 let signed = distance(by_sign);

@@ -9,39 +9,39 @@ use gsk_messages::{Message, say};
 use crate::codes;
 use crate::cycles::HoleData;
 use crate::memory::{MillMemory, parameter};
-use crate::modal::{LengthOffset, Motion, SpindleState, WorkZero};
+use crate::modal::{LengthOffset, MillMotion, SpindleState, WorkZero};
 use crate::space::{Length, MillPosition};
-use crate::state::{Polar, MillState};
+use crate::state::{MillState, Polar};
 use crate::travel::{RunContext, StepKind, execute_holes, execute_motion};
-use crate::words::{OneShot, OnOff, BlockWords};
+use crate::words::{BlockWords, OnOff, OneShotCode};
 
 /// Which block runs next.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum BlockFlow {
     Next,
-    /// M00.
+    /// Program stop (M00).
     Stop,
-    /// M02, M30.
+    /// End of program (M02, M30).
     End,
-    /// M98, and M codes that call a subprogram.
+    /// Calls a subprogram: M98, and M codes with a subprogram.
     Call {
         program: i64,
         runs: u16,
         name: String,
     },
-    /// M9000 to M9999.
+    /// Calls a macro: M9000 to M9999.
     Macro {
         program: i64,
         runs: u16,
         name: String,
     },
-    /// M99, with its P.
+    /// Returns from a subprogram (M99), with its P.
     Back(Option<i64>),
 }
 
 /// The result of a block.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct BlockOutcome {
+pub(crate) struct BlockResult {
     pub(crate) flow: BlockFlow,
     /// The block moved an axis, so that a modal macro is called.
     pub(crate) moved: bool,
@@ -57,7 +57,7 @@ pub(crate) fn execute_block(
     block: &Block,
     words: &BlockWords,
     context: &mut RunContext<'_, '_>,
-) -> Result<BlockOutcome, Alarm> {
+) -> Result<BlockResult, Alarm> {
     words.check()?;
     let flow = block_flow(words, context.memory)?;
     // Words of a macro are its arguments.
@@ -79,10 +79,12 @@ pub(crate) fn execute_block(
         _ => moved = execute_motion_words(state, words, length_before, context)?,
     }
     if !moved {
-        context.cutter.skip_block(state.modal.cutter, context.tracker)?;
+        context
+            .cutter
+            .skip_block(state.modal.cutter, context.tracker)?;
     }
     apply_m_after_motion(state, words, context)?;
-    Ok(BlockOutcome { flow, moved })
+    Ok(BlockResult { flow, moved })
 }
 
 fn execute_motion_words(
@@ -111,14 +113,18 @@ fn execute_motion_words(
     }
     let to = state.to_machine(state.programmed, context.memory);
     let kind = match state.modal.motion {
-        Motion::Rapid => StepKind::Rapid,
+        MillMotion::Rapid => StepKind::Rapid,
         _ => StepKind::Cut,
     };
     context.go(state, to, kind, false)?;
     Ok(false)
 }
 
-fn set_plane(state: &mut MillState, words: &BlockWords, context: &RunContext<'_, '_>) -> Result<(), Alarm> {
+fn set_plane(
+    state: &mut MillState,
+    words: &BlockWords,
+    context: &RunContext<'_, '_>,
+) -> Result<(), Alarm> {
     let Some(plane) = words.plane else {
         return Ok(());
     };
@@ -135,7 +141,11 @@ fn set_plane(state: &mut MillState, words: &BlockWords, context: &RunContext<'_,
     Ok(())
 }
 
-fn set_modal(state: &mut MillState, words: &BlockWords, context: &mut RunContext<'_, '_>) -> Result<(), Alarm> {
+fn set_modal(
+    state: &mut MillState,
+    words: &BlockWords,
+    context: &mut RunContext<'_, '_>,
+) -> Result<(), Alarm> {
     let modal = &mut state.modal;
     modal.incremental = words.incremental.unwrap_or(modal.incremental);
     modal.inch = words.inch.unwrap_or(modal.inch);
@@ -157,7 +167,7 @@ fn set_modal(state: &mut MillState, words: &BlockWords, context: &mut RunContext
         // F of a thread is its lead.
         let hole = words.hole.unwrap_or(modal.hole).is_some();
         match modal.motion {
-            Motion::Thread if !hole => modal.lead = f.value(),
+            MillMotion::Thread if !hole => modal.lead = f.value(),
             _ => modal.feed = f.value(),
         }
     }
@@ -260,7 +270,11 @@ fn set_length(state: &mut MillState, words: &BlockWords, memory: &MillMemory) ->
 }
 
 /// S, T and M codes that act before the motion.
-fn set_spindle(state: &mut MillState, words: &BlockWords, context: &RunContext<'_, '_>) -> Result<(), Alarm> {
+fn set_spindle(
+    state: &mut MillState,
+    words: &BlockWords,
+    context: &RunContext<'_, '_>,
+) -> Result<(), Alarm> {
     let modal = &mut state.modal;
     if let Some(s) = words.letters.s {
         modal.speed = s.value();
@@ -291,7 +305,11 @@ fn set_spindle(state: &mut MillState, words: &BlockWords, context: &RunContext<'
 }
 
 /// M codes that act after the motion.
-fn apply_m_after_motion(state: &mut MillState, words: &BlockWords, context: &RunContext<'_, '_>) -> Result<(), Alarm> {
+fn apply_m_after_motion(
+    state: &mut MillState,
+    words: &BlockWords,
+    context: &RunContext<'_, '_>,
+) -> Result<(), Alarm> {
     let Some(m) = words.letters.m else {
         return Ok(());
     };
@@ -350,7 +368,7 @@ pub(crate) fn block_flow(words: &BlockWords, memory: &MillMemory) -> Result<Bloc
     let p = words
         .letters
         .p
-        .filter(|_| words.one_shot != Some(OneShot::Dwell));
+        .filter(|_| words.one_shot != Some(OneShotCode::Dwell));
     let p = p.map(Number::integer);
     let name = format!("M{code}");
     if let Some(program) = memory.model.subprogram_of_m(code) {

@@ -1,7 +1,7 @@
 //! Adds up path lengths and the bounding box of the path.
 
 use crate::moves::{MillArc, MillMove, MillMoveKind};
-use crate::space::{MillAxis, PlanePoint, MillPosition};
+use crate::space::{MillAxis, MillPosition, PlanePoint};
 
 /// Path lengths, mm. A rapid counts as its chord.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,12 +53,16 @@ impl MillBounds {
         };
         take(executed.from.mm());
         take(executed.to.mm());
-        let (Some(MillArc { plane, center }), Some(sweep)) = (executed.arc, executed.sweep()) else {
+        let (Some(MillArc { plane, center }), Some(sweep)) = (executed.arc, executed.sweep())
+        else {
             return;
         };
         let begin = executed.from.flat(plane) - center;
         for direction in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
-            let turn = begin.sweep(PlanePoint::new(direction.0, direction.1), executed.kind == MillMoveKind::Clockwise);
+            let turn = begin.sweep(
+                PlanePoint::new(direction.0, direction.1),
+                executed.kind == MillMoveKind::Clockwise,
+            );
             if turn < sweep {
                 take(executed.at(turn / sweep));
             }

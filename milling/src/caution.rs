@@ -7,9 +7,9 @@ use gsk_messages::{Message, say};
 
 use crate::block;
 use crate::memory::MillMemory;
-use crate::modal::{Hole, Motion};
+use crate::modal::{Hole, MillMotion};
 use crate::state::MillState;
-use crate::words::{OneShot, OnOff, BlockWords};
+use crate::words::{BlockWords, OnOff, OneShotCode};
 
 /// A probable mistake that raises no alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,8 +74,8 @@ pub(crate) fn find_slips<'a>(
 
 fn is_used(address: u8, words: &BlockWords, state: &MillState, memory: &MillMemory) -> bool {
     let one_shot = words.one_shot;
-    let is = |code: OneShot| one_shot == Some(code);
-    let arc = one_shot.is_none() && matches!(state.modal.motion, Motion::Arc { .. });
+    let is = |code: OneShotCode| one_shot == Some(code);
+    let arc = one_shot.is_none() && matches!(state.modal.motion, MillMotion::Arc { .. });
     let hole = state.modal.hole.filter(|_| one_shot.is_none());
     let scaling = words.scaling == Some(OnOff::On);
     let rotation = words.rotation == Some(OnOff::On);
@@ -84,22 +84,24 @@ fn is_used(address: u8, words: &BlockWords, state: &MillState, memory: &MillMemo
         matches!(code, 98 | 99) || memory.model.subprogram_of_m(code).is_some()
     });
     match address {
-        b'X' => !is(OneShot::OffsetInput),
-        b'Y' | b'Z' | b'A' | b'B' | b'C' => !is(OneShot::OffsetInput) && !is(OneShot::Dwell),
+        b'X' => !is(OneShotCode::OffsetInput),
+        b'Y' | b'Z' | b'A' | b'B' | b'C' => {
+            !is(OneShotCode::OffsetInput) && !is(OneShotCode::Dwell)
+        }
         b'I' | b'J' => arc || scaling,
         b'K' => arc || scaling || hole.is_some(),
-        b'R' => arc && hole.is_none() || hole.is_some() || rotation || is(OneShot::OffsetInput),
+        b'R' => arc && hole.is_none() || hole.is_some() || rotation || is(OneShotCode::OffsetInput),
         b'Q' => hole.is_some_and(takes_q),
         b'P' => {
             calls
                 || scaling
                 || words.additional
                 || hole.is_some()
-                || is(OneShot::Dwell)
-                || is(OneShot::OffsetInput)
-                || is(OneShot::FurtherReference)
+                || is(OneShotCode::Dwell)
+                || is(OneShotCode::OffsetInput)
+                || is(OneShotCode::FurtherReference)
         }
-        b'L' => calls || hole.is_some() || is(OneShot::OffsetInput),
+        b'L' => calls || hole.is_some() || is(OneShotCode::OffsetInput),
         _ => true,
     }
 }

@@ -4,13 +4,13 @@ use gsk_core::alarm::{Alarm, number};
 use gsk_core::program::{Block, Number};
 use gsk_messages::{Message, say};
 
-use crate::memory::{OffsetColumn, parameter};
-use crate::modal::{LengthOffset, Motion};
-use crate::space::{MillAxis, AxisValues, PlanePoint, Length, MillPosition};
+use crate::memory::{MillOffsetColumn, parameter};
+use crate::modal::{LengthOffset, MillMotion};
+use crate::space::{AxisValues, Length, MillAxis, MillPosition, PlanePoint};
 use crate::state::MillState;
 use crate::transform::{Rotation, Scaling};
 use crate::travel::{RunContext, StepKind, settle_rotation, target};
-use crate::words::{OneShot, BlockWords, length};
+use crate::words::{BlockWords, OneShotCode, length};
 
 fn alarm(number: u16, detail: Message) -> Alarm {
     Alarm::new(number).because(detail)
@@ -18,26 +18,26 @@ fn alarm(number: u16, detail: Message) -> Alarm {
 
 /// Executes a code of group 00. Returns whether it moves an axis.
 pub(crate) fn execute_one_shot(
-    code: OneShot,
+    code: OneShotCode,
     state: &mut MillState,
     words: &BlockWords,
     context: &mut RunContext<'_, '_>,
 ) -> Result<bool, Alarm> {
     let returns = matches!(
         code,
-        OneShot::ReferenceCheck
-            | OneShot::Reference
-            | OneShot::ReferenceBack
-            | OneShot::FurtherReference
-            | OneShot::Coordinates
+        OneShotCode::ReferenceCheck
+            | OneShotCode::Reference
+            | OneShotCode::ReferenceBack
+            | OneShotCode::FurtherReference
+            | OneShotCode::Coordinates
     );
     if returns && !state.transform.is_none() {
         return Err(alarm(number::BAD_G, say::mill_transform_on()));
     }
     match code {
-        OneShot::Dwell => return dwell(state, words, context).map(|()| false),
-        OneShot::OffsetInput => return offset_input(state, words, context).map(|()| false),
-        OneShot::ReferenceCheck => {
+        OneShotCode::Dwell => return dwell(state, words, context).map(|()| false),
+        OneShotCode::OffsetInput => return offset_input(state, words, context).map(|()| false),
+        OneShotCode::ReferenceCheck => {
             let programmed = target(state, words);
             let to = state.to_machine(programmed, context.memory);
             context.go(state, to, StepKind::Rapid, true)?;
@@ -54,22 +54,22 @@ pub(crate) fn execute_one_shot(
             }
             keep_or_cancel_length(state, context);
         }
-        OneShot::Reference => return_to_reference(0, state, words, context)?,
-        OneShot::FurtherReference => {
+        OneShotCode::Reference => return_to_reference(0, state, words, context)?,
+        OneShotCode::FurtherReference => {
             let p = words.letters.p.map_or(2, Number::integer);
             if !(2..=4).contains(&p) {
                 return Err(alarm(number::OUT_OF_RANGE, say::mill_reference_number(p)));
             }
             return_to_reference(p as u16 - 1, state, words, context)?;
         }
-        OneShot::ReferenceBack => {
+        OneShotCode::ReferenceBack => {
             let programmed = target(state, words);
             let end = programmed + state.frame(context.memory);
             let intermediate = state.intermediate;
             rapid_to_point(state, words, &intermediate, context)?;
             rapid_to_point(state, words, &end, context)?;
         }
-        OneShot::Skip => {
+        OneShotCode::Skip => {
             // Without a signal the move ends at its programmed point.
             settle_rotation(state, context.memory);
             let programmed = target(state, words);
@@ -82,8 +82,8 @@ pub(crate) fn execute_one_shot(
             context.go(state, to, kind, true)?;
             state.skipped = state.work(context.memory);
         }
-        OneShot::Measure => measure_tool(state, words, context)?,
-        OneShot::Local => {
+        OneShotCode::Measure => measure_tool(state, words, context)?,
+        OneShotCode::Local => {
             for axis in named_axes(words) {
                 let value = words.letters.axes.get(axis);
                 let value = value.map(|it| state.axis_value(axis, it));
@@ -97,25 +97,27 @@ pub(crate) fn execute_one_shot(
             state.resync(context.memory);
             return Ok(false);
         }
-        OneShot::Machine => {
+        OneShotCode::Machine => {
             if state.modal.incremental {
                 return Err(alarm(number::BAD_G, say::mill_machine_incremental()));
             }
             let mut to = state.machine;
             for axis in named_axes(words) {
                 let value = words.letters.axes.get(axis);
-                let value = value.map(|it| state.axis_value(axis, it)).unwrap_or_default();
+                let value = value
+                    .map(|it| state.axis_value(axis, it))
+                    .unwrap_or_default();
                 let from = state.machine.get(axis);
                 to.set(axis, state.axes.towards(axis, from, value));
             }
             let kind = match state.modal.motion {
-                Motion::Rapid => StepKind::Rapid,
+                MillMotion::Rapid => StepKind::Rapid,
                 _ => StepKind::Cut,
             };
             context.go(state, to, kind, true)?;
             keep_or_cancel_length(state, context);
         }
-        OneShot::Coordinates => {
+        OneShotCode::Coordinates => {
             let work = state.work(context.memory);
             for axis in named_axes(words) {
                 let value = words.letters.axes.get(axis);
@@ -154,7 +156,11 @@ fn named_axes(words: &BlockWords) -> impl Iterator<Item = MillAxis> {
         .filter(move |axis| axes.get(*axis).is_some())
 }
 
-fn dwell(state: &MillState, words: &BlockWords, context: &mut RunContext<'_, '_>) -> Result<(), Alarm> {
+fn dwell(
+    state: &MillState,
+    words: &BlockWords,
+    context: &mut RunContext<'_, '_>,
+) -> Result<(), Alarm> {
     let seconds = match (words.letters.p, words.letters.axes.get(MillAxis::X)) {
         (Some(ms), _) => ms.value() / 1000.0,
         (None, Some(seconds)) => seconds.value(),
@@ -167,13 +173,17 @@ fn dwell(state: &MillState, words: &BlockWords, context: &mut RunContext<'_, '_>
 }
 
 /// G10, memory of type C: lengths and radii, each with its wear.
-fn offset_input(state: &MillState, words: &BlockWords, context: &mut RunContext<'_, '_>) -> Result<(), Alarm> {
+fn offset_input(
+    state: &MillState,
+    words: &BlockWords,
+    context: &mut RunContext<'_, '_>,
+) -> Result<(), Alarm> {
     let letters = &words.letters;
     let column = match letters.l.map(Number::integer) {
-        Some(10) => OffsetColumn::Length,
-        Some(11) => OffsetColumn::LengthWear,
-        Some(12) => OffsetColumn::Radius,
-        Some(13) => OffsetColumn::RadiusWear,
+        Some(10) => MillOffsetColumn::Length,
+        Some(11) => MillOffsetColumn::LengthWear,
+        Some(12) => MillOffsetColumn::Radius,
+        Some(13) => MillOffsetColumn::RadiusWear,
         _ => return Err(alarm(number::OUT_OF_RANGE, say::mill_offset_input_l())),
     };
     let (Some(p), Some(r)) = (letters.p, letters.r) else {
@@ -227,7 +237,11 @@ fn keep_or_cancel_length(state: &mut MillState, context: &RunContext<'_, '_>) {
 
 /// G37: at rapid to a short distance before the point, then at the feed of 5040. The preview
 /// takes the signal to come at the point.
-fn measure_tool(state: &mut MillState, words: &BlockWords, context: &mut RunContext<'_, '_>) -> Result<(), Alarm> {
+fn measure_tool(
+    state: &mut MillState,
+    words: &BlockWords,
+    context: &mut RunContext<'_, '_>,
+) -> Result<(), Alarm> {
     let mut axes = named_axes(words);
     let (Some(axis), None) = (axes.next(), axes.next()) else {
         return Err(alarm(number::OUT_OF_RANGE, say::mill_measure_axis()));
@@ -250,7 +264,7 @@ const AXIS_SCALE: [i64; 2] = [9999, 999_999];
 /// The greatest angle of G68, degrees.
 const MAX_ANGLE: f64 = 360.0;
 
-/// Executes G51.
+/// Starts scaling (G51).
 pub(crate) fn start_scaling(
     state: &mut MillState,
     block: &Block,
@@ -326,8 +340,12 @@ pub(crate) fn start_scaling(
     Ok(())
 }
 
-/// Executes G68.
-pub(crate) fn start_rotation(state: &mut MillState, words: &BlockWords, context: &RunContext<'_, '_>) -> Result<(), Alarm> {
+/// Starts a rotation (G68).
+pub(crate) fn start_rotation(
+    state: &mut MillState,
+    words: &BlockWords,
+    context: &RunContext<'_, '_>,
+) -> Result<(), Alarm> {
     if state.transform.scaling.is_some() && context.cutter.is_on() {
         return Err(alarm(number::BAD_G, say::mill_rotation_in_compensation()));
     }

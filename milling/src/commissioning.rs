@@ -271,7 +271,12 @@ mod tests {
 
     const DIRECT: Teeth = Teeth { screw: 1, motor: 1 };
 
-    fn table(origin: i64, interval: i64, window: (i64, i64), values: &[(i64, i64)]) -> MillPitchTable {
+    fn table(
+        origin: i64,
+        interval: i64,
+        window: (i64, i64),
+        values: &[(i64, i64)],
+    ) -> MillPitchTable {
         MillPitchTable::new(origin, interval, window, values).expect("a table")
     }
 

@@ -8,7 +8,7 @@ use gsk_core::compensation::cutter::{Compensated, CutterCompensation, FlatMove, 
 use gsk_core::units::Point;
 
 use crate::moves::{MillArc, MillMoveKind};
-use crate::space::{PlanePoint, Plane, MillPosition};
+use crate::space::{MillPosition, Plane, PlanePoint};
 use crate::tracker::{PathStep, Tracker};
 
 /// Step numbers wrap at this count. Far fewer steps wait at a time.
@@ -167,7 +167,10 @@ impl CutterStream {
                         FlatShape::Rapid | FlatShape::Line => None,
                     };
                     if step.arc.is_none()
-                        && matches!(step.kind, MillMoveKind::Clockwise | MillMoveKind::CounterClockwise)
+                        && matches!(
+                            step.kind,
+                            MillMoveKind::Clockwise | MillMoveKind::CounterClockwise
+                        )
                     {
                         step.kind = MillMoveKind::Feed;
                     }

@@ -13,7 +13,7 @@ use gsk_messages::say;
 
 use crate::memory::{MillMemory, parameter};
 use crate::modal::{Hole, SpindleState};
-use crate::space::{MillAxis, Length, Plane, MillPosition};
+use crate::space::{Length, MillAxis, MillPosition, Plane};
 
 /// Values that the words of a cycle keep for the next hole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -6,7 +6,7 @@
 //!
 //! ```text
 //!   gsk_core: text -> words -> blocks, macro B, calls
-//!      Walker --block--> words --> block (codes/) --> transform --> cutter --> tracker --> MillMove
+//!      Walker --block--> words --> block (codes/) --> transform --> cutter --> tracker --> move
 //!                                   |                                            |
 //!                                   memory: parameters, offsets, zeros           time, bounds
 //! ```
@@ -20,7 +20,6 @@ mod codes;
 pub mod commissioning;
 mod cutter;
 mod cycles;
-mod reference_return;
 pub mod keys;
 mod memory;
 mod modal;
@@ -28,6 +27,7 @@ mod moves;
 mod options;
 mod parameter_table;
 mod preview;
+mod reference_return;
 mod space;
 mod state;
 mod system;
@@ -43,11 +43,11 @@ mod tests;
 pub use axes::{Axes, FurtherAxis};
 pub use bounds::{MillBounds, MillPathLengths};
 pub use caution::{MillCaution, MillSlip};
-pub use reference_return::{ParameterValues, describe_reference_returns};
 pub use memory::{MillMemory, MillOffset, parameter};
 pub use modal::{MillModal, SpindleState};
 pub use moves::{MillArc, MillMove, MillMoveKind};
 pub use options::MillWordError;
 pub use parameter_table::{MillParameterRow, mill_parameter_rows};
-pub use preview::{End, MillSetup, MillPreview, Progress, preview_while};
-pub use space::{MillAxis, AxisValues, PlanePoint, Length, Plane, MillPosition};
+pub use preview::{End, MillPreview, MillSetup, Progress, preview_while};
+pub use reference_return::{ParameterValues, describe_reference_returns};
+pub use space::{AxisValues, Length, MillAxis, MillPosition, Plane, PlanePoint};

@@ -7,7 +7,7 @@ use gsk_core::model::{ControlModel, ModelId};
 use gsk_messages::say;
 
 use crate::modal::WorkZero;
-use crate::space::{MillAxis, AxisValues, Length, MillPosition};
+use crate::space::{AxisValues, Length, MillAxis, MillPosition};
 
 /// Numbers of mill parameters. For an axis add 10000 (X), 20000 (Y), 30000 (Z), 40000 (fourth)
 /// or 50000 (fifth).
@@ -137,7 +137,7 @@ pub struct MillOffset {
 
 /// A column of the tool offset table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum OffsetColumn {
+pub(crate) enum MillOffsetColumn {
     Length,
     LengthWear,
     Radius,
@@ -145,12 +145,12 @@ pub(crate) enum OffsetColumn {
 }
 
 impl MillOffset {
-    pub(crate) const fn column(&mut self, column: OffsetColumn) -> &mut Length {
+    pub(crate) const fn column(&mut self, column: MillOffsetColumn) -> &mut Length {
         match column {
-            OffsetColumn::Length => &mut self.length,
-            OffsetColumn::LengthWear => &mut self.length_wear,
-            OffsetColumn::Radius => &mut self.radius,
-            OffsetColumn::RadiusWear => &mut self.radius_wear,
+            MillOffsetColumn::Length => &mut self.length,
+            MillOffsetColumn::LengthWear => &mut self.length_wear,
+            MillOffsetColumn::Radius => &mut self.radius,
+            MillOffsetColumn::RadiusWear => &mut self.radius_wear,
         }
     }
 }
@@ -226,7 +226,7 @@ impl MillMemory {
     pub(crate) fn set_offset(
         &mut self,
         offset: i64,
-        column: OffsetColumn,
+        column: MillOffsetColumn,
         value: Length,
         inch: bool,
     ) -> Result<(), Alarm> {

@@ -6,21 +6,21 @@ use crate::space::Plane;
 
 /// Group 01: the kind of motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Motion {
-    /// G00.
+pub enum MillMotion {
+    /// Rapid traverse (G00).
     Rapid,
-    /// G01.
+    /// Straight cut (G01).
     Line,
-    /// G02, or G03.
+    /// Arc (G02, G03).
     Arc {
         /// Whether it is G02.
         clockwise: bool,
     },
-    /// G33.
+    /// Thread (G33).
     Thread,
 }
 
-impl Motion {
+impl MillMotion {
     /// Returns the number of the G code.
     pub const fn code(self) -> u8 {
         match self {
@@ -36,40 +36,40 @@ impl Motion {
 /// Group 08: the tool length offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LengthOffset {
-    /// G49.
+    /// No length offset (G49).
     Off,
-    /// G43.
+    /// Adds the offset H (G43).
     Plus,
-    /// G44.
+    /// Subtracts the offset H (G44).
     Minus,
 }
 
 /// Group 09: the hole cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hole {
-    /// G73.
+    /// High-speed peck drilling (G73).
     HighSpeedPeck,
-    /// G74.
+    /// Left-hand tapping (G74).
     LeftTap,
-    /// G76.
+    /// Fine boring (G76).
     FineBore,
-    /// G81.
+    /// Drilling (G81).
     Drill,
-    /// G82.
+    /// Drilling with a dwell at the bottom (G82).
     DrillDwell,
-    /// G83.
+    /// Peck drilling with full retraction (G83).
     Peck,
-    /// G84.
+    /// Right-hand tapping (G84).
     RightTap,
-    /// G85.
+    /// Boring with retraction at the feed (G85).
     Bore,
-    /// G86.
+    /// Boring with a spindle stop (G86).
     BoreStop,
-    /// G87.
+    /// Back boring (G87).
     BackBore,
-    /// G88.
+    /// Boring with manual retraction (G88).
     BoreByHand,
-    /// G89.
+    /// Boring with a dwell and retraction at the feed (G89).
     BoreDwell,
 }
 
@@ -115,43 +115,43 @@ impl WorkZero {
 /// The state of the spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpindleState {
-    /// M05.
+    /// Stopped (M05).
     #[default]
     Stopped,
-    /// M03.
+    /// Turning forward (M03).
     Forward,
-    /// M04.
+    /// Turning in reverse (M04).
     Reverse,
 }
 
 /// The modal codes and words of a mill.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MillModal {
-    /// Group 01.
-    pub motion: Motion,
-    /// Group 02.
+    /// The kind of motion (group 01).
+    pub motion: MillMotion,
+    /// The plane (group 02).
     pub plane: Plane,
-    /// Group 03: whether G91 is in force.
+    /// Whether words are incremental (G91, group 03).
     pub incremental: bool,
-    /// Group 05: whether G95 is in force.
+    /// Whether F is per revolution (G95, group 05).
     pub per_revolution: bool,
-    /// Group 06: whether G20 is in force.
+    /// Whether words are in inches (G20, group 06).
     pub inch: bool,
-    /// Group 07.
+    /// Cutter radius compensation (group 07).
     pub cutter: Side,
-    /// Group 08.
+    /// Tool length offset (group 08).
     pub length: LengthOffset,
-    /// Group 09. `None` is G80.
+    /// The hole cycle (group 09). `None` is G80.
     pub hole: Option<Hole>,
-    /// Group 10: whether G99 is in force.
+    /// Whether holes return to R (G99, group 10) instead of the initial level (G98).
     pub to_r: bool,
-    /// Group 14.
+    /// The work zero (group 14).
     pub zero: WorkZero,
-    /// Group 15: whether G61 is in force.
+    /// Whether every cut ends with an exact stop (G61, group 15).
     pub exact_stop: bool,
-    /// D in force.
+    /// Number of the cutter radius offset in force (D).
     pub d: u16,
-    /// H in force.
+    /// Number of the tool length offset in force (H).
     pub h: u16,
     /// F, mm/min or mm/rev. 0 if not yet programmed.
     pub feed: f64,
@@ -177,7 +177,7 @@ impl Default for MillModal {
     /// The modal state at power-on.
     fn default() -> Self {
         Self {
-            motion: Motion::Rapid,
+            motion: MillMotion::Rapid,
             plane: Plane::Xy,
             incremental: false,
             per_revolution: false,

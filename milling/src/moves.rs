@@ -4,7 +4,7 @@ use gsk_core::command::Source;
 use gsk_core::units::Feed;
 
 use crate::axes::{Axes, FurtherAxis};
-use crate::space::{MillAxis, PlanePoint, Plane, MillPosition};
+use crate::space::{MillAxis, MillPosition, Plane, PlanePoint};
 
 /// The kind of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,7 +126,10 @@ impl MillMove {
     /// Returns the longest distance along one axis, mm.
     pub(crate) fn longest_distance(&self) -> f64 {
         let distance = (self.to - self.from).0;
-        distance.into_iter().map(|it| it.abs().mm()).fold(0.0, f64::max)
+        distance
+            .into_iter()
+            .map(|it| it.abs().mm())
+            .fold(0.0, f64::max)
     }
 
     /// Returns each fourth or fifth axis with its start and end, mm or degrees.

@@ -5,7 +5,7 @@ use gsk_core::units::parse_finite;
 use gsk_messages::{Message, say};
 
 use crate::axes::Axes;
-use crate::memory::{OffsetColumn, MillMemory};
+use crate::memory::{MillMemory, MillOffsetColumn};
 use crate::modal::WorkZero;
 use crate::space::{Length, MillPosition};
 
@@ -24,10 +24,10 @@ impl MillMemory {
         let (name, values) = word.split_once('=').ok_or_else(wrong)?;
         let number: i64 = name.trim().parse().map_err(|_| wrong())?;
         let columns = [
-            OffsetColumn::Length,
-            OffsetColumn::Radius,
-            OffsetColumn::LengthWear,
-            OffsetColumn::RadiusWear,
+            MillOffsetColumn::Length,
+            MillOffsetColumn::Radius,
+            MillOffsetColumn::LengthWear,
+            MillOffsetColumn::RadiusWear,
         ];
         let values = parse_lengths(values).ok_or_else(wrong)?;
         if values.len() > columns.len() {

@@ -17,11 +17,11 @@ use crate::bounds::{MillBounds, MillPathLengths};
 use crate::caution::{self, MillCaution};
 use crate::cutter::CutterStream;
 use crate::memory::{MillMemory, parameter};
-use crate::modal::{MillModal, Motion};
+use crate::modal::{MillModal, MillMotion};
 use crate::options::{MillWordError, parse_position};
-use crate::space::{MillAxis, Length, MillPosition};
+use crate::space::{Length, MillAxis, MillPosition};
 use crate::state::MillState;
-use crate::system::{VariableContext, MillVariables};
+use crate::system::{MillVariables, VariableContext};
 use crate::tracker::{MoveCallback, Tracker};
 use crate::transform::Transform;
 use crate::travel::{ProgressCallback, ProgressCheck, RunContext};
@@ -199,7 +199,7 @@ impl<'a> Run<'a> {
         };
         state.modal.feed = memory.value(parameter::FIRST_FEED).into();
         if memory.bit(parameter::MOTION, 4) {
-            state.modal.motion = Motion::Line;
+            state.modal.motion = MillMotion::Line;
         }
         state.resync(&memory);
         Self {
@@ -297,7 +297,11 @@ impl<'a> Run<'a> {
         read.map_err(|alarm| alarm.at(self.source()))
     }
 
-    fn execute_block(&mut self, block: &Block, on_progress: &mut ProgressCallback<'_>) -> Result<Option<End>, Alarm> {
+    fn execute_block(
+        &mut self,
+        block: &Block,
+        on_progress: &mut ProgressCallback<'_>,
+    ) -> Result<Option<End>, Alarm> {
         let mut words = BlockWords::parse(block, self.memory.model.record(), self.state.axes)?;
         let called = self.take_call(&mut words)?;
         let source = self.source();
@@ -314,25 +318,28 @@ impl<'a> Run<'a> {
                 is_stopped: false,
             },
         };
-        let outcome = block::execute_block(&mut self.state, block, &words, &mut context)?;
+        let block_result = block::execute_block(&mut self.state, block, &words, &mut context)?;
         if context.progress_check.is_stopped {
             return Ok(Some(End::Limit));
         }
-        self.store_cautions(block, &words, &outcome.flow, source);
+        self.store_cautions(block, &words, &block_result.flow, source);
         let tool = self.state.modal.tool;
         if tool > 0 && !self.tools.contains(&tool) {
             self.tools.push(tool);
         }
-        let calls = !matches!(outcome.flow, BlockFlow::Next | BlockFlow::Stop | BlockFlow::End);
-        if !outcome.moved && !calls && words.letters.m.is_some() {
+        let calls = !matches!(
+            block_result.flow,
+            BlockFlow::Next | BlockFlow::Stop | BlockFlow::End
+        );
+        if !block_result.moved && !calls && words.letters.m.is_some() {
             // An M code acts after the motion has stopped.
             self.tracker.stop();
         }
         if let Some(call) = called {
-            return self.enter_called(&call, &outcome.flow).map(|()| None);
+            return self.enter_called(&call, &block_result.flow).map(|()| None);
         }
-        match outcome.flow {
-            BlockFlow::Next if outcome.moved => self.walker.moved(),
+        match block_result.flow {
+            BlockFlow::Next if block_result.moved => self.walker.moved(),
             BlockFlow::Next => {}
             BlockFlow::Stop => self.stops += 1,
             BlockFlow::End => {
@@ -395,7 +402,11 @@ impl<'a> Run<'a> {
     }
 
     /// Enters that program. No other word of the block may change the flow.
-    fn enter_called(&mut self, (call, runs): &(PlainCall, u16), rest: &BlockFlow) -> Result<(), Alarm> {
+    fn enter_called(
+        &mut self,
+        (call, runs): &(PlainCall, u16),
+        rest: &BlockFlow,
+    ) -> Result<(), Alarm> {
         if *rest != BlockFlow::Next {
             let detail = say::call_twice_in_block(call.address, call.code);
             return Err(Alarm::new(number::TOO_MANY_WORDS).because(detail));
@@ -404,7 +415,13 @@ impl<'a> Run<'a> {
     }
 
     /// Stores the warnings of a block, each once.
-    fn store_cautions(&mut self, block: &Block, words: &BlockWords, flow: &BlockFlow, source: Source) {
+    fn store_cautions(
+        &mut self,
+        block: &Block,
+        words: &BlockWords,
+        flow: &BlockFlow,
+        source: Source,
+    ) {
         if matches!(flow, BlockFlow::Macro { .. }) {
             return;
         }
@@ -457,7 +474,11 @@ impl<'a> Run<'a> {
     }
 
     /// After an alarm: finds blocks that are refused regardless of the tool's position.
-    fn find_further_alarms(&mut self, first: Option<&Alarm>, on_progress: &mut ProgressCallback<'_>) -> Vec<Alarm> {
+    fn find_further_alarms(
+        &mut self,
+        first: Option<&Alarm>,
+        on_progress: &mut ProgressCallback<'_>,
+    ) -> Vec<Alarm> {
         let mut lines: Vec<Source> = first.and_then(|alarm| alarm.source).into_iter().collect();
         let mut further = Vec::new();
         for count in 1..=MAX_FURTHER_BLOCKS {

@@ -134,7 +134,11 @@ pub fn describe_reference_returns(values: &ParameterValues) -> Vec<Message> {
         if values.bit(ENCODERS.0, ENCODERS.1) {
             return say::mill_homing_of_absolute(letter);
         }
-        let direction = if values.bit(DIRECTIONS, index) { '-' } else { '+' };
+        let direction = if values.bit(DIRECTIONS, index) {
+            '-'
+        } else {
+            '+'
+        };
         let (fast, slow) = (values.speed(FAST), values.speed(SLOW));
         let offset = f64::from(values.value(own(OFFSET))) / 1000.0;
         if index >= BASIC.len() && values.bit(own(METHOD_D.0), METHOD_D.1) {

@@ -189,12 +189,12 @@ impl Sub for MillPosition {
 /// The plane of arcs, rotation, cutter radius and holes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plane {
-    /// G17.
+    /// X and Y (G17).
     #[default]
     Xy,
-    /// G18.
+    /// Z and X (G18).
     Zx,
-    /// G19.
+    /// Y and Z (G19).
     Yz,
 }
 

@@ -6,7 +6,7 @@ use crate::axes::Axes;
 use crate::cycles::HoleData;
 use crate::memory::MillMemory;
 use crate::modal::MillModal;
-use crate::space::{MillAxis, Length, MillPosition};
+use crate::space::{Length, MillAxis, MillPosition};
 use crate::transform::Transform;
 use crate::words::length;
 

@@ -22,9 +22,9 @@ use gsk_core::memory::{Counters, DayTime, Registers};
 use gsk_messages::say;
 
 use crate::axes::Axes;
-use crate::memory::{OffsetColumn, MillMemory, parameter};
+use crate::memory::{MillMemory, MillOffsetColumn, parameter};
 use crate::modal::{Hole, WorkZero};
-use crate::space::{MillAxis, Length, MillPosition};
+use crate::space::{Length, MillAxis, MillPosition};
 use crate::state::MillState;
 
 /// Variables that programs write, and the counters of the control.
@@ -34,7 +34,7 @@ pub(crate) struct MillVariables {
     registers: Registers,
     /// #3002 before the run, ms.
     hours_before: i64,
-    /// #3901 and #3902.
+    /// Parts made (#3901). `required` is #3902.
     pub(crate) parts: u32,
     required: u32,
 }
@@ -70,7 +70,7 @@ pub(crate) struct VariableContext<'a> {
 
 /// A variable in the mill's memory.
 enum StoredVariable {
-    Offset(u16, OffsetColumn),
+    Offset(u16, MillOffsetColumn),
     External(MillAxis),
     Zero(WorkZero, MillAxis),
 }
@@ -91,12 +91,12 @@ fn axis(digit: u32, axes: Axes) -> Option<MillAxis> {
 fn stored_variable(number: u32, axes: Axes) -> Option<StoredVariable> {
     let offset = |first: u32, column| Some(StoredVariable::Offset((number - first) as u16, column));
     match number {
-        2001..=2200 => offset(2000, OffsetColumn::LengthWear),
-        2201..=2400 => offset(2200, OffsetColumn::Length),
-        10_001..=10_400 => offset(10_000, OffsetColumn::LengthWear),
-        11_001..=11_400 => offset(11_000, OffsetColumn::Length),
-        12_001..=12_400 => offset(12_000, OffsetColumn::RadiusWear),
-        13_001..=13_400 => offset(13_000, OffsetColumn::Radius),
+        2001..=2200 => offset(2000, MillOffsetColumn::LengthWear),
+        2201..=2400 => offset(2200, MillOffsetColumn::Length),
+        10_001..=10_400 => offset(10_000, MillOffsetColumn::LengthWear),
+        11_001..=11_400 => offset(11_000, MillOffsetColumn::Length),
+        12_001..=12_400 => offset(12_000, MillOffsetColumn::RadiusWear),
+        13_001..=13_400 => offset(13_000, MillOffsetColumn::Radius),
         2500..=2999 => {
             let axis = axis((number - 2400) / 100, axes)?;
             match number % 100 {
@@ -289,7 +289,11 @@ fn out_of_range(variable: u32, value: f64, greatest: impl core::fmt::Display) ->
 }
 
 /// Rounds a value to an integer in a range. Errors: alarm 111 outside it.
-fn round_in_range(variable: u32, value: Option<f64>, (least, most): (i64, i64)) -> Result<i64, Alarm> {
+fn round_in_range(
+    variable: u32,
+    value: Option<f64>,
+    (least, most): (i64, i64),
+) -> Result<i64, Alarm> {
     let value = value.unwrap_or(0.0);
     let whole = libm::round(value) as i64;
     match (least..=most).contains(&whole) {
@@ -305,7 +309,9 @@ impl System for VariableContext<'_> {
         }
         if let Some(stored) = stored_variable(variable, self.state.axes) {
             let value = match stored {
-                StoredVariable::Offset(offset, column) => *self.memory.offset(offset).column(column),
+                StoredVariable::Offset(offset, column) => {
+                    *self.memory.offset(offset).column(column)
+                }
                 StoredVariable::External(axis) => self.memory.external.get(axis),
                 StoredVariable::Zero(zero, axis) => self.memory.zero(zero).get(axis),
             };

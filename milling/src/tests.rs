@@ -3,7 +3,7 @@
 use gsk_core::program::{Program, ProgramMemory};
 use proptest::prelude::*;
 
-use crate::{End, MillSetup, MillMove, MillMoveKind, MillPreview, preview_while};
+use crate::{End, MillMove, MillMoveKind, MillPreview, MillSetup, preview_while};
 
 /// Runs a program on a setup with subprograms.
 fn run_program(setup: &MillSetup, text: &str, others: &[&str]) -> (MillPreview, Vec<MillMove>) {
@@ -327,7 +327,8 @@ fn zeros_of_the_work() {
 
 #[test]
 fn holes_by_level_and_by_number() {
-    let (_, moves) = run_to_end("G90 G00 X0 Y0 Z50\nG99 G81 X10 Y0 R2 Z-5 F100\nG98 X20\nG80 X0\nM30\n");
+    let (_, moves) =
+        run_to_end("G90 G00 X0 Y0 Z50\nG99 G81 X10 Y0 R2 Z-5 F100\nG98 X20\nG80 X0\nM30\n");
     assert_near(
         &ends(&moves[1..]),
         &[
@@ -352,7 +353,10 @@ fn holes_by_level_and_by_number() {
     assert_eq!(dwells.map(|it| it.duration_s).sum::<f64>(), 1.5);
     let (_, moves) = run_to_end("G90 G00 X0 Y0 Z10\nG81 R2 Z-5 F100 K0\nX1\nM30\n");
     assert_eq!(
-        moves.iter().filter(|it| it.kind == MillMoveKind::Feed).count(),
+        moves
+            .iter()
+            .filter(|it| it.kind == MillMoveKind::Feed)
+            .count(),
         1
     );
 }
@@ -384,7 +388,10 @@ fn rigid_taps_in_pecks() {
     // Without M29, Q remains from other holes.
     let (_, moves) = run_to_end("G90 G00 X0 Y0 Z2\nG84 R2 Z-7 Q4 F500\nM30\n");
     assert_eq!(
-        moves.iter().filter(|it| it.kind == MillMoveKind::Tap).count(),
+        moves
+            .iter()
+            .filter(|it| it.kind == MillMoveKind::Tap)
+            .count(),
         2
     );
 }
@@ -411,7 +418,7 @@ fn threads_follow_the_spindle() {
 }
 
 #[test]
-fn boring_leaves_beside_the_wall() {
+fn boring_retracts_beside_the_wall() {
     let setup = with(&[(584, 3)]);
     let (preview, moves) = run_program(
         &setup,
@@ -435,7 +442,7 @@ fn boring_leaves_beside_the_wall() {
 /// A square of 20 mm outside with a cutter of radius 5: the path is a square of 30 with its
 /// corners.
 #[test]
-fn the_centre_runs_beside_the_contour() {
+fn the_centre_follows_beside_the_contour() {
     let mut setup = MillSetup::default();
     setup.memory.take_offset("1=0,5").expect("offset");
     let program =
@@ -630,7 +637,7 @@ fn what_scaling_and_rotation_refuse() {
 }
 
 #[test]
-fn a_rotation_begins_with_an_increment_where_it_stands() {
+fn a_rotation_starts_at_the_tool_with_an_increment() {
     let (_, moves) = run_to_end("G90 G00 X10 Y0\nG68 X0 Y0 R90\nG91 X5\nG69 X1\nM30\n");
     assert_near(&ends(&moves[1..]), &[[10., 5., 100.], [11., 5., 100.]]);
 }

@@ -2,11 +2,11 @@
 //! constant at stops.
 
 use crate::memory::{MillMemory, parameter};
-use crate::space::{MillAxis, AxisValues, Length, MillPosition};
+use crate::space::{AxisValues, Length, MillAxis, MillPosition};
 
 /// The rates and time constants of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct AxisRates {
+pub(crate) struct MillRates {
     /// Rapid rates, mm/s or degrees/s.
     rapid: AxisValues<f64>,
     /// Whether the axes of a rapid arrive together.
@@ -23,7 +23,7 @@ pub(crate) struct AxisRates {
     tap_times_s: [f64; 2],
 }
 
-impl AxisRates {
+impl MillRates {
     pub(crate) fn from_memory(memory: &MillMemory) -> Self {
         let seconds = |number| f64::from(memory.value(number)) / 1000.0;
         let index = memory.value(parameter::INDEX);

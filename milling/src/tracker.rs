@@ -10,7 +10,7 @@ use crate::bounds::{MillBounds, MillPathLengths};
 use crate::memory::{MillMemory, parameter};
 use crate::moves::{MillArc, MillMove, MillMoveKind};
 use crate::space::{MillAxis, MillPosition};
-use crate::time::AxisRates;
+use crate::time::MillRates;
 
 /// A step of a program, machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +39,7 @@ pub(crate) type MoveCallback<'a> = dyn FnMut(&MillMove) + 'a;
 
 /// Turns steps into moves and adds them up.
 pub(crate) struct Tracker<'a> {
-    rates: AxisRates,
+    rates: MillRates,
     axes: Axes,
     /// Travel limits, if they act.
     travel: Option<(MillPosition, MillPosition)>,
@@ -56,9 +56,13 @@ pub(crate) struct Tracker<'a> {
 }
 
 impl<'a> Tracker<'a> {
-    pub(crate) fn new(memory: &MillMemory, start: MillPosition, on_move: &'a mut MoveCallback<'a>) -> Self {
+    pub(crate) fn new(
+        memory: &MillMemory,
+        start: MillPosition,
+        on_move: &'a mut MoveCallback<'a>,
+    ) -> Self {
         Self {
-            rates: AxisRates::from_memory(memory),
+            rates: MillRates::from_memory(memory),
             axes: Axes::from_memory(memory),
             travel: (!memory.bit(parameter::LIMITS, 4)).then(|| {
                 (

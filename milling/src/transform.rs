@@ -1,8 +1,8 @@
 //! Applies G51 and G68: scaling about a point, then rotation about another.
 
-use crate::space::{MillAxis, AxisValues, PlanePoint, Length, Plane, MillPosition};
+use crate::space::{AxisValues, Length, MillAxis, MillPosition, Plane, PlanePoint};
 
-/// G51.
+/// Scaling (G51).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scaling {
     /// Fixed point, work coordinates.
@@ -11,7 +11,7 @@ pub(crate) struct Scaling {
     pub(crate) factors: AxisValues<f64>,
 }
 
-/// G68.
+/// Rotation (G68).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rotation {
     pub(crate) plane: Plane,

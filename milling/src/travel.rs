@@ -12,10 +12,10 @@ use crate::arc::{self, ArcDefinition};
 use crate::cutter::CutterStream;
 use crate::cycles::{Drilling, HoleData, HoleLevel, HoleStep};
 use crate::memory::{MillMemory, parameter};
-use crate::modal::{Hole, Motion, SpindleState};
+use crate::modal::{Hole, MillMotion, SpindleState};
 use crate::moves::{MillArc, MillMoveKind};
-use crate::space::{MillAxis, PlanePoint, Length, MillPosition, sine_cosine};
-use crate::state::{Polar, MillState};
+use crate::space::{Length, MillAxis, MillPosition, PlanePoint, sine_cosine};
+use crate::state::{MillState, Polar};
 use crate::tracker::{PathStep, Tracker};
 use crate::words::{BlockWords, length};
 
@@ -119,8 +119,9 @@ impl RunContext<'_, '_> {
             (Side::Right, true) => Side::Left,
             (side, _) => side,
         };
-        let place = (state.modal.plane, apart);
-        self.cutter.take(step, (side, radius), place, self.tracker)
+        let plane_and_apart = (state.modal.plane, apart);
+        self.cutter
+            .take(step, (side, radius), plane_and_apart, self.tracker)
     }
 
     /// Makes a straight step to a point in machine coordinates. `apart` marks a step away from
@@ -290,7 +291,7 @@ pub(crate) fn execute_motion(
 ) -> Result<bool, Alarm> {
     let round = words.letters.r.is_some() || words.letters.center.0.iter().any(Option::is_some);
     let motion = state.modal.motion;
-    let is_needed = words.has_axes() || (round && matches!(motion, Motion::Arc { .. }));
+    let is_needed = words.has_axes() || (round && matches!(motion, MillMotion::Arc { .. }));
     if !is_needed {
         return Ok(false);
     }
@@ -298,10 +299,10 @@ pub(crate) fn execute_motion(
     let programmed = target(state, words);
     let to = state.to_machine(programmed, context.memory);
     match motion {
-        Motion::Rapid => context.go(state, to, StepKind::Rapid, false)?,
-        Motion::Line => context.go(state, to, StepKind::Cut, false)?,
-        Motion::Arc { clockwise } => arc_to(state, words, to, clockwise, context)?,
-        Motion::Thread => context.go(state, to, StepKind::Thread(thread_lead(state)?), true)?,
+        MillMotion::Rapid => context.go(state, to, StepKind::Rapid, false)?,
+        MillMotion::Line => context.go(state, to, StepKind::Cut, false)?,
+        MillMotion::Arc { clockwise } => arc_to(state, words, to, clockwise, context)?,
+        MillMotion::Thread => context.go(state, to, StepKind::Thread(thread_lead(state)?), true)?,
     }
     state.set_programmed(programmed);
     Ok(true)
@@ -335,7 +336,10 @@ fn arc_to(
             return Err(Alarm::new(number::ARC_DATA).because(detail));
         }
         None => {
-            let to_center = PlanePoint::new(center_word(first).unwrap_or(0.0), center_word(second).unwrap_or(0.0));
+            let to_center = PlanePoint::new(
+                center_word(first).unwrap_or(0.0),
+                center_word(second).unwrap_or(0.0),
+            );
             ArcDefinition::Center(state.transform.transform_distance(plane, to_center))
         }
     };
@@ -404,13 +408,13 @@ pub(crate) fn execute_holes(
     }
     settle_rotation(state, context.memory);
     let across = state.modal.plane.across();
-    let mut beside = *words;
-    beside.letters.axes.set(across, None);
+    let mut positioning_words = *words;
+    positioning_words.letters.axes.set(across, None);
     for hole_of_block in 0..count {
         if hole_of_block > 0 && !context.can_continue() {
             break;
         }
-        let programmed = target(state, &beside);
+        let programmed = target(state, &positioning_words);
         let mut over = state.to_machine(programmed, context.memory);
         over.set(across, state.machine.get(across));
         let wrapped = state.axes.wrapped(over);
@@ -457,7 +461,11 @@ pub(crate) fn execute_holes(
 }
 
 /// R and the bottom of a hole, machine coordinates. Those of G76 are not scaled.
-fn hole_levels(hole: Hole, state: &MillState, memory: &MillMemory) -> Result<(Length, Length), Alarm> {
+fn hole_levels(
+    hole: Hole,
+    state: &MillState,
+    memory: &MillMemory,
+) -> Result<(Length, Length), Alarm> {
     let across = state.modal.plane.across();
     let data = &state.hole;
     let scales = hole != Hole::FineBore;

@@ -7,12 +7,12 @@ use gsk_core::program::{Block, Number};
 use gsk_messages::say;
 
 use crate::axes::Axes;
-use crate::modal::{Hole, LengthOffset, Motion, WorkZero};
-use crate::space::{MillAxis, AxisValues, Length, Plane};
+use crate::modal::{Hole, LengthOffset, MillMotion, WorkZero};
+use crate::space::{AxisValues, Length, MillAxis, Plane};
 
 /// Group 00: codes that act in their own block only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum OneShot {
+pub(crate) enum OneShotCode {
     Dwell,
     OffsetInput,
     ReferenceCheck,
@@ -36,8 +36,8 @@ pub(crate) enum OnOff {
 /// The words of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BlockWords {
-    pub(crate) one_shot: Option<OneShot>,
-    pub(crate) motion: Option<Motion>,
+    pub(crate) one_shot: Option<OneShotCode>,
+    pub(crate) motion: Option<MillMotion>,
     pub(crate) plane: Option<Plane>,
     pub(crate) incremental: Option<bool>,
     pub(crate) per_revolution: Option<bool>,
@@ -138,24 +138,24 @@ impl BlockWords {
             return Err(Alarm::new(number::BAD_G).because(detail));
         };
         match meaning {
-            GCode::Dwell => self.take_one_shot(OneShot::Dwell)?,
-            GCode::OffsetInput => self.take_one_shot(OneShot::OffsetInput)?,
-            GCode::ReferenceCheck => self.take_one_shot(OneShot::ReferenceCheck)?,
-            GCode::Reference => self.take_one_shot(OneShot::Reference)?,
-            GCode::ReferenceBack => self.take_one_shot(OneShot::ReferenceBack)?,
-            GCode::FurtherReference => self.take_one_shot(OneShot::FurtherReference)?,
-            GCode::Skip => self.take_one_shot(OneShot::Skip)?,
-            GCode::ToolMeasure => self.take_one_shot(OneShot::Measure)?,
-            GCode::LocalCoordinates => self.take_one_shot(OneShot::Local)?,
-            GCode::MachineCoordinates => self.take_one_shot(OneShot::Machine)?,
-            GCode::Coordinates => self.take_one_shot(OneShot::Coordinates)?,
-            GCode::Rapid => self.motion = Some(Motion::Rapid),
-            GCode::Line => self.motion = Some(Motion::Line),
-            GCode::PlaneArcClockwise => self.motion = Some(Motion::Arc { clockwise: true }),
+            GCode::Dwell => self.take_one_shot(OneShotCode::Dwell)?,
+            GCode::OffsetInput => self.take_one_shot(OneShotCode::OffsetInput)?,
+            GCode::ReferenceCheck => self.take_one_shot(OneShotCode::ReferenceCheck)?,
+            GCode::Reference => self.take_one_shot(OneShotCode::Reference)?,
+            GCode::ReferenceBack => self.take_one_shot(OneShotCode::ReferenceBack)?,
+            GCode::FurtherReference => self.take_one_shot(OneShotCode::FurtherReference)?,
+            GCode::Skip => self.take_one_shot(OneShotCode::Skip)?,
+            GCode::ToolMeasure => self.take_one_shot(OneShotCode::Measure)?,
+            GCode::LocalCoordinates => self.take_one_shot(OneShotCode::Local)?,
+            GCode::MachineCoordinates => self.take_one_shot(OneShotCode::Machine)?,
+            GCode::Coordinates => self.take_one_shot(OneShotCode::Coordinates)?,
+            GCode::Rapid => self.motion = Some(MillMotion::Rapid),
+            GCode::Line => self.motion = Some(MillMotion::Line),
+            GCode::PlaneArcClockwise => self.motion = Some(MillMotion::Arc { clockwise: true }),
             GCode::PlaneArcCounterclockwise => {
-                self.motion = Some(Motion::Arc { clockwise: false });
+                self.motion = Some(MillMotion::Arc { clockwise: false });
             }
-            GCode::Thread => self.motion = Some(Motion::Thread),
+            GCode::Thread => self.motion = Some(MillMotion::Thread),
             GCode::PlaneXy => self.plane = Some(Plane::Xy),
             GCode::PlaneZx => self.plane = Some(Plane::Zx),
             GCode::PlaneYz => self.plane = Some(Plane::Yz),
@@ -210,7 +210,7 @@ impl BlockWords {
         Ok(())
     }
 
-    fn take_one_shot(&mut self, code: OneShot) -> Result<(), Alarm> {
+    fn take_one_shot(&mut self, code: OneShotCode) -> Result<(), Alarm> {
         if self.one_shot.is_some_and(|before| before != code) {
             let detail = say::mill_one_shots();
             return Err(Alarm::new(number::G_CONFLICT).because(detail));
@@ -241,11 +241,11 @@ impl BlockWords {
     pub(crate) fn check(&self) -> Result<(), Alarm> {
         let holes = self.hole.is_some_and(|hole| hole.is_some());
         // A reference return is a rapid. G53 moves at rapid or feed.
-        let allowed = |motion: &Motion| match self.one_shot {
-            Some(OneShot::Machine) => true,
-            Some(OneShot::Reference | OneShot::FurtherReference | OneShot::ReferenceBack) => {
-                *motion == Motion::Rapid
-            }
+        let allowed = |motion: &MillMotion| match self.one_shot {
+            Some(OneShotCode::Machine) => true,
+            Some(
+                OneShotCode::Reference | OneShotCode::FurtherReference | OneShotCode::ReferenceBack,
+            ) => *motion == MillMotion::Rapid,
             _ => false,
         };
         let motion = self.motion.filter(|motion| !allowed(motion));

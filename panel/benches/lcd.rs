@@ -6,14 +6,14 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
-use gsk_panel::pages::{self, GraphicSettings, PageId, View};
+use gsk_panel::pages::{self, GraphicSettings, PageId, PageView};
 use gsk_panel::raster;
 use gsk_panel::screen::{ROWS, Screen};
-use gsk_panel::trace::MOST_PIECES;
+use gsk_panel::trace::MAX_SEGMENTS;
 
-/// A path of `pieces` segments that cannot be joined.
-fn view_with_path(pieces: usize) -> View {
-    let mut view = View::default();
+/// A path of `segments` segments that cannot be joined.
+fn view_with_path(segments: usize) -> PageView {
+    let mut view = PageView::default();
     view.graphic = GraphicSettings {
         zx: true,
         max_x: 150_000,
@@ -26,11 +26,11 @@ fn view_with_path(pieces: usize) -> View {
     let at = |index: usize| {
         let side = if index.is_multiple_of(2) { 10.0 } else { 12.0 };
         Point::new(
-            side + 50.0 * (index as f64 / pieces as f64),
+            side + 50.0 * (index as f64 / segments as f64),
             (index % 1800) as f64 / 10.0,
         )
     };
-    for index in 0..pieces {
+    for index in 0..segments {
         view.trace
             .push(at(index), at(index + 1), index.is_multiple_of(7));
     }
@@ -39,8 +39,8 @@ fn view_with_path(pieces: usize) -> View {
 
 fn lcd(criterion: &mut Criterion) {
     let cnc = Simulation::new(Setup::default()).cnc;
-    let empty = View::default();
-    let full = view_with_path(MOST_PIECES - 1500);
+    let empty = PageView::default();
+    let full = view_with_path(MAX_SEGMENTS - 1500);
     let cases = [
         ("position", PageId::PosRel, &empty),
         ("parameters", PageId::ParBit, &empty),

@@ -11,7 +11,7 @@ pub struct Bitmap {
 
 /// A rectangle of dots that includes both corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Area {
+pub struct DotArea {
     /// Leftmost dot.
     pub left: i32,
     /// Topmost dot.
@@ -22,7 +22,7 @@ pub struct Area {
     pub bottom: i32,
 }
 
-impl Area {
+impl DotArea {
     /// The whole LCD.
     pub const LCD: Self = Self {
         left: 0,
@@ -84,7 +84,7 @@ impl Bitmap {
 
     /// Returns whether a dot is set. Dots outside the LCD never are.
     pub fn get(&self, x: i32, y: i32) -> bool {
-        if !Area::LCD.contains(x, y) {
+        if !DotArea::LCD.contains(x, y) {
             return false;
         }
         self.bytes[y as usize * COLUMNS + x as usize / 8] & (0x80 >> (x % 8)) != 0
@@ -92,7 +92,7 @@ impl Bitmap {
 
     /// Sets a dot. Ignores dots outside the LCD.
     pub fn set(&mut self, x: i32, y: i32) {
-        if Area::LCD.contains(x, y) {
+        if DotArea::LCD.contains(x, y) {
             self.bytes[y as usize * COLUMNS + x as usize / 8] |= 0x80 >> (x % 8);
         }
     }
@@ -116,7 +116,7 @@ impl Bitmap {
     }
 
     /// Draws a line between two points in fractions of dots, clipped to an area.
-    pub fn line(&mut self, from: (f64, f64), to: (f64, f64), stroke: Stroke, area: Area) {
+    pub fn line(&mut self, from: (f64, f64), to: (f64, f64), stroke: Stroke, area: DotArea) {
         let Some((from, to)) = clip(from, to, area) else {
             return;
         };
@@ -157,7 +157,7 @@ impl core::fmt::Debug for Bitmap {
 }
 
 /// The part of a line inside an area, as dots.
-fn clip(from: (f64, f64), to: (f64, f64), area: Area) -> Option<((i32, i32), (i32, i32))> {
+fn clip(from: (f64, f64), to: (f64, f64), area: DotArea) -> Option<((i32, i32), (i32, i32))> {
     let (start, end) = (nearest(from), nearest(to));
     if area.contains(start.0, start.1) && area.contains(end.0, end.1) {
         return Some((start, end));
@@ -177,14 +177,14 @@ fn clip(from: (f64, f64), to: (f64, f64), area: Area) -> Option<((i32, i32), (i3
         (dy, bottom - from.1),
     ];
     let (mut first, mut last) = (0.0_f64, 1.0_f64);
-    for (toward, room) in edges {
+    for (toward, margin) in edges {
         if toward == 0.0 {
-            if room < 0.0 {
+            if margin < 0.0 {
                 return None;
             }
             continue;
         }
-        let at = room / toward;
+        let at = margin / toward;
         if toward < 0.0 {
             first = first.max(at);
         } else {
@@ -194,14 +194,14 @@ fn clip(from: (f64, f64), to: (f64, f64), area: Area) -> Option<((i32, i32), (i3
     if first > last {
         return None;
     }
-    let place = |at: f64| {
+    let dot_at = |at: f64| {
         let (x, y) = nearest((from.0 + dx * at, from.1 + dy * at));
         (
             x.clamp(area.left, area.right),
             y.clamp(area.top, area.bottom),
         )
     };
-    Some((place(first), place(last)))
+    Some((dot_at(first), dot_at(last)))
 }
 
 /// The dot at a point.
@@ -223,20 +223,20 @@ mod tests {
     #[test]
     fn a_line_contains_both_ends() {
         let mut bitmap = Bitmap::new();
-        bitmap.line((1.0, 1.0), (4.0, 2.0), Stroke::Solid, Area::LCD);
+        bitmap.line((1.0, 1.0), (4.0, 2.0), Stroke::Solid, DotArea::LCD);
         assert_eq!(dots(&bitmap), [(1, 1), (2, 1), (3, 2), (4, 2)]);
     }
 
     #[test]
     fn a_point_is_one_dot() {
         let mut bitmap = Bitmap::new();
-        bitmap.line((7.4, 3.6), (7.4, 3.6), Stroke::Solid, Area::LCD);
+        bitmap.line((7.4, 3.6), (7.4, 3.6), Stroke::Solid, DotArea::LCD);
         assert_eq!(dots(&bitmap), [(7, 4)]);
     }
 
     #[test]
     fn a_line_is_cut_to_its_area() {
-        let area = Area {
+        let area = DotArea {
             left: 10,
             top: 10,
             right: 12,
@@ -250,15 +250,15 @@ mod tests {
     }
 
     #[test]
-    fn a_dotted_line_does_not_depend_on_how_it_is_cut_into_pieces() {
+    fn a_dotted_line_is_the_same_in_segments() {
         let mut whole = Bitmap::new();
-        whole.line((0.0, 5.0), (30.0, 5.0), Stroke::Dotted, Area::LCD);
-        let mut pieces = Bitmap::new();
+        whole.line((0.0, 5.0), (30.0, 5.0), Stroke::Dotted, DotArea::LCD);
+        let mut segments = Bitmap::new();
         for x in 0..30 {
             let x = f64::from(x);
-            pieces.line((x, 5.0), (x + 1.0, 5.0), Stroke::Dotted, Area::LCD);
+            segments.line((x, 5.0), (x + 1.0, 5.0), Stroke::Dotted, DotArea::LCD);
         }
-        assert_eq!(dots(&whole), dots(&pieces));
+        assert_eq!(dots(&whole), dots(&segments));
         assert_eq!(dots(&whole).len(), 11);
     }
 }

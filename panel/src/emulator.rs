@@ -18,7 +18,7 @@ use tiny_skia::Pixmap;
 use crate::faceplate::{self, FaceState};
 use crate::keys::{Bit, Key};
 pub use crate::panel::number_of_name;
-use crate::panel::{KeyEvent, NotTaken, Panel, SerialFile, contacts};
+use crate::panel::{KeyEvent, Panel, ReceiveError, SerialFile, contacts};
 use crate::raster;
 use crate::screen::Screen;
 
@@ -32,11 +32,11 @@ const SCREEN_PERIOD: u64 = 20;
 ///
 /// ```
 /// use gsk_core::setup::Setup;
-/// use gsk_panel::emulator::{Condition, Emulator, Outcome};
+/// use gsk_panel::emulator::{WaitCondition, Emulator, WaitOutcome};
 /// use gsk_panel::keys::Key;
 ///
 /// let mut emulator = Emulator::new(Setup::default());
-/// emulator.run_until(&Condition::SelfTestOver, 10_000);
+/// emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
 /// emulator.press(Key::Auto);
 /// assert!(emulator.screen().text().contains("自动方式"));
 /// ```
@@ -50,7 +50,7 @@ pub struct Emulator {
 
 /// A condition for [`Emulator::run_until`].
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Condition {
+pub enum WaitCondition {
     /// The self-test picture has disappeared.
     SelfTestOver,
     /// No program runs and the axes are stopped.
@@ -67,7 +67,7 @@ pub enum Condition {
 
 /// How [`Emulator::run_until`] ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub enum WaitOutcome {
     /// The condition became true.
     Reached,
     /// The time limit expired first.
@@ -99,7 +99,7 @@ impl Emulator {
             self.simulation.lathe.tick(&outputs, &mut Inputs::default());
         }
         let requests = self.panel.tick(&self.simulation.cnc);
-        self.ask(requests);
+        self.send_requests(requests);
     }
 
     /// Runs a number of milliseconds.
@@ -111,7 +111,7 @@ impl Emulator {
 
     /// Handles a key event at the start of the next tick. Returns the reason if page, mode or a
     /// switch prevents its effect. Machine keys are checked later, by
-    /// [`crate::refusal::Press`].
+    /// [`crate::refusal::KeyPress`].
     pub fn key(&mut self, event: KeyEvent) -> Option<Message> {
         let cnc = &self.simulation.cnc;
         let by_page = match event {
@@ -122,7 +122,7 @@ impl Emulator {
         let requests = self.panel.key(event, cnc);
         let by_control = |request| cnc.refuses(request);
         let refused = by_page.or_else(|| requests.iter().find_map(by_control));
-        self.ask(requests);
+        self.send_requests(requests);
         let lathe = &mut self.simulation.lathe;
         if let KeyEvent::Wheel(graduations) = event {
             lathe.turn_handwheel(graduations);
@@ -141,7 +141,7 @@ impl Emulator {
         }
     }
 
-    fn ask(&mut self, requests: Vec<Request>) {
+    fn send_requests(&mut self, requests: Vec<Request>) {
         for request in requests {
             // A refusal is shown on the alarm page.
             let _ = self.simulation.cnc.request(request);
@@ -188,19 +188,19 @@ impl Emulator {
 
     /// Runs until a condition is true, at most `limit_ms` milliseconds. Checks the condition
     /// before the first tick and after each one.
-    pub fn run_until(&mut self, condition: &Condition, limit_ms: u64) -> Outcome {
-        let mut watch = Watch::new(condition.clone(), self);
+    pub fn run_until(&mut self, condition: &WaitCondition, limit_ms: u64) -> WaitOutcome {
+        let mut watch = ConditionWatch::new(condition.clone(), self);
         for _ in 0..limit_ms {
             if watch.reached(self) {
-                return Outcome::Reached;
+                return WaitOutcome::Reached;
             }
             self.tick();
         }
-        watch.looked = None;
+        watch.last_check = None;
         if watch.reached(self) {
-            Outcome::Reached
+            WaitOutcome::Reached
         } else {
-            Outcome::TimedOut
+            WaitOutcome::TimedOut
         }
     }
 
@@ -224,12 +224,12 @@ impl Emulator {
     /// # Errors
     ///
     /// Returns the reason why the control does not accept it.
-    pub fn receive(&mut self, file: SerialFile) -> Result<(), NotTaken> {
+    pub fn receive(&mut self, file: SerialFile) -> Result<(), ReceiveError> {
         let mut requests = Vec::new();
         let taken = self
             .panel
             .receive(file, &self.simulation.cnc, &mut requests);
-        self.ask(requests);
+        self.send_requests(requests);
         taken
     }
 
@@ -274,7 +274,7 @@ impl Emulator {
             real: false,
             model: self.simulation.cnc.model().id(),
         };
-        faceplate::paint(faceplate::Area::WHOLE, &state, scale)
+        faceplate::paint(faceplate::PanelArea::WHOLE, &state, scale)
     }
 
     /// Returns whether a lamp is lit.
@@ -298,8 +298,8 @@ impl Emulator {
     /// Stores the text in the editor, as leaving its page does, when a session ends with the
     /// power on.
     pub fn store_edited(&mut self) {
-        let requests = self.panel.unstored();
-        self.ask(requests);
+        let requests = self.panel.requests_to_store();
+        self.send_requests(requests);
     }
 
     /// Switches the power off. The lathe stops.
@@ -333,52 +333,55 @@ impl Emulator {
 
 /// A condition to wait for.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Watch {
-    condition: Condition,
+pub(crate) struct ConditionWatch {
+    condition: WaitCondition,
     block: gsk_core::cnc::Cursor,
-    looked: Option<u64>,
+    last_check: Option<u64>,
 }
 
-impl Watch {
-    pub(crate) fn new(condition: Condition, emulator: &Emulator) -> Self {
+impl ConditionWatch {
+    pub(crate) fn new(condition: WaitCondition, emulator: &Emulator) -> Self {
         let condition = match condition {
-            Condition::Text(text) => Condition::Text(folded(&text)),
+            WaitCondition::Text(text) => WaitCondition::Text(fold_blanks(&text)),
             other => other,
         };
         Self {
             condition,
             block: emulator.simulation.cnc.cursor(),
-            looked: None,
+            last_check: None,
         }
     }
 
     pub(crate) fn reached(&mut self, emulator: &Emulator) -> bool {
         let cnc = &emulator.simulation.cnc;
         match &self.condition {
-            Condition::SelfTestOver => !emulator.panel.in_self_test(),
-            Condition::Stopped => emulator.is_stopped(),
-            Condition::BlockEnd => emulator.is_stopped() || cnc.cursor() != self.block,
-            Condition::Alarm => cnc.in_alarm(),
-            Condition::Bit(bit, value) => cnc.plc().memory().bit(*bit) == *value,
-            Condition::Text(text) => {
+            WaitCondition::SelfTestOver => !emulator.panel.in_self_test(),
+            WaitCondition::Stopped => emulator.is_stopped(),
+            WaitCondition::BlockEnd => emulator.is_stopped() || cnc.cursor() != self.block,
+            WaitCondition::Alarm => cnc.in_alarm(),
+            WaitCondition::Bit(bit, value) => cnc.plc().memory().bit(*bit) == *value,
+            WaitCondition::Text(text) => {
                 let now = emulator.ticks();
-                if self.looked.is_some_and(|last| now < last + SCREEN_PERIOD) {
+                if self
+                    .last_check
+                    .is_some_and(|last| now < last + SCREEN_PERIOD)
+                {
                     return false;
                 }
-                self.looked = Some(now);
-                shows(&emulator.screen(), text)
+                self.last_check = Some(now);
+                has_row_with(&emulator.screen(), text)
             }
         }
     }
 }
 
 /// Whether a row of the screen contains a text with single blanks.
-fn shows(screen: &Screen, text: &str) -> bool {
-    (0..crate::screen::ROWS).any(|row| folded(&screen.row(row)).contains(text))
+fn has_row_with(screen: &Screen, text: &str) -> bool {
+    (0..crate::screen::ROWS).any(|row| fold_blanks(&screen.row(row)).contains(text))
 }
 
 /// Returns a text with every run of blanks replaced by one.
-pub(crate) fn folded(text: &str) -> String {
+pub(crate) fn fold_blanks(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 

@@ -1,6 +1,6 @@
 //! Contains the geometry of the panel: a table of parts in panel units (manual III-1.2). The
 //! window and the painter draw it, and the pointer is looked up in it. In a narrow window the
-//! panel is split into [areas](Area::APART).
+//! panel is split into [areas](PanelArea::APART).
 //!
 //! One panel unit is half a dot of the LCD. At every scale that is a multiple of one half, LCD
 //! dots are whole pixels.
@@ -11,10 +11,10 @@ mod text;
 
 use std::sync::LazyLock;
 
-pub use paint::{FaceState, look, paint, paint_part};
+pub use paint::{FaceState, paint, paint_part, part_state};
 pub use tiny_skia::Pixmap;
 
-use crate::keys::{Key, Role};
+use crate::keys::{Key, KeyRole};
 
 /// Width and height of the panel in panel units.
 pub const SIZE: (f32, f32) = (1280.0, 756.0);
@@ -84,7 +84,7 @@ pub enum Outline {
 
 /// The kind of a panel part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum What {
+pub enum PartKind {
     /// The panel itself.
     Housing,
     /// A plate with a group of keys.
@@ -111,7 +111,7 @@ pub enum What {
 
 /// A colour by its use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Colour {
+pub enum PanelColour {
     /// The panel.
     Housing,
     /// A plate.
@@ -154,7 +154,7 @@ pub enum Colour {
     LampOff,
 }
 
-impl Colour {
+impl PanelColour {
     /// Returns red, green and blue.
     pub const fn rgb(self) -> [u8; 3] {
         match self {
@@ -197,9 +197,9 @@ impl Colour {
 
 /// A part of the panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct PanelPart {
     /// The kind of the part.
-    pub what: What,
+    pub what: PartKind,
     /// The rectangle, panel units.
     pub rect: Rect,
     /// The outline inside the rectangle.
@@ -207,14 +207,14 @@ pub struct Part {
     /// Drawing order, 0 at the bottom. Parts of one layer do not overlap.
     pub layer: u8,
     /// The colour.
-    pub colour: Colour,
+    pub colour: PanelColour,
 }
 
-impl Part {
+impl PanelPart {
     /// Returns the key that the part is.
     pub const fn key(&self) -> Option<Key> {
         match self.what {
-            What::Key(key) => Some(key),
+            PartKind::Key(key) => Some(key),
             _ => None,
         }
     }
@@ -235,7 +235,7 @@ impl Part {
         };
         if matches!(
             key.row().role,
-            Role::EmergencyStop | Role::OvertravelRelease
+            KeyRole::EmergencyStop | KeyRole::OvertravelRelease
         ) {
             return Vec::new(); // Printed beside the button.
         }
@@ -243,36 +243,36 @@ impl Part {
         let arrow = matches!(key, Key::Up | Key::Down | Key::Left | Key::Right);
         let height = match (key.row().role, lines.len()) {
             _ if arrow => 32.0,
-            _ if self.colour == Colour::Direction && key != Key::Rapid => 21.0,
-            (Role::Character(..), 1) => 32.0,
-            (Role::Character(..), _) => 24.0,
+            _ if self.colour == PanelColour::Direction && key != Key::Rapid => 21.0,
+            (KeyRole::Character(..), 1) => 32.0,
+            (KeyRole::Character(..), _) => 24.0,
             _ => LINE_HEIGHT,
         };
         let top = if self.lamp().is_some() { 9.0 } else { 0.0 };
-        let room = self.rect.h - top;
-        let first = self.rect.y + top + (room - lines.len() as f32 * height) / 2.0;
-        let place = |(index, line): (usize, &&'static str)| {
+        let height_left = self.rect.h - top;
+        let first = self.rect.y + top + (height_left - lines.len() as f32 * height) / 2.0;
+        let line_rect = |(index, line): (usize, &&'static str)| {
             let y = (first + index as f32 * height).round();
             (*line, Rect::new(self.rect.x, y, self.rect.w, height))
         };
-        lines.iter().enumerate().map(place).collect()
+        lines.iter().enumerate().map(line_rect).collect()
     }
 }
 
 /// Returns all parts in drawing order.
-pub fn parts() -> &'static [Part] {
-    static PARTS: LazyLock<Vec<Part>> = LazyLock::new(layout::parts);
+pub fn parts() -> &'static [PanelPart] {
+    static PARTS: LazyLock<Vec<PanelPart>> = LazyLock::new(layout::parts);
     &PARTS
 }
 
 /// A section of the panel with a housing around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Area {
+pub struct PanelArea {
     /// The rectangle of the section, panel units.
     pub rect: Rect,
 }
 
-impl Area {
+impl PanelArea {
     /// The whole panel.
     pub const WHOLE: Self = Self {
         rect: Rect::new(0.0, 0.0, SIZE.0, SIZE.1),
@@ -280,19 +280,19 @@ impl Area {
 
     /// LCD, name plate, edit keyboard, modes and directions, spindle and start, additional
     /// panel.
-    pub const APART: [Self; 6] = layout::APART;
+    pub const SECTIONS: [Self; 6] = layout::SECTIONS;
 
     /// Returns whether the area contains a part.
-    pub fn holds(&self, part: &Part) -> bool {
-        part.what == What::Housing || self.rect.encloses(&part.rect)
+    pub fn contains(&self, part: &PanelPart) -> bool {
+        part.what == PartKind::Housing || self.rect.encloses(&part.rect)
     }
 
     /// Returns the parts in the area in drawing order. The housing is as large as the area.
-    pub fn parts(self) -> impl Iterator<Item = Part> {
-        let held = parts().iter().filter(move |part| self.holds(part));
-        held.map(move |part| Part {
+    pub fn parts(self) -> impl Iterator<Item = PanelPart> {
+        let held = parts().iter().filter(move |part| self.contains(part));
+        held.map(move |part| PanelPart {
             rect: match part.what {
-                What::Housing => self.rect,
+                PartKind::Housing => self.rect,
                 _ => part.rect,
             },
             ..*part
@@ -301,7 +301,7 @@ impl Area {
 }
 
 /// Returns the part of a key.
-pub fn part_of(key: Key) -> Option<&'static Part> {
+pub fn part_of(key: Key) -> Option<&'static PanelPart> {
     parts().iter().find(|part| part.key() == Some(key))
 }
 
@@ -311,8 +311,8 @@ pub const fn lcd() -> Rect {
 }
 
 /// Returns the topmost part at a point, panel units.
-pub fn part_at(x: f32, y: f32) -> Option<&'static Part> {
-    let hit = |part: &&Part| match part.outline {
+pub fn part_at(x: f32, y: f32) -> Option<&'static PanelPart> {
+    let hit = |part: &&PanelPart| match part.outline {
         Outline::Rounded(_) => part.rect.contains(x, y),
         Outline::Round => {
             let (cx, cy) = part.rect.center();

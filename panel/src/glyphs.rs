@@ -15,7 +15,7 @@ const REPLACEMENT: char = '?';
 
 /// The dots of a character.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Dots {
+pub struct GlyphDots {
     /// Rows of 16 dots, the leftmost dot in bit 15. A half-width character uses the upper byte
     /// only.
     pub rows: [u16; GLYPH_HEIGHT],
@@ -37,17 +37,17 @@ pub fn glyph(character: char) -> Option<&'static Glyph> {
 }
 
 /// Returns the dots of a character, or those of a question mark.
-pub fn dots(character: char) -> Dots {
+pub fn dots(character: char) -> GlyphDots {
     match glyph(character).or_else(|| glyph(REPLACEMENT)) {
-        Some(Glyph::Halfwidth(rows)) => Dots {
+        Some(Glyph::Halfwidth(rows)) => GlyphDots {
             rows: rows.map(|row| u16::from(row) << 8),
             columns: 1,
         },
-        Some(Glyph::Fullwidth(rows)) => Dots {
+        Some(Glyph::Fullwidth(rows)) => GlyphDots {
             rows: *rows,
             columns: 2,
         },
-        None => Dots {
+        None => GlyphDots {
             rows: [0; GLYPH_HEIGHT],
             columns: 1,
         },

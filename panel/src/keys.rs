@@ -214,7 +214,7 @@ impl Bit {
     }
 
     /// Returns whether the bit is set in a memory. Bits outside it are not.
-    pub fn of(self, bytes: &[u8]) -> bool {
+    pub fn is_set_in(self, bytes: &[u8]) -> bool {
         bytes
             .get(usize::from(self.byte))
             .is_some_and(|byte| byte >> self.bit & 1 == 1)
@@ -223,7 +223,7 @@ impl Bit {
 
 /// The effect of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub enum KeyRole {
     /// Closes an X contact. The ladder does the rest.
     Machine(Bit),
     /// Enters a character. A compound key has a second one, which replaces the first when the
@@ -253,7 +253,7 @@ pub struct KeyRow {
     /// Accessible name, English.
     pub name_en: &'static str,
     /// Its effect.
-    pub role: Role,
+    pub role: KeyRole,
     /// The Y bit of the lamp in it.
     pub lamp: Option<Bit>,
     /// The key of a PC keyboard that presses it: modifiers joined with `+`, keys with egui's
@@ -276,7 +276,7 @@ impl Key {
     /// Returns the X contact of a machine key.
     pub const fn contact(self) -> Option<Bit> {
         match self.row().role {
-            Role::Machine(bit) => Some(bit),
+            KeyRole::Machine(bit) => Some(bit),
             _ => None,
         }
     }
@@ -301,7 +301,7 @@ impl Key {
     }
 
     /// Returns the key that a PC key presses, by the name of [`KeyRow::pc`].
-    pub fn of_pc(name: &str) -> Option<Self> {
+    pub fn from_pc_key(name: &str) -> Option<Self> {
         KEYS.iter().find(|row| row.pc == name).map(|row| row.key)
     }
 }

@@ -2,6 +2,7 @@
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod alarm_log;
 pub mod bitmap;
 pub mod emulator;
 pub mod faceplate;
@@ -9,7 +10,6 @@ pub mod fonts;
 pub mod glyphs;
 pub mod keys;
 pub mod lcd;
-pub mod occurrences;
 pub mod pages;
 pub mod panel;
 pub mod raster;

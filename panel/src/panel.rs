@@ -20,11 +20,12 @@ use gsk_messages::Language;
 use serde::{Deserialize, Serialize};
 use transfer::Transfer;
 pub use transfer::{
-    FileId, FileRefusal, LineError, NotTaken, SerialFile, file_of, number_of_name, read_data,
+    DataLineError, FileId, FileRefusal, ReceiveError, SerialFile, file_of, number_of_name,
+    read_data,
 };
 
-use crate::keys::{KEYS, Key, Role};
-use crate::pages::{self, GraphicSettings, POWER_ON_TICKS, PageId, PageKey, View};
+use crate::keys::{KEYS, Key, KeyRole};
+use crate::pages::{self, GraphicSettings, POWER_ON_TICKS, PageId, PageKey, PageView};
 use crate::screen::Screen;
 
 /// Greatest number of characters in the input line.
@@ -63,7 +64,7 @@ pub struct PanelRetained {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Panel {
     page: PageId,
-    view: View,
+    view: PageView,
     /// The last page of each group that remembers it.
     last_shown: [PageId; 4],
     /// Keys that are down and accepted, in the order of pressing.
@@ -115,7 +116,7 @@ impl Panel {
     pub fn new() -> Self {
         Self {
             page: PageId::PosRel,
-            view: View::default(),
+            view: PageView::default(),
             last_shown: [PageId::PosRel, PageId::Prg, PageId::Oft, PageId::Msg],
             held: Vec::new(),
             emergency_stop: false,
@@ -145,7 +146,7 @@ impl Panel {
         new.restore(&self.retained());
         new.emergency_stop = self.emergency_stop;
         new.wheel = self.wheel;
-        new.transfer = self.transfer.at_power_on();
+        new.transfer = self.transfer.after_power_on();
         new.clock = self.clock;
         new.picture_until = Some(self.clock + POWER_ON_TICKS);
         new.picture_waits = cnc.parameters().waits_at_power_on();
@@ -168,7 +169,7 @@ impl Panel {
     }
 
     /// Returns the requests that store the text in the editor, when the window closes.
-    pub(crate) fn unstored(&mut self) -> Vec<Request> {
+    pub(crate) fn requests_to_store(&mut self) -> Vec<Request> {
         let mut requests = Vec::new();
         self.store_edited(&mut requests);
         requests
@@ -197,7 +198,7 @@ impl Panel {
     }
 
     /// Returns the state that pages draw.
-    pub const fn view(&self) -> &View {
+    pub const fn view(&self) -> &PageView {
         &self.view
     }
 
@@ -268,16 +269,16 @@ impl Panel {
         match event {
             KeyEvent::Down(Key::EmergencyStop) => self.emergency_stop = !self.emergency_stop,
             KeyEvent::Up(Key::EmergencyStop) => {}
-            KeyEvent::Down(key) => self.down(key, cnc, &mut requests),
-            KeyEvent::Up(key) => self.up(key, &mut requests),
+            KeyEvent::Down(key) => self.press_key(key, cnc, &mut requests),
+            KeyEvent::Up(key) => self.release_key(key, &mut requests),
             KeyEvent::ReleaseAll => {
                 for key in self.held.clone() {
-                    self.up(key, &mut requests);
+                    self.release_key(key, &mut requests);
                 }
             }
             KeyEvent::Type(character) => {
-                if self.awake() {
-                    self.typed(character, cnc, &mut requests);
+                if self.is_awake() {
+                    self.type_character(character, cnc, &mut requests);
                 }
             }
             KeyEvent::Wheel(graduations) => self.wheel = self.wheel.wrapping_add(graduations),
@@ -286,23 +287,23 @@ impl Panel {
     }
 
     /// Whether the display reacts to keys.
-    const fn awake(&self) -> bool {
+    const fn is_awake(&self) -> bool {
         self.powered && !self.in_self_test()
     }
 
-    fn down(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
+    fn press_key(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
         if self.is_held(key) || !(self.powered || key == Key::OvertravelRelease) {
             return;
         }
-        let matrix = |key: &&Key| **key != Key::OvertravelRelease;
+        let in_key_matrix = |key: &&Key| **key != Key::OvertravelRelease;
         let most = cnc.parameters().simultaneous_keys();
-        if matrix(&&key) && self.held.iter().filter(matrix).count() >= most {
+        if in_key_matrix(&&key) && self.held.iter().filter(in_key_matrix).count() >= most {
             return;
         }
         self.held.push(key);
         if self.in_self_test() {
             let shown_long_enough = self.picture_until.is_some_and(|until| self.clock >= until);
-            if key.row().role == Role::Page && shown_long_enough {
+            if key.row().role == KeyRole::Page && shown_long_enough {
                 self.picture_until = None;
             }
             return;
@@ -314,7 +315,7 @@ impl Panel {
         self.act(key, cnc, requests);
     }
 
-    fn up(&mut self, key: Key, requests: &mut Vec<Request>) {
+    fn release_key(&mut self, key: Key, requests: &mut Vec<Request>) {
         self.held.retain(|held| *held != key);
         if self.repeat.is_some_and(|repeat| repeat.key == key) {
             self.repeat = None;
@@ -326,15 +327,15 @@ impl Panel {
 
     /// Acts on the display for a key.
     fn act(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
-        self.read_transfer_error();
+        self.clear_transfer_error();
         let compound = self.compound.take();
         let flashing = self.view.flashing.take();
         if self.is_teaching(cnc) && self.teaching_key(key, cnc, requests) {
             return;
         }
         match (key.row().role, key) {
-            (Role::Page, _) => self.page_key(key, cnc),
-            (Role::Character(first, second), _) => {
+            (KeyRole::Page, _) => self.page_key(key, cnc),
+            (KeyRole::Character(first, second), _) => {
                 self.character_key(key, first, second, compound, cnc, requests);
             }
             (_, Key::Up | Key::Down) if flashing.is_some() && self.page == PageId::PosRel => {
@@ -352,7 +353,7 @@ impl Panel {
             (_, Key::Input) if cnc.mode().teaches() && self.edits(cnc) => {
                 self.teach(cnc, requests);
             }
-            (_, Key::Input) => self.commit(cnc, requests),
+            (_, Key::Input) => self.commit_input(cnc, requests),
             (_, Key::Output) => self.output(cnc, requests),
             (_, Key::Eob | Key::Insert | Key::Delete | Key::Cancel) if self.edits(cnc) => {
                 self.edit_key(key, cnc, requests);
@@ -369,7 +370,7 @@ impl Panel {
 
     fn reset(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
         self.clear_input();
-        self.break_transfer(requests);
+        self.abort_transfer(requests);
         if self.is_held(Key::Cancel) {
             requests.push(Request::CancelSwitchAlarm);
         }
@@ -449,11 +450,11 @@ impl Panel {
 
     /// Switches the display to the page of a new alarm or message.
     fn follow_alarms(&mut self, cnc: &Cnc) {
-        let standing = cnc.alarms();
+        let active = cnc.alarms();
         let known = |number| self.alarms.contains(number);
-        let new = standing.iter().any(|alarm| !known(&alarm.number));
-        if new || standing.len() != self.alarms.len() {
-            self.alarms = standing.iter().map(|alarm| alarm.number).collect();
+        let new = active.iter().any(|alarm| !known(&alarm.number));
+        if new || active.len() != self.alarms.len() {
+            self.alarms = active.iter().map(|alarm| alarm.number).collect();
         }
         if new {
             self.go_to(PageId::Alm);
@@ -477,7 +478,7 @@ impl Panel {
 }
 
 /// The page group of a page key.
-const fn group(key: Key) -> Option<PageKey> {
+const fn page_group(key: Key) -> Option<PageKey> {
     Some(match key {
         Key::Position => PageKey::Pos,
         Key::Program => PageKey::Prg,

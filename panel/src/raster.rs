@@ -4,27 +4,27 @@ use tiny_skia::{FilterQuality, Pixmap, PixmapMut, PixmapPaint, Transform};
 
 use crate::bitmap::Bitmap;
 use crate::glyphs::{self, GLYPH_HEIGHT};
-use crate::screen::{BigText, COLUMNS, Cell, HEIGHT, Look, ROWS, Screen, WIDTH};
+use crate::screen::{BigText, COLUMNS, Cell, CellStyle, HEIGHT, ROWS, Screen, WIDTH};
 
 /// Bytes of a 320x240 RGBA picture.
 pub(crate) const RGBA_BYTES: usize = WIDTH * HEIGHT * 4;
 
 /// Greatest scale of [`render`].
-pub(crate) const MOST_SCALE: u32 = 16;
+pub(crate) const MAX_SCALE: u32 = 16;
 
 /// A colour: red, green, blue.
-pub type Colour = [u8; 3];
+pub type Rgb = [u8; 3];
 
-/// Dot rows of a cell that the bar of [`Look::Underline`] covers.
+/// Dot rows of a cell that the bar of [`CellStyle::Underline`] covers.
 const BAR: core::ops::Range<usize> = 14..16;
 
 /// The two colours of the LCD.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Palette {
     /// The lit background.
-    pub background: Colour,
+    pub background: Rgb,
     /// Text and lines.
-    pub text: Colour,
+    pub text: Rgb,
 }
 
 /// Returns the colours for a brightness of 0 (darkest, still readable) to 15.
@@ -33,7 +33,7 @@ pub fn palette(brightness: u8) -> Palette {
     // Dim the blue background more than the text.
     let background = 40 + 4 * level;
     let text = 70 + 2 * level;
-    let dim = |colour: Colour, percent: u32| {
+    let dim = |colour: Rgb, percent: u32| {
         colour.map(|part| u8::try_from(u32::from(part) * percent / 100).unwrap_or(u8::MAX))
     };
     Palette {
@@ -60,21 +60,21 @@ pub fn bitmap(screen: &Screen) -> Bitmap {
 }
 
 fn draw_cell(dots: &mut Bitmap, row: usize, column: usize, cell: Cell) {
-    let nothing = match cell.look {
-        Look::Big | Look::Dark => true,
-        Look::Plain => cell.character == ' ',
-        Look::Inverse | Look::Underline => false,
+    let nothing = match cell.style {
+        CellStyle::Big | CellStyle::Dark => true,
+        CellStyle::Plain => cell.character == ' ',
+        CellStyle::Inverse | CellStyle::Underline => false,
     };
     if nothing {
         return;
     }
     let glyph = glyphs::dots(cell.character);
     for (line, bits) in glyph.rows.into_iter().enumerate() {
-        let bar = cell.look == Look::Underline && BAR.contains(&line);
+        let bar = cell.style == CellStyle::Underline && BAR.contains(&line);
         let bits = if bar { u16::MAX } else { bits };
         let y = row * GLYPH_HEIGHT + line;
         let [left, right] = bits.to_be_bytes();
-        let inverse = cell.look == Look::Inverse;
+        let inverse = cell.style == CellStyle::Inverse;
         dots.combine(column, y, left, inverse);
         if glyph.columns == 2 {
             dots.combine(column + 1, y, right, inverse);
@@ -117,7 +117,7 @@ pub fn rgba(screen: &Screen, brightness: u8) -> Vec<u8> {
 ///
 /// `None` if it does not fit into memory.
 pub fn render(screen: &Screen, scale: u32, brightness: u8) -> Option<Pixmap> {
-    let scale = scale.clamp(1, MOST_SCALE);
+    let scale = scale.clamp(1, MAX_SCALE);
     let mut pixmap = Pixmap::new(WIDTH as u32 * scale, HEIGHT as u32 * scale)?;
     paint_rgba(
         &bitmap(screen),
@@ -147,7 +147,7 @@ pub fn paint(screen: &Screen, brightness: u8, target: &mut PixmapMut, transform:
 
 /// Writes every dot as a square of `scale` pixels.
 fn paint_rgba(dots: &Bitmap, palette: Palette, scale: usize, pixels: &mut [u8]) {
-    let opaque = |[red, green, blue]: Colour| [red, green, blue, u8::MAX];
+    let opaque = |[red, green, blue]: Rgb| [red, green, blue, u8::MAX];
     let colours = [opaque(palette.background), opaque(palette.text)];
     let line_bytes = WIDTH * scale * 4;
     for (y, band) in pixels.chunks_exact_mut(line_bytes * scale).enumerate() {
@@ -174,8 +174,8 @@ mod tests {
     #[test]
     fn inverse_and_underline_change_only_their_cells() {
         let mut screen = Screen::new();
-        screen.put_as(0, 1, " ", Look::Inverse);
-        screen.put_as(0, 3, " ", Look::Underline);
+        screen.put_as(0, 1, " ", CellStyle::Inverse);
+        screen.put_as(0, 3, " ", CellStyle::Underline);
         let dots = bitmap(&screen);
         let lit = |column: i32| {
             (0..16)
@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn every_brightness_step_is_brighter_and_the_darkest_stays_readable() {
-        let sum = |colour: Colour| colour.iter().map(|part| u32::from(*part)).sum::<u32>();
+        let sum = |colour: Rgb| colour.iter().map(|part| u32::from(*part)).sum::<u32>();
         for level in 1..16 {
             assert!(sum(palette(level).background) > sum(palette(level - 1).background));
             assert!(sum(palette(level).text) > sum(palette(level - 1).text));

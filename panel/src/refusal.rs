@@ -14,7 +14,7 @@ use crate::keys::Key;
 
 /// Delay after which a pressed machine key is checked, ticks. By then the contact is debounced
 /// and the whole ladder has run with it.
-pub const JUDGED_AFTER: u64 = 48;
+pub const CHECK_DELAY_TICKS: u64 = 48;
 
 /// Signals by which the ladder answers machine keys.
 const START: BitAddress = BitAddress::new(Area::G, 7, 2);
@@ -27,14 +27,14 @@ const WHEEL_Z: BitAddress = BitAddress::new(Area::G, 18, 1);
 
 /// The state that the press of a machine key can change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Before {
+struct StateBefore {
     run: RunState,
     /// Override of feed, rapid and spindle, %.
     overrides: [u8; 3],
 }
 
-impl Before {
-    const fn of(cnc: &Cnc) -> Self {
+impl StateBefore {
+    const fn read(cnc: &Cnc) -> Self {
         Self {
             run: cnc.run_state(),
             overrides: [
@@ -48,42 +48,42 @@ impl Before {
 
 /// A pressed machine key with the state of the control at that moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Press {
+pub struct KeyPress {
     key: Key,
-    before: Before,
+    before: StateBefore,
 }
 
-impl Press {
+impl KeyPress {
     /// Records that a key is pressed. `None` if it is not a machine key.
     pub fn new(key: Key, cnc: &Cnc) -> Option<Self> {
         key.contact().map(|_| Self {
             key,
-            before: Before::of(cnc),
+            before: StateBefore::read(cnc),
         })
     }
 
-    /// Returns why the key has no effect, if it was pressed [`JUDGED_AFTER`] ticks ago and is
+    /// Returns why the key has no effect, if it was pressed [`CHECK_DELAY_TICKS`] ticks ago and is
     /// still down. `None` if it acts or the ladder has not read it yet.
-    pub fn refused(&self, cnc: &Cnc) -> Option<Message> {
-        of_machine_key(self.key, cnc).or_else(|| of_no_change(self.key, self.before, cnc))
+    pub fn refusal_reason(&self, cnc: &Cnc) -> Option<Message> {
+        machine_key_reason(self.key, cnc).or_else(|| no_change_reason(self.key, self.before, cnc))
     }
 }
 
 /// The least and greatest override of feed, rapid (F0) and spindle, % (G12, G14, G30).
-const ENDS: [(u8, u8); 3] = [(0, 150), (0, 100), (50, 120)];
+const OVERRIDE_LIMITS: [(u8, u8); 3] = [(0, 150), (0, 100), (50, 120)];
 
 /// Keys whose press must change something.
-fn of_no_change(key: Key, before: Before, cnc: &Cnc) -> Option<Message> {
-    let now = Before::of(cnc);
+fn no_change_reason(key: Key, before: StateBefore, cnc: &Cnc) -> Option<Message> {
+    let now = StateBefore::read(cnc);
     let index = match key {
-        Key::FeedHold => return of_feed_hold(before.run),
+        Key::FeedHold => return feed_hold_reason(before.run),
         Key::FeedOverrideUp | Key::FeedOverrideDown => 0,
         Key::RapidOverrideUp | Key::RapidOverrideDown => 1,
         Key::SpindleOverrideUp | Key::SpindleOverrideDown => 2,
         _ => return None,
     };
     let percent = now.overrides[index];
-    let (least, greatest) = ENDS[index];
+    let (least, greatest) = OVERRIDE_LIMITS[index];
     if percent != before.overrides[index] {
         return None;
     }
@@ -95,7 +95,7 @@ fn of_no_change(key: Key, before: Before, cnc: &Cnc) -> Option<Message> {
     })
 }
 
-fn of_feed_hold(before: RunState) -> Option<Message> {
+fn feed_hold_reason(before: RunState) -> Option<Message> {
     match before {
         RunState::Run => None,
         RunState::Hold => Some(say::key_program_is_held()),
@@ -104,7 +104,7 @@ fn of_feed_hold(before: RunState) -> Option<Message> {
 }
 
 /// Why a machine key that is down has no effect in the current state.
-fn of_machine_key(key: Key, cnc: &Cnc) -> Option<Message> {
+fn machine_key_reason(key: Key, cnc: &Cnc) -> Option<Message> {
     let contact = key.contact()?;
     let memory = cnc.plc().memory();
     if !memory.bit(BitAddress::new(Area::X, contact.byte, contact.bit)) {
@@ -112,15 +112,15 @@ fn of_machine_key(key: Key, cnc: &Cnc) -> Option<Message> {
     }
     let on = |bit| memory.bit(bit);
     let why = match key {
-        Key::CycleStart => return of_start(cnc, on(START)),
+        Key::CycleStart => return cycle_start_reason(cnc, on(START)),
         Key::XUp | Key::XDown => return cnc.refuses_axis(Axis::X),
         Key::ZLeft | Key::ZRight => return cnc.refuses_axis(Axis::Z),
         Key::WheelY | Key::YMinus | Key::YPlus => say::key_no_y_axis(),
-        Key::SpindleForward if !on(FORWARD) => of_spindle(cnc)?,
-        Key::SpindleReverse if !on(REVERSE) => of_spindle(cnc)?,
-        Key::SpindleForward | Key::SpindleReverse => of_speed(cnc)?,
+        Key::SpindleForward if !on(FORWARD) => spindle_reason(cnc)?,
+        Key::SpindleReverse if !on(REVERSE) => spindle_reason(cnc)?,
+        Key::SpindleForward | Key::SpindleReverse => speed_reason(cnc)?,
         Key::SpindleStop if on(FORWARD) || on(REVERSE) => say::key_acts_in_manual_modes(),
-        Key::ToolChange if !on(NEXT_TOOL) && !on(TOOL_STROBE) => of_tool_change(cnc)?,
+        Key::ToolChange if !on(NEXT_TOOL) && !on(TOOL_STROBE) => tool_change_reason(cnc)?,
         Key::Lubrication if !is_manual(cnc) => say::key_acts_in_manual_modes(),
         Key::Rapid | Key::RapidOverrideUp | Key::RapidOverrideDown
             if matches!(cnc.mode(), Mode::Edit | Mode::Handwheel) =>
@@ -133,8 +133,8 @@ fn of_machine_key(key: Key, cnc: &Cnc) -> Option<Message> {
             say::key_step_size_in_step_mode()
         }
         Key::Increment100 if cnc.parameters().small_steps_only() => say::key_large_steps_locked(),
-        Key::WheelX if !on(WHEEL_X) => of_wheel(cnc),
-        Key::WheelZ if !on(WHEEL_Z) => of_wheel(cnc),
+        Key::WheelX if !on(WHEEL_X) => handwheel_reason(cnc),
+        Key::WheelZ if !on(WHEEL_Z) => handwheel_reason(cnc),
         _ => return None,
     };
     Some(why)
@@ -145,25 +145,25 @@ const fn is_manual(cnc: &Cnc) -> bool {
     cnc.mode().is_manual()
 }
 
-fn of_start(cnc: &Cnc, passed: bool) -> Option<Message> {
+fn cycle_start_reason(cnc: &Cnc, passed: bool) -> Option<Message> {
     cnc.refuses_start()
         .or_else(|| (!passed).then(say::key_ladder_holds_cycle_start))
 }
 
 /// A message of the ladder explains it already.
-fn of_spindle(cnc: &Cnc) -> Option<Message> {
+fn spindle_reason(cnc: &Cnc) -> Option<Message> {
     if !is_manual(cnc) {
         return Some(say::key_acts_in_manual_modes());
     }
     (!cnc.in_alarm()).then(say::key_ladder_holds_spindle)
 }
 
-fn of_speed(cnc: &Cnc) -> Option<Message> {
-    let stands = cnc.parameters().analog_spindle() && cnc.spindle_commanded() == 0.0;
-    stands.then(say::key_spindle_without_speed)
+fn speed_reason(cnc: &Cnc) -> Option<Message> {
+    let is_zero = cnc.parameters().analog_spindle() && cnc.spindle_commanded() == 0.0;
+    is_zero.then(say::key_spindle_without_speed)
 }
 
-fn of_tool_change(cnc: &Cnc) -> Option<Message> {
+fn tool_change_reason(cnc: &Cnc) -> Option<Message> {
     if !is_manual(cnc) {
         Some(say::key_acts_in_manual_modes())
     } else if cnc.parameters().stations() < 2 {
@@ -173,7 +173,7 @@ fn of_tool_change(cnc: &Cnc) -> Option<Message> {
     }
 }
 
-fn of_wheel(cnc: &Cnc) -> Message {
+fn handwheel_reason(cnc: &Cnc) -> Message {
     match cnc.mode() {
         Mode::Step => say::key_handwheel_in_step_mode(),
         _ => say::key_handwheel_axis_in_step_mode(),

@@ -14,7 +14,7 @@ const TAIL: char = '\0';
 
 /// The style of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Look {
+pub enum CellStyle {
     /// Pale on blue.
     #[default]
     Plain,
@@ -34,13 +34,13 @@ pub struct Cell {
     /// The character, or NUL in the right half of a full-width one.
     pub character: char,
     /// The style.
-    pub look: Look,
+    pub style: CellStyle,
 }
 
 /// An empty cell.
 const BLANK: Cell = Cell {
     character: ' ',
-    look: Look::Plain,
+    style: CellStyle::Plain,
 };
 
 /// A text drawn at double size.
@@ -94,25 +94,41 @@ impl Screen {
 
     /// Writes a message in the language of the screen. Returns the column after the Chinese
     /// text, for English as well, because every page has one layout.
-    pub fn say(&mut self, row: usize, column: usize, message: &Message) -> usize {
+    pub fn put_message(&mut self, row: usize, column: usize, message: &Message) -> usize {
         self.put(row, column, &message.text(self.language));
         let width = glyphs::text_columns(&message.text(Language::Zh));
         (column + width).min(COLUMNS)
     }
 
     /// Writes a flashing message. It is always in the text, but drawn only while `lit`.
-    pub(crate) fn say_flashing(&mut self, row: usize, column: usize, message: &Message, lit: bool) {
-        let look = if lit { Look::Plain } else { Look::Dark };
-        self.put_as(row, column, &message.text(self.language), look);
+    pub(crate) fn put_flashing_message(
+        &mut self,
+        row: usize,
+        column: usize,
+        message: &Message,
+        lit: bool,
+    ) {
+        let style = if lit {
+            CellStyle::Plain
+        } else {
+            CellStyle::Dark
+        };
+        self.put_as(row, column, &message.text(self.language), style);
     }
 
     /// Writes a text from a column on, cut at the end of the row. Returns the column after it.
     pub fn put(&mut self, row: usize, column: usize, text: &str) -> usize {
-        self.put_as(row, column, text, Look::Plain)
+        self.put_as(row, column, text, CellStyle::Plain)
     }
 
     /// Writes a text in a style. Returns the column after it.
-    pub(crate) fn put_as(&mut self, row: usize, column: usize, text: &str, look: Look) -> usize {
+    pub(crate) fn put_as(
+        &mut self,
+        row: usize,
+        column: usize,
+        text: &str,
+        style: CellStyle,
+    ) -> usize {
         let mut column = column;
         for character in text.chars() {
             let character = if character.is_control() {
@@ -125,12 +141,12 @@ impl Screen {
                 return column;
             }
             self.erase(row, column);
-            self.cells[row][column] = Cell { character, look };
+            self.cells[row][column] = Cell { character, style };
             if width == 2 {
                 self.erase(row, column + 1);
                 self.cells[row][column + 1] = Cell {
                     character: TAIL,
-                    look,
+                    style,
                 };
             }
             column += width;
@@ -147,7 +163,7 @@ impl Screen {
     /// Writes a text at `column` of the row's text and draws it at double size from cell column
     /// `drawn_at`, two rows high.
     pub(crate) fn put_big(&mut self, row: usize, column: usize, drawn_at: usize, text: &str) {
-        self.put_as(row, column, text, Look::Big);
+        self.put_as(row, column, text, CellStyle::Big);
         self.big.push(BigText {
             row,
             column: drawn_at,
@@ -156,13 +172,18 @@ impl Screen {
     }
 
     /// Changes the style of a range of columns.
-    pub(crate) fn set_look(&mut self, row: usize, columns: core::ops::Range<usize>, look: Look) {
+    pub(crate) fn set_style(
+        &mut self,
+        row: usize,
+        columns: core::ops::Range<usize>,
+        style: CellStyle,
+    ) {
         let Some(cells) = self.cells.get_mut(row) else {
             return;
         };
         let end = columns.end.min(COLUMNS);
         for cell in cells.get_mut(columns.start..end).unwrap_or_default() {
-            cell.look = look;
+            cell.style = style;
         }
     }
 
@@ -270,8 +291,8 @@ mod tests {
         let mut screen = Screen::new();
         screen.put(ROWS, 0, "X");
         screen.put(0, COLUMNS, "X");
-        screen.set_look(ROWS, 0..4, Look::Inverse);
-        screen.set_look(0, 60..70, Look::Inverse);
+        screen.set_style(ROWS, 0..4, CellStyle::Inverse);
+        screen.set_style(0, 60..70, CellStyle::Inverse);
         assert_eq!(screen, Screen::new());
     }
 }

@@ -13,12 +13,12 @@ use gsk_core::machine::Fault;
 use gsk_core::plc::address::BitAddress;
 use gsk_messages::{Message, say};
 
-pub use expect::{Coordinates, Expect, Unmet};
+pub use expect::{CoordinateSystem, Expectation, UnmetExpectation};
 pub use parse_error::ParseError;
-pub use run::{Effect, Failure, Progress, Runner, run};
-pub use state::{Column, Range, State};
+pub use run::{Effect, Failure, Runner, ScriptProgress, run};
+pub use state::{ExpectedState, OffsetField, ValueRange};
 
-use crate::emulator::Condition;
+use crate::emulator::WaitCondition;
 use crate::keys::Key;
 
 /// The actions with their forms, for help and error messages.
@@ -57,12 +57,12 @@ pub const FORMS: [(&str, &str); 20] = [
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Script {
     /// The lines with actions.
-    pub lines: Vec<Line>,
+    pub lines: Vec<ScriptLine>,
 }
 
 /// A line of a script.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Line {
+pub struct ScriptLine {
     /// Line of the file, from 1.
     pub number: u32,
     /// The text of the line.
@@ -70,12 +70,12 @@ pub struct Line {
     /// The tick of the action, counted from the start of the script.
     pub at: Option<u64>,
     /// The action.
-    pub action: Action,
+    pub action: ScriptAction,
 }
 
 /// The action of a line.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Action {
+pub enum ScriptAction {
     /// Presses a key for 100 ms, then waits 100 ms. After `@tick` without the wait.
     Press(Key),
     /// Holds a key for a number of milliseconds.
@@ -103,7 +103,7 @@ pub enum Action {
     /// Waits, milliseconds.
     Wait(u64),
     /// Waits for a condition with a least and a greatest time, milliseconds.
-    WaitFor(Condition, u64, u64),
+    WaitFor(WaitCondition, u64, u64),
     /// Holds a machine input at a value.
     Set(BitAddress, bool),
     /// Releases a machine input to its sensor.
@@ -111,7 +111,7 @@ pub enum Action {
     /// Forces a bit of PLC memory against the ladder. `None` releases it.
     Force(BitAddress, Option<bool>),
     /// Checks an expectation.
-    Expect(Expect),
+    Expect(Expectation),
     /// Prints the LCD.
     Show,
     /// Saves a picture of the LCD or of the whole panel.

@@ -9,25 +9,25 @@ use gsk_core::units::Point;
 use serde::{Deserialize, Serialize};
 
 /// Greatest number of segments. Beyond it the oldest thousand is removed.
-pub const MOST_PIECES: usize = 64 * CHUNK;
+pub const MAX_SEGMENTS: usize = 64 * CHUNK;
 
 /// Segments of a shared chunk.
 const CHUNK: usize = 1024;
 
 /// Greatest number of ticks that a pulse board may not have executed. It is more than the
 /// board's lookahead, except in a thread pass that the board cuts autonomously.
-const MOST_AHEAD: usize = 2048;
+const MAX_PENDING_TICKS: usize = 2048;
 
 /// Ticks that are kept after the board has executed them, because a stop is reported up to 250
 /// ms later.
-const HEARD_LATER: u64 = 500;
+const STOP_REPORT_DELAY_TICKS: u64 = 500;
 
 /// Greatest distance of a straight segment from the points it replaces, mm.
 const TOLERANCE: f64 = 0.001;
 
 /// A straight segment of the path, work coordinates (X as a radius, mm).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Piece {
+pub struct PathSegment {
     /// Start.
     pub from: Point,
     /// End.
@@ -41,38 +41,38 @@ pub struct Piece {
 /// It joins the motion of successive ticks into straight segments, within 0.001 mm of every
 /// point.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Trace {
-    full: Vec<Arc<Vec<Piece>>>,
-    last: Vec<Piece>,
-    open: Option<Open>,
+pub struct PathTrace {
+    full: Vec<Arc<Vec<PathSegment>>>,
+    last: Vec<PathSegment>,
+    open: Option<GrowingSegment>,
     /// Motion that a pulse board may not have executed yet, by tick.
-    ahead: VecDeque<Ahead>,
+    ahead: VecDeque<PendingMotion>,
     /// The last tick that the board is known to have executed.
     made: u64,
 }
 
 /// The motion of a tick that may still be cancelled.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Ahead {
+pub struct PendingMotion {
     /// The tick.
     pub tick: u64,
     /// Its coordinate frame.
     pub frame: Frame,
     /// Its motion.
-    pub piece: Piece,
+    pub piece: PathSegment,
 }
 
 /// The last segment, with the directions in which it can still grow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Open {
-    piece: Piece,
+struct GrowingSegment {
+    piece: PathSegment,
     reach: f64,
     /// Directions within the tolerance of every point so far: from the first, turning left, to
     /// the second.
     cone: Option<(Point, Point)>,
 }
 
-impl Trace {
+impl PathTrace {
     /// Creates an empty path.
     pub fn new() -> Self {
         Self::default()
@@ -85,38 +85,38 @@ impl Trace {
                 return;
             }
             let piece = open.piece;
-            self.close(piece);
+            self.store_segment(piece);
         }
-        self.open = Some(Open::new(from, to, rapid));
+        self.open = Some(GrowingSegment::new(from, to, rapid));
     }
 
     /// Appends the motion of a tick that a pulse board has not executed yet.
-    pub(crate) fn push_ahead(&mut self, ahead: Ahead) {
+    pub(crate) fn push_pending(&mut self, ahead: PendingMotion) {
         self.ahead.push_back(ahead);
-        if self.ahead.len() > MOST_AHEAD {
-            self.settle_next();
+        if self.ahead.len() > MAX_PENDING_TICKS {
+            self.confirm_next();
         }
     }
 
     /// Records that the board is known to have executed all motion up to a tick.
-    pub fn settle(&mut self, made: u64) {
+    pub fn confirm_until(&mut self, made: u64) {
         self.made = made;
-        let sure = made.saturating_sub(HEARD_LATER);
+        let sure = made.saturating_sub(STOP_REPORT_DELAY_TICKS);
         while self.ahead.front().is_some_and(|ahead| ahead.tick <= sure) {
-            self.settle_next();
+            self.confirm_next();
         }
     }
 
-    fn settle_next(&mut self) {
-        if let Some(Ahead { piece, .. }) = self.ahead.pop_front() {
+    fn confirm_next(&mut self) {
+        if let Some(PendingMotion { piece, .. }) = self.ahead.pop_front() {
             self.push(piece.from, piece.to, piece.rapid);
         }
     }
 
     /// Ends the path where the board has stopped (machine coordinates), at the pass nearest to
     /// the time of the stop. Drops the rest. Returns false if there was no pending motion.
-    pub fn cut(&mut self, stands: Point) -> bool {
-        let off = |ahead: &Ahead| ahead.piece.distance(ahead.frame.program(stands));
+    pub fn end_at_stop(&mut self, board_position: Point) -> bool {
+        let off = |ahead: &PendingMotion| ahead.piece.distance(ahead.frame.program(board_position));
         let Some(nearest) = self.ahead.iter().map(off).min_by(f64::total_cmp) else {
             return false;
         };
@@ -126,9 +126,9 @@ impl Trace {
             .map(|(tick, _)| tick)
             .min_by_key(|tick| tick.abs_diff(self.made));
         while let Some(ahead) = self.ahead.pop_front() {
-            let Piece { from, to, rapid } = ahead.piece;
+            let PathSegment { from, to, rapid } = ahead.piece;
             if Some(ahead.tick) == last {
-                self.push(from, ahead.frame.program(stands), rapid);
+                self.push(from, ahead.frame.program(board_position), rapid);
                 break;
             }
             self.push(from, to, rapid);
@@ -138,13 +138,13 @@ impl Trace {
     }
 
     /// Stores a complete segment.
-    fn close(&mut self, piece: Piece) {
+    fn store_segment(&mut self, piece: PathSegment) {
         self.last.push(piece);
         if self.last.len() < CHUNK {
             return;
         }
         self.full.push(Arc::new(core::mem::take(&mut self.last)));
-        if self.full.len() * CHUNK > MOST_PIECES - CHUNK {
+        if self.full.len() * CHUNK > MAX_SEGMENTS - CHUNK {
             self.full.remove(0);
         }
     }
@@ -166,7 +166,7 @@ impl Trace {
     }
 
     /// Returns all segments in the order of execution.
-    pub fn pieces(&self) -> impl Iterator<Item = &Piece> {
+    pub fn segments(&self) -> impl Iterator<Item = &PathSegment> {
         let open = self.open.as_ref().map(|open| &open.piece);
         let full = self.full.iter().flat_map(|chunk| chunk.iter());
         let ahead = self.ahead.iter().map(|ahead| &ahead.piece);
@@ -174,23 +174,23 @@ impl Trace {
     }
 }
 
-impl Piece {
+impl PathSegment {
     /// The distance of a point from the segment, mm.
     fn distance(&self, point: Point) -> f64 {
-        let (way, arm) = (self.to - self.from, point - self.from);
-        let length = way.dot(way);
+        let (along, arm) = (self.to - self.from, point - self.from);
+        let length = along.dot(along);
         let share = match length > 0.0 {
-            true => (way.dot(arm) / length).clamp(0.0, 1.0),
+            true => (along.dot(arm) / length).clamp(0.0, 1.0),
             false => 0.0,
         };
-        (arm - way * share).length()
+        (arm - along * share).length()
     }
 }
 
-impl Open {
+impl GrowingSegment {
     fn new(from: Point, to: Point, rapid: bool) -> Self {
         let mut open = Self {
-            piece: Piece { from, to, rapid },
+            piece: PathSegment { from, to, rapid },
             reach: 0.0,
             cone: None,
         };
@@ -244,20 +244,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ticks_of_one_straight_move_become_one_piece() {
-        let mut trace = Trace::new();
+    fn ticks_of_one_straight_move_become_one_segment() {
+        let mut trace = PathTrace::new();
         let at = |i: u32| Point::new(40.0 - 0.01 * f64::from(i), 100.0 - 0.03 * f64::from(i));
         for i in 0..1000 {
             trace.push(at(i), at(i + 1), false);
         }
         assert_eq!(trace.len(), 1);
-        let piece = trace.pieces().next().unwrap();
+        let piece = trace.segments().next().unwrap();
         assert_eq!((piece.from, piece.to), (at(0), at(1000)));
     }
 
     #[test]
-    fn a_turn_back_and_a_change_of_kind_begin_new_pieces() {
-        let mut trace = Trace::new();
+    fn a_reversal_and_a_change_of_kind_begin_new_segments() {
+        let mut trace = PathTrace::new();
         let points = [0.0, 1.0, 2.0, 1.0].map(|z| Point::new(0.0, z));
         trace.push(points[0], points[1], true);
         trace.push(points[1], points[2], true);
@@ -268,7 +268,7 @@ mod tests {
 
     #[test]
     fn a_circle_stays_within_the_tolerance() {
-        let mut trace = Trace::new();
+        let mut trace = PathTrace::new();
         let at = |i: u32| {
             let angle = f64::from(i) / 10_000.0 * core::f64::consts::TAU;
             Point::new(20.0 * angle.cos(), 20.0 * angle.sin())
@@ -277,28 +277,28 @@ mod tests {
             trace.push(at(i), at(i + 1), false);
         }
         assert!(trace.len() < 600, "{} pieces", trace.len());
-        for piece in trace.pieces() {
+        for piece in trace.segments() {
             let middle = (piece.from + piece.to) * 0.5;
             assert!((middle.length() - 20.0).abs() < 1.5 * TOLERANCE);
         }
     }
 
     #[test]
-    fn the_number_of_pieces_is_bounded_and_the_newest_stay() {
-        let mut trace = Trace::new();
+    fn the_number_of_segments_is_bounded_and_the_newest_stay() {
+        let mut trace = PathTrace::new();
         let at = |i: usize| Point::new(if i.is_multiple_of(2) { 0.0 } else { 1.0 }, i as f64);
-        let count = MOST_PIECES + 5000;
+        let count = MAX_SEGMENTS + 5000;
         for i in 0..count {
             trace.push(at(i), at(i + 1), false);
         }
-        assert!(trace.len() <= MOST_PIECES);
-        assert_eq!(trace.pieces().last().unwrap().to, at(count));
-        assert_eq!(trace.pieces().count(), trace.len());
+        assert!(trace.len() <= MAX_SEGMENTS);
+        assert_eq!(trace.segments().last().unwrap().to, at(count));
+        assert_eq!(trace.segments().count(), trace.len());
     }
 
     #[test]
     fn a_copy_shares_the_full_chunks() {
-        let mut trace = Trace::new();
+        let mut trace = PathTrace::new();
         for i in 0..3000_u32 {
             let at = |i: u32| Point::new(f64::from(i % 2), f64::from(i));
             trace.push(at(i), at(i + 1), false);
@@ -310,26 +310,26 @@ mod tests {
 
     #[test]
     fn clearing_leaves_nothing() {
-        let mut trace = Trace::new();
+        let mut trace = PathTrace::new();
         trace.push(Point::default(), Point::new(1.0, 0.0), true);
         trace.clear();
         assert!(trace.is_empty());
-        assert_eq!(trace.pieces().count(), 0);
+        assert_eq!(trace.segments().count(), 0);
     }
 
     /// 1 mm of Z a tick, from Z0 down to -`ticks` and back up.
-    fn there_and_back(ticks: u64) -> Trace {
-        let mut trace = Trace::new();
+    fn there_and_back(ticks: u64) -> PathTrace {
+        let mut trace = PathTrace::new();
         let z = |tick: u64| -(tick.min(2 * ticks - tick) as f64);
         for tick in 1..=2 * ticks {
-            trace.push_ahead(Ahead {
+            trace.push_pending(PendingMotion {
                 tick,
                 frame: Frame {
                     zero: Point::new(0.0, 5.0),
                     offset: Point::new(2.0, 0.0),
                     ..Frame::default()
                 },
-                piece: Piece {
+                piece: PathSegment {
                     from: Point::new(0.0, z(tick - 1)),
                     to: Point::new(0.0, z(tick)),
                     rapid: false,
@@ -340,15 +340,15 @@ mod tests {
     }
 
     #[test]
-    fn what_was_not_made_is_cut_off_where_the_board_stands() {
+    fn a_stop_ends_the_path_at_the_board() {
         let mut trace = there_and_back(20);
         assert_eq!(trace.len(), 40);
-        trace.settle(4);
+        trace.confirm_until(4);
         // Z-7.5 of the program, a fraction of a pulse beside its path.
-        assert!(trace.cut(Point::new(2.0004, -2.5)));
-        let end = trace.pieces().last().unwrap().to;
+        assert!(trace.end_at_stop(Point::new(2.0004, -2.5)));
+        let end = trace.segments().last().unwrap().to;
         assert!((end - Point::new(0.0004, -7.5)).length() < 1e-9, "{end:?}");
-        let least = trace.pieces().map(|piece| piece.to.z);
+        let least = trace.segments().map(|piece| piece.to.z);
         assert_eq!(
             least.fold(0.0, f64::min),
             -7.5,
@@ -356,38 +356,38 @@ mod tests {
         );
         assert!(trace.len() <= 2);
         // Nothing is pending, and later motion is appended.
-        trace.settle(u64::MAX);
-        assert!(!trace.cut(Point::default()));
-        assert_eq!(trace.pieces().last().unwrap().to, end);
+        trace.confirm_until(u64::MAX);
+        assert!(!trace.end_at_stop(Point::default()));
+        assert_eq!(trace.segments().last().unwrap().to, end);
     }
 
     #[test]
-    fn of_two_passes_that_about_the_time_of_the_stop_is_the_last() {
+    fn of_two_passes_the_one_nearest_to_the_stop_is_the_last() {
         let mut trace = there_and_back(20);
         // It stopped at tick 32, reported later.
-        trace.settle(38);
-        assert!(trace.cut(Point::new(2.0, -2.5)));
-        let pieces: Vec<&Piece> = trace.pieces().collect();
-        assert_eq!(pieces.len(), 2);
-        assert_eq!(pieces[0].to.z, -20.0);
-        assert_eq!(pieces[1].to.z, -7.5);
+        trace.confirm_until(38);
+        assert!(trace.end_at_stop(Point::new(2.0, -2.5)));
+        let segments: Vec<&PathSegment> = trace.segments().collect();
+        assert_eq!(segments.len(), 2);
+        assert_eq!(segments[0].to.z, -20.0);
+        assert_eq!(segments[1].to.z, -7.5);
     }
 
     #[test]
-    fn what_is_surely_made_is_not_taken_back() {
+    fn executed_motion_is_not_cancelled() {
         let mut trace = there_and_back(1000);
-        trace.settle(HEARD_LATER + 4);
+        trace.confirm_until(STOP_REPORT_DELAY_TICKS + 4);
         assert_eq!(trace.len(), 1997, "four in one piece");
-        assert!(trace.cut(Point::new(2.0, 5.0 - 2.0)));
-        let path: Vec<f64> = trace.pieces().map(|piece| piece.to.z).collect();
+        assert!(trace.end_at_stop(Point::new(2.0, 5.0 - 2.0)));
+        let path: Vec<f64> = trace.segments().map(|piece| piece.to.z).collect();
         assert!(path.iter().any(|z| *z <= -4.0), "{path:?}");
     }
 
     #[test]
-    fn without_an_end_no_more_is_kept_back_than_a_board_is_ever_behind() {
-        let mut trace = there_and_back(20 * MOST_AHEAD as u64);
-        assert!(trace.ahead.len() <= MOST_AHEAD);
-        trace.settle(u64::MAX);
+    fn pending_motion_is_bounded() {
+        let mut trace = there_and_back(20 * MAX_PENDING_TICKS as u64);
+        assert!(trace.ahead.len() <= MAX_PENDING_TICKS);
+        trace.confirm_until(u64::MAX);
         assert_eq!(trace.len(), 2);
     }
 }

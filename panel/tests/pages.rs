@@ -12,9 +12,9 @@ use gsk_core::program::{Editing, Program};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::{Outcome, Simulation, Until};
 use gsk_core::units::Axis;
-use gsk_panel::pages::{self, GraphicSettings, PAGES, PageId, View};
+use gsk_panel::pages::{self, GraphicSettings, PAGES, PageId, PageView};
 use gsk_panel::raster;
-use gsk_panel::screen::{Look, ROWS, Screen};
+use gsk_panel::screen::{CellStyle, ROWS, Screen};
 
 use common::{
     AUTO, CYCLE_START, EDIT, FEED_HOLD, HANDWHEEL, JOG, SINGLE_BLOCK, lathe, lathe_from, press,
@@ -32,13 +32,13 @@ fn framed(screen: &Screen) -> String {
     lines.join("\n")
 }
 
-fn shown(page: PageId, view: &View, simulation: &Simulation) -> String {
+fn shown(page: PageId, view: &PageView, simulation: &Simulation) -> String {
     framed(&pages::draw(page, view, &simulation.cnc))
 }
 
 /// The graphic extents of the acceptance program.
-fn graphic_view() -> View {
-    let mut view = View::default();
+fn graphic_view() -> PageView {
+    let mut view = PageView::default();
     view.graphic = GraphicSettings {
         zx: true,
         max_x: 150_000,
@@ -55,7 +55,7 @@ fn graphic_view() -> View {
 #[test]
 fn positions_by_mode() {
     let mut simulation = lathe();
-    let mut view = View::default();
+    let mut view = PageView::default();
     press(&mut simulation, JOG);
     insta::assert_snapshot!("pos-rel-in-jog", shown(PageId::PosRel, &view, &simulation));
     press(&mut simulation, HANDWHEEL);
@@ -68,7 +68,7 @@ fn positions_by_mode() {
 #[test]
 fn a_program_block_by_block() {
     let mut simulation = lathe();
-    let view = View::default();
+    let view = PageView::default();
     press(&mut simulation, AUTO);
     press(&mut simulation, SINGLE_BLOCK);
     while simulation.cnc.cursor().sequence != Some(80) {
@@ -90,7 +90,7 @@ fn a_program_block_by_block() {
     ];
     assert_eq!([screen.row(10), screen.row(11)], rates);
     let screen = pages::draw(PageId::Prg, &view, &simulation.cnc);
-    let inverse = (0..ROWS).filter(|row| screen.cell(*row, 0).look == Look::Inverse);
+    let inverse = (0..ROWS).filter(|row| screen.cell(*row, 0).style == CellStyle::Inverse);
     assert_eq!(inverse.collect::<Vec<usize>>(), [7]);
 }
 
@@ -105,7 +105,7 @@ fn feed_hold_shows_what_is_left() {
     ticks(&mut simulation, 100);
     press(&mut simulation, FEED_HOLD);
     ticks(&mut simulation, 1000);
-    let screen = pages::draw(PageId::PosAll, &View::default(), &simulation.cnc);
+    let screen = pages::draw(PageId::PosAll, &PageView::default(), &simulation.cnc);
     assert!(screen.row(14).starts_with("     暂停           自动方式"));
     let value = |row: usize| -> f64 {
         let row = screen.row(row);
@@ -119,7 +119,7 @@ fn feed_hold_shows_what_is_left() {
 #[test]
 fn words_keyed_in() {
     let mut simulation = lathe();
-    let mut view = View::default();
+    let mut view = PageView::default();
     for word in ["G50", "X50", "Z100"] {
         let request = Request::MdiWord(word.to_owned());
         simulation.cnc.request(request).unwrap();
@@ -141,7 +141,7 @@ fn alarms() {
     press(&mut simulation, AUTO);
     press(&mut simulation, CYCLE_START);
     ticks(&mut simulation, 500);
-    let view = View::default();
+    let view = PageView::default();
     insta::assert_snapshot!("alm-with-an-alarm", shown(PageId::Alm, &view, &simulation));
 }
 
@@ -151,7 +151,7 @@ fn emergency_stop() {
     let loop_contact = BitAddress::new(Area::X, 0, 5);
     setup.forced_inputs.push((loop_contact, false));
     let simulation = lathe_from(setup);
-    let view = View::default();
+    let view = PageView::default();
     let page = shown(PageId::Alm, &view, &simulation);
     insta::assert_snapshot!("alm-emergency-stop", page);
 }
@@ -160,7 +160,7 @@ fn emergency_stop() {
 fn the_editor() {
     let mut simulation = lathe();
     press(&mut simulation, EDIT);
-    let mut view = View::default();
+    let mut view = PageView::default();
     let long = "N0010 G71 U2 R1 (粗车外圆,每刀切深二毫米,退刀一毫米);\n";
     let text = format!("O0001;\n{}M30;\n", long.repeat(14));
     let mut editing = Editing::new(Program::new(text), 8);
@@ -173,7 +173,7 @@ fn the_editor() {
     insta::assert_snapshot!("prg-editor", framed(&screen));
     let bars: Vec<(usize, usize)> = (0..ROWS)
         .flat_map(|row| (0..40).map(move |column| (row, column)))
-        .filter(|(row, column)| screen.cell(*row, *column).look == Look::Underline)
+        .filter(|(row, column)| screen.cell(*row, *column).style == CellStyle::Underline)
         .collect();
     assert_eq!(bars, [(12, 7), (12, 8)]);
 }
@@ -181,8 +181,8 @@ fn the_editor() {
 #[test]
 fn lists_follow_their_cursors() {
     let simulation = lathe();
-    let mut view = View::default();
-    let places = [
+    let mut view = PageView::default();
+    let items = [
         (PageId::Oft, 32, 0),
         (PageId::ParBit, 3, 5),
         (PageId::ParData, 17, 0),
@@ -192,7 +192,7 @@ fn lists_follow_their_cursors() {
         (PageId::PlcValues, 1000, 0),
         (PageId::GraphPar, 4, 0),
     ];
-    for (page, item, bit) in places {
+    for (page, item, bit) in items {
         let cursor = view.cursors.get_mut(page);
         (cursor.item, cursor.bit) = (item, bit);
         let name = format!("{}-item-{item}", page.name());
@@ -203,9 +203,9 @@ fn lists_follow_their_cursors() {
 #[test]
 fn flashing_is_missing_from_the_picture_only() {
     let simulation = lathe();
-    let mut view = View {
+    let mut view = PageView {
         flashing: Some(Axis::X),
-        ..View::default()
+        ..PageView::default()
     };
     let bright = pages::draw(PageId::PosRel, &view, &simulation.cnc);
     view.ticks = pages::FLASH_TICKS;
@@ -223,10 +223,10 @@ fn flashing_is_missing_from_the_picture_only() {
 #[test]
 fn the_letter_keyed_in_flashes_until_its_number_follows() {
     let simulation = lathe();
-    let mut view = View {
+    let mut view = PageView {
         input: "O".to_owned(),
         ticks: pages::FLASH_TICKS,
-        ..View::default()
+        ..PageView::default()
     };
     let letter = pages::draw(PageId::Oft, &view, &simulation.cnc);
     view.input = "O1".to_owned();

@@ -8,23 +8,23 @@
 
 use gsk_core::operation::Mode;
 use gsk_core::setup::Setup;
-use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
-use gsk_panel::refusal::{JUDGED_AFTER, Press};
+use gsk_panel::refusal::{CHECK_DELAY_TICKS, KeyPress};
 
 fn awake(setup: Setup) -> Emulator {
     let mut emulator = Emulator::new(setup);
-    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
     emulator
 }
 
 /// Presses a key and returns the reason if it has no effect.
 fn pressed(emulator: &mut Emulator, key: Key) -> Option<String> {
-    let press = Press::new(key, &emulator.simulation.cnc);
+    let press = KeyPress::new(key, &emulator.simulation.cnc);
     let at_once = emulator.key_down(key);
-    emulator.run(JUDGED_AFTER);
-    let later = press.and_then(|press| press.refused(&emulator.simulation.cnc));
-    emulator.run(100 - JUDGED_AFTER);
+    emulator.run(CHECK_DELAY_TICKS);
+    let later = press.and_then(|press| press.refusal_reason(&emulator.simulation.cnc));
+    emulator.run(100 - CHECK_DELAY_TICKS);
     emulator.key_up(key);
     emulator.run(100);
     at_once.or(later).map(|why| why.to_string())
@@ -32,8 +32,8 @@ fn pressed(emulator: &mut Emulator, key: Key) -> Option<String> {
 
 fn refused(emulator: &mut Emulator, key: Key, words: &str) {
     let why = pressed(emulator, key);
-    let said = why.as_deref().unwrap_or("nothing");
-    assert!(said.contains(words), "{}: {said}", key.id());
+    let reason = why.as_deref().unwrap_or("nothing");
+    assert!(reason.contains(words), "{}: {reason}", key.id());
 }
 
 fn acts(emulator: &mut Emulator, key: Key) {
@@ -105,7 +105,7 @@ fn an_axis_key_names_interlock_override_reference_and_limit() {
 }
 
 #[test]
-fn an_override_at_its_end_says_so() {
+fn an_override_at_its_limit_has_a_reason() {
     let mut emulator = awake(Setup::default());
     acts(&mut emulator, Key::Auto);
     for (key, other, last) in [
@@ -141,14 +141,17 @@ fn an_override_at_its_end_says_so() {
         ),
     ] {
         let at_end = (0..20).find_map(|_| pressed(&mut emulator, key));
-        let said = at_end.unwrap_or_default();
-        assert!(said.contains(last) && said.contains("no further"), "{said}");
+        let reason = at_end.unwrap_or_default();
+        assert!(
+            reason.contains(last) && reason.contains("no further"),
+            "{reason}"
+        );
         acts(&mut emulator, other);
     }
 }
 
 #[test]
-fn a_hold_without_anything_to_hold_says_so() {
+fn a_hold_without_motion_has_a_reason() {
     let mut emulator = awake(Setup::default());
     acts(&mut emulator, Key::Auto);
     refused(&mut emulator, Key::FeedHold, "nothing to hold");
@@ -172,7 +175,7 @@ fn cycle_start_names_what_holds_it() {
         .expect("a program");
     acts(&mut emulator, Key::Auto);
     acts(&mut emulator, Key::CycleStart);
-    emulator.run_until(&Condition::Alarm, 60_000);
+    emulator.run_until(&WaitCondition::Alarm, 60_000);
     refused(&mut emulator, Key::CycleStart, "alarm 1013");
     let message = emulator.simulation.cnc.standing_message().unwrap();
     assert_eq!((message.number, message.source.unwrap().line), (1013, 3));

@@ -6,7 +6,9 @@ use std::io::{self, Write};
 use gsk_core::program::ProgramMemory;
 use gsk_core::units::Feed;
 use gsk_messages::Language;
-use gsk_milling::{MillAxis, MillMove, MillMoveKind, MillPosition, MillPreview, Progress, preview_while};
+use gsk_milling::{
+    MillAxis, MillMove, MillMoveKind, MillPosition, MillPreview, Progress, preview_while,
+};
 
 use crate::decimal::Line;
 use crate::moves::rounded;

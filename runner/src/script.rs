@@ -4,7 +4,9 @@ use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::pages::POWER_ON_TICKS;
 use gsk_panel::panel::SerialFile;
-use gsk_panel::script::{Action, Effect, Failure, Line, Progress, Runner, Script};
+use gsk_panel::script::{
+    Effect, Failure, Runner, Script, ScriptAction, ScriptLine, ScriptProgress,
+};
 
 use crate::board::PulseBoard;
 use crate::partner::{Partner, Patience};
@@ -112,20 +114,20 @@ impl<'a, S: Surroundings> Session<'a, S> {
                 record.reached(line.number, tick);
             }
             match progress {
-                Progress::Running => {}
-                Progress::Effect(effect) => {
+                ScriptProgress::Running => {}
+                ScriptProgress::Effect(effect) => {
                     if let Err(seen) = self.carry_out(effect) {
                         return ScriptEnd::Failed(runner.failure(seen));
                     }
                 }
-                Progress::Failed(failure) => return ScriptEnd::Failed(failure),
-                Progress::Finished => return ScriptEnd::Finished,
+                ScriptProgress::Failed(failure) => return ScriptEnd::Failed(failure),
+                ScriptProgress::Finished => return ScriptEnd::Finished,
             }
         }
     }
 
     /// Goes on with the script: at the board's pace, tick by tick, if there is one.
-    fn advance(&mut self, runner: &mut Runner, slice: u64) -> Option<Progress> {
+    fn advance(&mut self, runner: &mut Runner, slice: u64) -> Option<ScriptProgress> {
         let Some(board) = &mut self.board else {
             return Some(runner.advance(self.emulator, slice));
         };
@@ -182,7 +184,7 @@ impl<'a, S: Surroundings> Session<'a, S> {
 /// What a script did, line by line with the tick at which each began.
 #[derive(Clone, Debug)]
 pub struct Record {
-    lines: Vec<Line>,
+    lines: Vec<ScriptLine>,
     written: usize,
     text: String,
 }
@@ -211,11 +213,11 @@ impl Record {
             self.written += 1;
             let acts = !matches!(
                 line.action,
-                Action::Wait(_)
-                    | Action::WaitFor(..)
-                    | Action::Expect(_)
-                    | Action::Show
-                    | Action::Shot { .. }
+                ScriptAction::Wait(_)
+                    | ScriptAction::WaitFor(..)
+                    | ScriptAction::Expect(_)
+                    | ScriptAction::Show
+                    | ScriptAction::Shot { .. }
             );
             if acts {
                 let text = match line.at {

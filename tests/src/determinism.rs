@@ -2,7 +2,7 @@
 
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::Emulator;
-use gsk_panel::script::{Effect, Progress, Runner, Script};
+use gsk_panel::script::{Effect, Runner, Script, ScriptProgress};
 
 /// Positions of the session. A change of motion, of the ladder or of the script
 /// changes it: then, and only then, put in the value that the test prints.
@@ -104,13 +104,13 @@ pub fn trace(saves: &[u64]) -> Result<Trace, String> {
     loop {
         let before = emulator.ticks();
         match runner.advance(&mut emulator, 1) {
-            Progress::Effect(Effect::Load(name)) => {
+            ScriptProgress::Effect(Effect::Load(name)) => {
                 let loaded = emulator.load_program(&name, PART);
                 loaded.map_err(|alarm| alarm.to_string())?;
             }
-            Progress::Running | Progress::Effect(_) => {}
-            Progress::Failed(failure) => return Err(failure.to_string()),
-            Progress::Finished => return Ok(trace),
+            ScriptProgress::Running | ScriptProgress::Effect(_) => {}
+            ScriptProgress::Failed(failure) => return Err(failure.to_string()),
+            ScriptProgress::Finished => return Ok(trace),
         }
         if emulator.ticks() == before {
             continue;

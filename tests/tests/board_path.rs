@@ -16,7 +16,7 @@ use gsk_link::LinkState;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
 use gsk_panel::panel::Panel;
-use gsk_panel::trace::Piece;
+use gsk_panel::trace::PathSegment;
 use gsk_twins::grbl::{GrblTwin, Variant};
 
 /// 10 mm/s along Z, then along X: at the corner the control is there long before the
@@ -73,8 +73,14 @@ impl<T: Board> Lathe<T> {
         self.emulator.simulation.cnc.position_absolute()
     }
 
-    fn path(&self) -> Vec<Piece> {
-        self.emulator.panel.view().trace.pieces().copied().collect()
+    fn path(&self) -> Vec<PathSegment> {
+        self.emulator
+            .panel
+            .view()
+            .trace
+            .segments()
+            .copied()
+            .collect()
     }
 
     /// Draws the corner until the control is round it and the board is not.

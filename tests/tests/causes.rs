@@ -24,7 +24,7 @@ use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::setup::Setup;
 use gsk_core::units::{Axis, PerAxis};
 use gsk_panel::emulator::Emulator;
-use gsk_panel::keys::{KEYS, Key, Role};
+use gsk_panel::keys::{KEYS, Key, KeyRole};
 
 /// Presses in one life of an emulator.
 const PRESSES: u32 = 200;
@@ -383,8 +383,8 @@ fn random_key(dice: &mut Dice) -> Key {
     loop {
         let row = &KEYS[dice.below(KEYS.len() as u64) as usize];
         let take = match row.role {
-            Role::Machine(_) | Role::OvertravelRelease => true,
-            Role::EmergencyStop => dice.one_in(3),
+            KeyRole::Machine(_) | KeyRole::OvertravelRelease => true,
+            KeyRole::EmergencyStop => dice.one_in(3),
             _ => dice.one_in(4),
         };
         if take {

@@ -82,7 +82,15 @@ fn fate(row: &Row, word: &str) -> Fate {
     }
     // The word itself, or one of the block whose place it takes.
     let is_ignored = |slip: &Slip| matches!(slip, Slip::IgnoredWord(_));
-    if seen.cautions.iter().any(|caution| is_ignored(&caution.slip)) { Fate::Warned } else { Fate::Used }
+    if seen
+        .cautions
+        .iter()
+        .any(|caution| is_ignored(&caution.slip))
+    {
+        Fate::Warned
+    } else {
+        Fate::Used
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use gsk_core::cnc::{Cnc, Request};
 use gsk_core::memory::{Authority, Counters, Disks, Offsets, Parameters, Settings, Variables};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
-use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
 use gsk_panel::panel::KeyEvent;
 use serde::Serialize;
@@ -136,7 +136,7 @@ fn begin(random: &mut Random) -> Emulator {
         setup.memory.programs.store(text).unwrap();
     }
     let mut emulator = Emulator::new(setup);
-    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
     emulator.panel.connect(random.below(2) == 0);
     if random.below(2) == 0 {
         let cnc = &mut emulator.simulation.cnc;

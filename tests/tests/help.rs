@@ -3,9 +3,9 @@
 use gsk_core::alarm;
 use gsk_core::memory;
 use gsk_core::model::ModelId;
-use gsk_help::{Subject, article, search, subject_name, topic_at, topic, topics};
+use gsk_help::{Subject, article, search, subject_name, topic, topic_at, topics};
 use gsk_messages::Language;
-use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::{KEYS, STRIP};
 use gsk_panel::pages::{PAGES, PageId};
 use gsk_panel::signals;
@@ -162,7 +162,10 @@ fn questions_find_what_they_mean() {
     ] {
         assert_eq!(first(question).as_deref(), Some(subject), "{question}");
     }
-    let both: Vec<String> = search("31").iter().map(|it| it.subject.to_string()).collect();
+    let both: Vec<String> = search("31")
+        .iter()
+        .map(|it| it.subject.to_string())
+        .collect();
     assert!(both.contains(&"alarm 031".to_owned()) && both.contains(&"No. 031".to_owned()));
     assert!(search("").is_empty() && search("xyzzy plugh").is_empty());
 }
@@ -170,7 +173,7 @@ fn questions_find_what_they_mean() {
 #[test]
 fn what_is_pointed_at_on_the_lcd_is_found() {
     let mut emulator = Emulator::new(gsk_core::setup::Setup::default());
-    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
     for (page, row, column, subject) in [
         (PageId::ParBit, 5, 3, "No. 004"),
         (PageId::ParBit, 5, 11, "No. 004.3"),
@@ -213,7 +216,7 @@ fn every_field_of_every_page_has_its_topic() {
     let first = gsk_core::command::ProgramId::Stored(1);
     setup.memory.programs.select(first);
     let mut emulator = Emulator::new(setup);
-    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
     let mut silent = Vec::new();
     let mut words = 0;
     for row in &PAGES {
@@ -254,7 +257,7 @@ fn what_the_nc_b08_teaches_and_macro_b_are_explained_where_they_stand() {
     let mut setup = gsk_core::setup::Setup::default();
     setup.memory.model = gsk_core::model::ControlModel::new(ModelId::Ncb08);
     let mut emulator = Emulator::new(setup);
-    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
     emulator.press(gsk_panel::keys::Key::Jog);
     emulator.panel.show(PageId::Graph);
     for screen in [emulator.screen(), emulator.translated_screen()] {

@@ -10,8 +10,8 @@ use gsk_core::preview::{End, Preview, preview_while};
 use gsk_core::program::{Program, split};
 use gsk_core::setup::Setup;
 use gsk_language::{
-    TextChange, Numbering, Position, ReadingContext, Spacing, Structure, Style, TextDocument, analyse, complete,
-    definition, folds, format, hover, lenses, references, rename, symbols,
+    Numbering, Position, ReadingContext, Spacing, Structure, Style, TextChange, TextDocument,
+    analyse, complete, definition, folds, format, hover, lenses, references, rename, symbols,
 };
 use gsk_messages::Language;
 use gsk_tests::repository;

@@ -1,7 +1,7 @@
 //! `help`: what a command does, and what a symbol of the control means.
 
 use clap::{Command, CommandFactory};
-use gsk_help::{Topic, article, search_model, designation, document, topics_of};
+use gsk_help::{Topic, article, designation, document, search_model, topics_of};
 use gsk_messages::{Language, say};
 use gsk_panel::glyphs::text_columns;
 

@@ -8,7 +8,7 @@ use gsk_core::simulation::Simulation;
 use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::SerialFile;
-use gsk_panel::script::{Action, Script};
+use gsk_panel::script::{Script, ScriptAction};
 use gsk_runner::board::PulseBoard;
 use gsk_runner::partner::Partner;
 use gsk_runner::picture::PictureError;
@@ -100,10 +100,12 @@ fn keep_script_apart(
     let mut pictures = BTreeSet::new();
     for line in &script.lines {
         match &line.action {
-            Action::Load(name) | Action::Receive(name) | Action::Dnc(Some(name)) => {
+            ScriptAction::Load(name)
+            | ScriptAction::Receive(name)
+            | ScriptAction::Dnc(Some(name)) => {
                 loaded.push(found(folder, name));
             }
-            Action::Shot { path, .. } => {
+            ScriptAction::Shot { path, .. } => {
                 pictures.insert(Path::new(path));
             }
             _ => {}

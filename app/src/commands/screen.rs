@@ -2,7 +2,7 @@
 
 use gsk_core::setup::Setup;
 use gsk_messages::Language;
-use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::pages::PAGES;
 use gsk_runner::picture;
 
@@ -36,7 +36,7 @@ pub fn screen(args: &ScreenArgs) -> Result<u8, CommandError> {
         });
     };
     let mut emulator = Emulator::new(Setup::default());
-    emulator.run_until(&Condition::SelfTestOver, SELF_TEST_MS);
+    emulator.run_until(&WaitCondition::SelfTestOver, SELF_TEST_MS);
     emulator.panel.show(row.page);
     let screen = emulator.screen();
     let Some(path) = &args.output else {

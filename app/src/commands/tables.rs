@@ -5,7 +5,7 @@ use gsk_core::model::ModelId;
 use gsk_core::{alarm, memory};
 use gsk_messages::{Language, Message, say};
 use gsk_milling::mill_parameter_rows;
-use gsk_panel::keys::{Bit, KEYS, Role, STRIP};
+use gsk_panel::keys::{Bit, KEYS, KeyRole, STRIP};
 use gsk_panel::signals;
 use gsk_runner::report::class_name;
 use serde_json::{Value, json};
@@ -110,7 +110,7 @@ pub fn keys(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandE
     });
     for row in &KEYS {
         let contact = match row.role {
-            Role::Machine(contact) => bit('X', contact),
+            KeyRole::Machine(contact) => bit('X', contact),
             _ => String::new(),
         };
         let lamp = row.lamp.map(|lamp| bit('Y', lamp)).unwrap_or_default();

@@ -20,8 +20,8 @@ use gsk_core::setup::Setup;
 use gsk_core::units::Point;
 use gsk_link::LinkState;
 use gsk_messages::Message;
+use gsk_panel::alarm_log::AlarmRecord;
 use gsk_panel::keys::Key;
-use gsk_panel::occurrences::Occurrence;
 use gsk_panel::pages::PageId;
 use gsk_panel::panel::SerialFile;
 use gsk_panel::screen::Screen;
@@ -256,7 +256,7 @@ pub struct Snapshot {
     /// The lesson under way: all that is shown is its practice machine.
     pub lesson: Option<LessonState>,
     /// The alarms that were raised since the control was opened, the newest first.
-    pub raised: Arc<Vec<Occurrence>>,
+    pub raised: Arc<Vec<AlarmRecord>>,
     /// Slides and spindle, while somebody listens.
     pub motion: Option<Motion>,
 }

@@ -7,7 +7,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use gsk_panel::keys::{Key, Role};
+use gsk_panel::keys::{Key, KeyRole};
 use gsk_panel::panel::KeyEvent;
 
 /// A contact stays closed at least so long, ticks: a click between two pictures is
@@ -56,12 +56,12 @@ enum Release {
 
 const fn release(key: Key) -> Release {
     match key.row().role {
-        Role::Character(..) => Release::ByItself,
-        Role::Machine(_) | Role::OvertravelRelease => Release::Contact,
-        Role::Edit if matches!(key, Key::Eob) => Release::ByItself,
+        KeyRole::Character(..) => Release::ByItself,
+        KeyRole::Machine(_) | KeyRole::OvertravelRelease => Release::Contact,
+        KeyRole::Edit if matches!(key, Key::Eob) => Release::ByItself,
         // Its level starts the MDI block.
-        Role::Edit if matches!(key, Key::Output) => Release::Contact,
-        Role::Edit | Role::Page | Role::EmergencyStop => Release::WithEdge,
+        KeyRole::Edit if matches!(key, Key::Output) => Release::Contact,
+        KeyRole::Edit | KeyRole::Page | KeyRole::EmergencyStop => Release::WithEdge,
     }
 }
 

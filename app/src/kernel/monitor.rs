@@ -9,7 +9,7 @@ use gsk_core::machine::{Inputs, Lathe};
 use gsk_core::memory::{Offsets, Parameters, PitchTable, Refusal};
 use gsk_core::plc::{Ladder, Plc};
 use gsk_panel::emulator::Emulator;
-use gsk_panel::pages::Display;
+use gsk_panel::pages::CoordinateFormat;
 
 /// The machine and the PLC at one moment. Taken only while a view is open that
 /// shows them.
@@ -47,7 +47,7 @@ pub struct OffsetTable {
     /// Their values.
     pub rows: Offsets,
     /// How lengths are shown.
-    pub display: Display,
+    pub display: CoordinateFormat,
     /// Why the control would not take any now.
     pub refused: Option<Refusal>,
 }
@@ -101,7 +101,7 @@ impl MachineView {
             parameters_refused: cnc.rights().parameters().err(),
             offsets: OffsetTable {
                 rows: cnc.offsets().clone(),
-                display: Display::of(cnc),
+                display: CoordinateFormat::of(cnc),
                 refused: cnc.rights().offsets().err(),
             },
             variables: VariableTable::of(cnc),

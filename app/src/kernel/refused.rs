@@ -2,7 +2,7 @@
 
 use gsk_core::cnc::Cnc;
 use gsk_messages::Message;
-use gsk_panel::refusal::{JUDGED_AFTER, Press};
+use gsk_panel::refusal::{CHECK_DELAY_TICKS, KeyPress};
 
 /// What becomes of the word on refused keys.
 pub(super) enum Verdict {
@@ -16,7 +16,7 @@ pub(super) enum Verdict {
 #[derive(Debug, Default)]
 pub(super) struct Refusals {
     /// Machine keys, with the tick to judge them at.
-    pending: Vec<(u64, Press)>,
+    pending: Vec<(u64, KeyPress)>,
     /// Something was said and still stands.
     said: bool,
 }
@@ -25,12 +25,12 @@ impl Refusals {
     /// A key goes down at a tick; `refused`: page, mode or a switch is against it.
     pub(super) fn pressed(
         &mut self,
-        press: Option<Press>,
+        press: Option<KeyPress>,
         refused: Option<Message>,
         tick: u64,
     ) -> Option<Verdict> {
         self.pending
-            .extend(press.map(|press| (tick + JUDGED_AFTER, press)));
+            .extend(press.map(|press| (tick + CHECK_DELAY_TICKS, press)));
         match refused {
             Some(why) => {
                 self.said = true;
@@ -46,7 +46,9 @@ impl Refusals {
             return None;
         }
         let due = self.pending.iter().filter(|(at, _)| *at <= tick);
-        let why = due.filter_map(|(_, press)| press.refused(cnc)).next_back();
+        let why = due
+            .filter_map(|(_, press)| press.refusal_reason(cnc))
+            .next_back();
         self.pending.retain(|(at, _)| *at > tick);
         self.said |= why.is_some();
         why.map(Verdict::Refused)

@@ -8,7 +8,7 @@ use gsk_core::cnc::Request;
 use gsk_core::memory::Parameters;
 use gsk_core::plc::Ladder;
 use gsk_core::units::Axis;
-use gsk_panel::emulator::Condition;
+use gsk_panel::emulator::WaitCondition;
 use gsk_panel::keys::Key;
 
 use crate::platform::Turning;
@@ -146,7 +146,7 @@ fn what_is_typed_is_on_the_disk_before_its_page_is_left() {
     let restored = load(&data, &mut setup);
     let mut emulator = Emulator::new(setup);
     let mut keeper = Keeper::start(Arc::clone(&data), &restored, &emulator).expect("thread");
-    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
     emulator.press(Key::Edit);
     emulator.press(Key::Program);
     emulator.type_text("O12");

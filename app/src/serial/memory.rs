@@ -47,7 +47,7 @@ fn fault(refusal: &FileRefusal) -> TransferFault {
         FileRefusal::Missing => TransferFault::NotFound,
         FileRefusal::Exists => TransferFault::Exists,
         FileRefusal::OnlyPrograms => TransferFault::NoRight,
-        FileRefusal::Alarm(_) if refusal.is_for_room() => TransferFault::Full,
+        FileRefusal::Alarm(_) if refusal.is_memory_full() => TransferFault::Full,
         FileRefusal::Unreadable(_) | FileRefusal::Alarm(_) => TransferFault::Content,
     }
 }
@@ -89,7 +89,7 @@ impl FileStore for Memory<'_> {
 
     fn check_put(&mut self, put: &PutRequest) -> Result<(), TransferFault> {
         let id = wanted(&put.remote_path)?;
-        let may = self.emulator.may_take(id, put.overwrite);
+        let may = self.emulator.check_receive(id, put.overwrite);
         may.map_err(|refusal| self.refused(&refusal))
     }
 
@@ -105,12 +105,12 @@ impl FileStore for Memory<'_> {
         let name = file.remote_path.name.as_str().to_owned();
         let overwrite = file.overwrite;
         let file = SerialFile { name, text };
-        let taken = self.emulator.take_file(id, file, overwrite);
+        let taken = self.emulator.receive_file(id, file, overwrite);
         taken.map_err(|refusal| self.refused(&refusal))
     }
 
     fn get(&mut self, place: &RemotePath) -> Result<Vec<u8>, TransferFault> {
-        let file = self.emulator.hand_out(found(place)?);
+        let file = self.emulator.send_file(found(place)?);
         let file = file.map_err(|refusal| fault(&refusal))?;
         Ok(file.text.into_bytes())
     }

@@ -94,14 +94,14 @@ impl SerialLine {
     /// know of it.
     pub fn tick(&mut self, emulator: &mut Emulator) -> Vec<Message> {
         let mut said = Vec::new();
-        let rate = emulator.panel.line_rate(&emulator.simulation.cnc);
+        let rate = emulator.panel.baud_rate(&emulator.simulation.cnc);
         self.follow_rate(rate, emulator, &mut said);
         let now = self.begun.elapsed();
         while let Some(heard) = self.wire.heard() {
             self.heard(heard, now, emulator, &mut said);
         }
-        let broken_off = emulator.panel.take_broken_off();
-        let to_send = emulator.panel.take_for_line();
+        let broken_off = emulator.panel.take_aborted();
+        let to_send = emulator.panel.take_port_files();
         let Some(port) = &mut self.port else {
             return said;
         };
@@ -113,7 +113,7 @@ impl SerialLine {
                 Some(_) => port
                     .side
                     .send(to_send.into_iter().filter_map(pushed).collect()),
-                None => emulator.show_line(Communication::NotConnected),
+                None => emulator.show_port_state(Communication::NotConnected),
             }
         }
         let mut memory = Memory::of(emulator);
@@ -126,7 +126,7 @@ impl SerialLine {
         let status = port.side.status(now);
         if status != port.shown {
             port.shown = status;
-            emulator.show_line(match status {
+            emulator.show_port_state(match status {
                 PortStatus::Idle => Communication::Idle,
                 PortStatus::Receiving => Communication::Receiving,
                 PortStatus::Sending => Communication::Sending,
@@ -134,7 +134,7 @@ impl SerialLine {
         }
         while let Some(event) = port.side.next_event() {
             if let Some(shown) = word(&event) {
-                emulator.show_line(shown);
+                emulator.show_port_state(shown);
             }
             said.extend(sentence(event, &mut why));
         }
@@ -148,7 +148,7 @@ impl SerialLine {
             (None, None) => {}
             (Some(port), None) => {
                 if port.shown != PortStatus::Idle {
-                    emulator.show_line(Communication::Idle);
+                    emulator.show_port_state(Communication::Idle);
                 }
                 self.port = None;
             }
@@ -207,7 +207,7 @@ impl SerialLine {
                 {
                     port.shown = PortStatus::Idle;
                     port.side = ControlPort::new(port.baud, self.framing, self.line_end);
-                    emulator.show_line(Communication::Failed);
+                    emulator.show_port_state(Communication::Failed);
                 }
                 said.push(say::serial_line_not_opened(why));
             }

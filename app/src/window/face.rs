@@ -9,7 +9,7 @@
 
 use crossbeam::channel::{Receiver, Sender, TryRecvError, bounded};
 use egui::{Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions, Vec2, pos2};
-use gsk_panel::faceplate::{self, Area, Colour, FaceState, Part, Pixmap};
+use gsk_panel::faceplate::{self, FaceState, PanelArea, PanelColour, PanelPart, Pixmap};
 
 use super::placing::View;
 use super::surroundings::fill_as_it_is;
@@ -24,7 +24,7 @@ struct Picture {
     /// Physical pixels a panel unit.
     scale: f32,
     /// The parts, and how each looks in it.
-    looks: Vec<(Part, u32)>,
+    looks: Vec<(PanelPart, u32)>,
 }
 
 /// A picture that a thread makes, with its scale.
@@ -32,7 +32,7 @@ type Job = Receiver<(ColorImage, f32)>;
 
 /// An area with its picture, made anew when the size has changed.
 struct Piece {
-    area: Area,
+    area: PanelArea,
     job: Option<Job>,
     picture: Option<Picture>,
 }
@@ -83,7 +83,7 @@ impl Piece {
             self.begin(painter.ctx(), scale);
         }
         let Some(picture) = &mut self.picture else {
-            let [red, green, blue] = Colour::Housing.rgb();
+            let [red, green, blue] = PanelColour::Housing.rgb();
             let housing = Color32::from_rgb(red, green, blue);
             fill_as_it_is(painter, view.whole(), housing);
             return;
@@ -122,7 +122,7 @@ impl Piece {
                     texture: context.load_texture("panel", image, DOTS),
                     scale,
                     looks: parts
-                        .map(|part| (part, faceplate::look(&part, &dark)))
+                        .map(|part| (part, faceplate::part_state(&part, &dark)))
                         .collect(),
                 });
             }
@@ -135,9 +135,9 @@ impl Piece {
 
 impl Picture {
     /// Paints the parts that look different now.
-    fn follow(&mut self, area: Area, state: &FaceState<'_>) {
+    fn follow(&mut self, area: PanelArea, state: &FaceState<'_>) {
         for (part, shown) in &mut self.looks {
-            let look = faceplate::look(part, state);
+            let look = faceplate::part_state(part, state);
             if look == *shown {
                 continue;
             }
@@ -151,11 +151,11 @@ impl Picture {
 }
 
 /// Size of a picture: two scales are the same if it is the same.
-fn pixels(area: Area, scale: f32) -> [u32; 2] {
+fn pixels(area: PanelArea, scale: f32) -> [u32; 2] {
     [area.rect.w, area.rect.h].map(|units| (units * scale).round().max(1.0) as u32)
 }
 
-fn make(area: Area, scale: f32, deliver: &Sender<(ColorImage, f32)>, context: &egui::Context) {
+fn make(area: PanelArea, scale: f32, deliver: &Sender<(ColorImage, f32)>, context: &egui::Context) {
     let Some(picture) = faceplate::paint(area, &FaceState::default(), scale) else {
         return;
     };

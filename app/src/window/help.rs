@@ -8,7 +8,7 @@ use egui::{Color32, Context, Frame, Key, Margin, RichText, ScrollArea, TextEdit,
 use gsk_core::model::ModelId;
 use gsk_help::{Subject, Topic, article, search_model, topic, topic_of};
 use gsk_messages::{Language, say};
-use gsk_panel::occurrences::Occurrence;
+use gsk_panel::alarm_log::AlarmRecord;
 
 use super::clear;
 use super::focus;
@@ -28,7 +28,7 @@ pub enum Asked {
     /// Something of the practice machine.
     Lesson(LessonOrder),
     /// The program view, at the block that raised an alarm.
-    Block(Box<Occurrence>),
+    Block(Box<AlarmRecord>),
 }
 
 /// The help window.

@@ -1,7 +1,7 @@
 //! The map of PC keys, over the panel.
 
 use egui::{Color32, Context, RichText, Vec2};
-use gsk_panel::keys::{KEYS, KeyRow, Role};
+use gsk_panel::keys::{KEYS, KeyRole, KeyRow};
 
 use super::clear;
 use super::layout::LAYOUTS;
@@ -69,7 +69,7 @@ pub fn show(context: &Context, language: Language, placed: &[View]) -> bool {
 /// Letters, digits and signs press what is printed on them: one line for all.
 fn listed() -> impl Iterator<Item = &'static KeyRow> {
     KEYS.iter()
-        .filter(|row| !matches!(row.role, Role::Character(..)) && !row.pc.is_empty())
+        .filter(|row| !matches!(row.role, KeyRole::Character(..)) && !row.pc.is_empty())
 }
 
 fn table(ui: &mut egui::Ui, rows: &[&KeyRow], language: Language) {

@@ -151,7 +151,7 @@ fn typed(text: &str) -> Option<PcAction> {
     let character = characters.next()?.to_ascii_uppercase();
     let printable = character.is_ascii_graphic() && characters.next().is_none();
     let turns_wheel = "[]{}".contains(character);
-    let has_key = turns_wheel || Key::of_pc(character.encode_utf8(&mut [0; 4])).is_some();
+    let has_key = turns_wheel || Key::from_pc_key(character.encode_utf8(&mut [0; 4])).is_some();
     (printable && !has_key).then_some(PcAction::Type(character))
 }
 
@@ -173,10 +173,10 @@ fn panel_key(key: PcKey, modifiers: Modifiers) -> Option<Key> {
     // and emergency stop stop whatever else is held.
     let only_shift = modifiers.shift && !modifiers.ctrl && !modifiers.alt;
     let stops = matches!(key, PcKey::F10 | PcKey::F12);
-    Key::of_pc(&combined).or_else(|| {
+    Key::from_pc_key(&combined).or_else(|| {
         let character = name.chars().count() == 1;
         if stops || (only_shift && character) {
-            Key::of_pc(name)
+            Key::from_pc_key(name)
         } else {
             None
         }

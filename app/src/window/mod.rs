@@ -48,8 +48,8 @@ use gsk_core::model::ModelId;
 use gsk_core::operation::RunState;
 use gsk_help::{Subject, Topic, topic};
 use gsk_link::LinkState;
+use gsk_panel::alarm_log::AlarmRecord;
 use gsk_panel::keys::Key;
-use gsk_panel::occurrences::Occurrence;
 
 use crate::files::lessons::Lessons;
 use crate::input_watch::QUERY_INTERVAL;
@@ -419,7 +419,7 @@ impl Window {
     }
 
     /// Opens the program view at the block that raised an alarm.
-    fn show_block(&mut self, occurrence: Occurrence) {
+    fn show_block(&mut self, occurrence: AlarmRecord) {
         let Some(source) = occurrence.alarm.source else {
             return;
         };

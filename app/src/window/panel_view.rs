@@ -3,8 +3,8 @@
 use egui::{
     Color32, Event, Painter, Pos2, Role, Sense, Stroke, StrokeKind, TouchPhase, Ui, WidgetInfo,
 };
-use gsk_help::{Subject, Topic, topic_at, topic};
-use gsk_panel::faceplate::{self, FaceState, Outline, Part, What};
+use gsk_help::{Subject, Topic, topic, topic_at};
+use gsk_panel::faceplate::{self, FaceState, Outline, PanelPart, PartKind};
 use gsk_panel::keys::{Key, STRIP};
 use gsk_panel::screen::{COLUMNS, ROWS};
 
@@ -19,7 +19,7 @@ const RING: Color32 = Color32::from_rgb(255, 150, 0);
 const ASKED: Color32 = Color32::from_rgb(60, 220, 255);
 
 /// Draws a ring around a key.
-fn ring(painter: &Painter, view: View, part: &Part, colour: Color32) {
+fn ring(painter: &Painter, view: View, part: &PanelPart, colour: Color32) {
     let rect = view.rect(part.rect);
     let width = (4.0 * view.scale).max(2.0);
     let stroke = Stroke::new(width, colour);
@@ -145,11 +145,17 @@ impl Window {
 
     /// Gives a part its accessible name; returns the key that a screen reader has
     /// pressed.
-    fn describe(&self, ui: &Ui, part: &Part, view: View, state: &FaceState<'_>) -> Option<Key> {
+    fn describe(
+        &self,
+        ui: &Ui,
+        part: &PanelPart,
+        view: View,
+        state: &FaceState<'_>,
+    ) -> Option<Key> {
         let language = self.settings.language;
         let rect = view.rect(part.rect);
         match part.what {
-            What::Key(key) => {
+            PartKind::Key(key) => {
                 let row = key.row();
                 // Without FOCUSABLE: Tab and Space must never press a machine key.
                 let response = ui.interact(
@@ -161,7 +167,7 @@ impl Window {
                     Language::Zh => row.name_zh,
                     Language::En => row.name_en,
                 };
-                let lit = row.lamp.map(|lamp| lamp.of(state.y));
+                let lit = row.lamp.map(|lamp| lamp.is_set_in(state.y));
                 let selected = if key == Key::EmergencyStop {
                     Some(state.pressed.contains(&key))
                 } else {
@@ -182,7 +188,7 @@ impl Window {
                 response.on_hover_ui(|ui| tips::key(ui, language, row, reversed));
                 by_screen_reader.then_some(key)
             }
-            What::Strip(index) => {
+            PartKind::Strip(index) => {
                 let lamp = STRIP.get(index).filter(|lamp| lamp.fitted)?;
                 let response = ui.interact(rect, ui.scope_id().with(lamp.id), Sense::HOVER);
                 let name = match language {
@@ -190,7 +196,7 @@ impl Window {
                     Language::En => lamp.name_en,
                 };
                 let name = say::window_lamp(name).text(language);
-                let lit = lamp.lamp.of(state.y);
+                let lit = lamp.lamp.is_set_in(state.y);
                 let word = match lit {
                     true => say::window_lamp_on(),
                     false => say::window_lamp_off(),
@@ -203,7 +209,7 @@ impl Window {
                 response.on_hover_ui(|ui| tips::lamp(ui, language, lamp, lit));
                 None
             }
-            What::Handwheel => {
+            PartKind::Handwheel => {
                 let response = ui.interact(rect, ui.scope_id().with("handwheel"), Sense::DRAG);
                 response.widget_info(|| WidgetInfo {
                     value: Some(f64::from(state.wheel)),
@@ -230,8 +236,8 @@ impl Window {
         }
         let (x, y) = placing::units(&self.placed, at)?;
         match faceplate::part_at(x, y)?.what {
-            What::Key(key) => topic(Subject::Key(key.id())),
-            What::Strip(index) => topic(Subject::Lamp(STRIP.get(index)?.id)),
+            PartKind::Key(key) => topic(Subject::Key(key.id())),
+            PartKind::Strip(index) => topic(Subject::Lamp(STRIP.get(index)?.id)),
             _ => None,
         }
     }

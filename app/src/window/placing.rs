@@ -2,7 +2,7 @@
 //! window leaves the whole panel much less room.
 
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
-use gsk_panel::faceplate::{self, Area, Part, SIZE};
+use gsk_panel::faceplate::{self, PanelArea, PanelPart, SIZE};
 use gsk_panel::keys::Key;
 
 /// Least side of a key for fingers, points: 9 mm at 96 points an inch.
@@ -22,7 +22,7 @@ const MOST_BESIDE: f32 = 0.52;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// What of the panel it is.
-    pub area: Area,
+    pub area: PanelArea,
     /// Where the upper left corner of the whole panel would lie, points.
     pub origin: Pos2,
     /// Points a panel unit.
@@ -34,7 +34,7 @@ pub struct View {
 impl View {
     /// The largest picture of an area that fits into a room, in its middle, on whole
     /// pixels.
-    fn fit(area: Area, room: Rect, pixels_per_point: f32) -> Self {
+    fn fit(area: PanelArea, room: Rect, pixels_per_point: f32) -> Self {
         let faceplate::Rect { x, y, w, h } = area.rect;
         let scale = (room.width() / w).min(room.height() / h).max(0.01);
         let corner = room.center() - vec2(w, h) * scale / 2.0;
@@ -92,7 +92,7 @@ pub fn width_for(key: f32) -> f32 {
 
 /// The keys that are for fingers; the release of the overtravel is a button to be pressed on
 /// purpose, as small as it is built.
-fn finger_keys() -> impl Iterator<Item = &'static Part> {
+fn finger_keys() -> impl Iterator<Item = &'static PanelPart> {
     let keys = faceplate::parts()
         .iter()
         .filter(|part| part.key().is_some());
@@ -108,7 +108,7 @@ pub fn stops(bar: Rect, pixels_per_point: f32) -> Vec<View> {
         let Some(part) = faceplate::part_of(key) else {
             continue;
         };
-        let area = Area { rect: part.rect };
+        let area = PanelArea { rect: part.rect };
         let width = bar.height() * part.rect.w / part.rect.h;
         let room = Rect::from_min_max(pos2(right - width, bar.top()), pos2(right, bar.bottom()));
         placed.push(View::fit(area, room.shrink(1.0), pixels_per_point));
@@ -119,12 +119,12 @@ pub fn stops(bar: Rect, pixels_per_point: f32) -> Vec<View> {
 
 /// The panel in a room: as it is built, or its areas by themselves.
 pub fn views(room: Rect, pixels_per_point: f32) -> Vec<View> {
-    let whole = View::fit(Area::WHOLE, room, pixels_per_point);
+    let whole = View::fit(PanelArea::WHOLE, room, pixels_per_point);
     let (keys, rooms) = by_themselves(room);
     if room.height() < room.width() * UPRIGHT || keys < whole.scale * WORTH_IT {
         return vec![whole];
     }
-    let areas = Area::APART.into_iter().zip(rooms);
+    let areas = PanelArea::SECTIONS.into_iter().zip(rooms);
     areas
         .map(|(area, room)| View::fit(area, room, pixels_per_point))
         .collect()
@@ -135,7 +135,7 @@ pub fn views(room: Rect, pixels_per_point: f32) -> Vec<View> {
 /// and directions. All keys are as large as the room allows, for fingers.
 fn by_themselves(room: Rect) -> (f32, [Rect; 6]) {
     let [screen, name, edit, modes, run, additional] =
-        Area::APART.map(|area| vec2(area.rect.w, area.rect.h));
+        PanelArea::SECTIONS.map(|area| vec2(area.rect.w, area.rect.h));
     let beside = run.x.max(additional.x);
     let high = run.y + additional.y + edit.y + modes.y;
     let keys = (room.height() / high)
@@ -183,8 +183,8 @@ pub fn units(views: &[View], at: Pos2) -> Option<(f32, f32)> {
 }
 
 /// The view that shows a part.
-pub fn of_part<'a>(views: &'a [View], part: &Part) -> Option<&'a View> {
-    views.iter().find(|view| view.area.holds(part))
+pub fn of_part<'a>(views: &'a [View], part: &PanelPart) -> Option<&'a View> {
+    views.iter().find(|view| view.area.contains(part))
 }
 
 /// Points a panel unit of the LCD in a room, were the panel whole.
@@ -195,7 +195,7 @@ pub fn whole_scale(room: Vec2) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gsk_panel::faceplate::{What, parts};
+    use gsk_panel::faceplate::{PartKind, parts};
 
     #[test]
     fn the_panel_fits_and_stands_in_the_middle() {
@@ -247,7 +247,7 @@ mod tests {
             }
             let used: f32 = views.iter().map(|view| view.whole().area()).sum();
             assert!(used > 0.5 * room.area(), "{used} of {}", room.area());
-            for part in parts().iter().filter(|part| part.what != What::Housing) {
+            for part in parts().iter().filter(|part| part.what != PartKind::Housing) {
                 let place = of_part(&views, part).unwrap().rect(part.rect);
                 let (x, y) = units(&views, place.center()).unwrap();
                 assert!(part.rect.contains(x, y), "{part:?}");

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use egui::{Event, MouseWheelUnit, PointerButton, Pos2, TouchPhase, Vec2};
-use gsk_panel::faceplate::{self, What};
+use gsk_panel::faceplate::{self, PartKind};
 use gsk_panel::keys::Key;
 
 use super::held::{Change, Held, Holder, may_be_kept};
@@ -222,7 +222,7 @@ fn key_at(at: Pos2, views: &[View]) -> Option<Key> {
 fn wheel_angle(at: Pos2, views: &[View]) -> Option<f32> {
     let (x, y) = placing::units(views, at)?;
     let part = faceplate::part_at(x, y)?;
-    if part.what != What::Handwheel {
+    if part.what != PartKind::Handwheel {
         return None;
     }
     angle(at, views)
@@ -232,7 +232,7 @@ fn wheel_angle(at: Pos2, views: &[View]) -> Option<f32> {
 fn angle(at: Pos2, views: &[View]) -> Option<f32> {
     let wheel = faceplate::parts()
         .iter()
-        .find(|part| part.what == What::Handwheel)?;
+        .find(|part| part.what == PartKind::Handwheel)?;
     let (cx, cy) = wheel.rect.center();
     let (x, y) = placing::of_part(views, wheel)?.units(at);
     Some((y - cy).atan2(x - cx))
@@ -244,7 +244,7 @@ mod tests {
     use egui::{Modifiers, TouchDeviceId, TouchId, pos2};
 
     const VIEW: &[View] = &[View {
-        area: faceplate::Area::WHOLE,
+        area: faceplate::PanelArea::WHOLE,
         origin: Pos2::ZERO,
         scale: 1.0,
         pixels_per_point: 1.0,
@@ -414,7 +414,7 @@ mod tests {
         let (mut pointing, mut held) = (Pointing::default(), Held::default());
         let wheel = faceplate::parts()
             .iter()
-            .find(|part| part.what == What::Handwheel)
+            .find(|part| part.what == PartKind::Handwheel)
             .expect("handwheel");
         let (x, y) = wheel.rect.center();
         let mut events = vec![button(pos2(x, y - 50.0), true)];

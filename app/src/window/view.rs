@@ -204,7 +204,7 @@ mod tests {
         for key in views.chain(layouts) {
             let name = key_name(key);
             assert!(!seen.contains(&key), "{name} opens two of them");
-            assert_eq!(gsk_panel::keys::Key::of_pc(&name), None, "{name}");
+            assert_eq!(gsk_panel::keys::Key::from_pc_key(&name), None, "{name}");
             seen.push(key);
         }
     }

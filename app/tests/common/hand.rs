@@ -7,9 +7,9 @@ use super::Bench;
 use egui::{Event, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, TouchPhase};
 use egui_kittest::kittest::Queryable;
 use gsk_core::setup::Setup;
-use gsk_panel::emulator::Condition;
-use gsk_panel::keys::{KEYS, Key, Role};
-use gsk_panel::script::{Action, Expect, Script};
+use gsk_panel::emulator::WaitCondition;
+use gsk_panel::keys::{KEYS, Key, KeyRole};
+use gsk_panel::script::{Expectation, Script, ScriptAction};
 
 /// A press and the rest after it, ms.
 const CLICK: u64 = 200;
@@ -71,8 +71,8 @@ impl Hand {
     fn type_character(&mut self, character: char) {
         for row in &KEYS {
             match row.role {
-                Role::Character(first, _) if first == character => return self.click(row.key),
-                Role::Character(_, Some(second)) if second == character => {
+                KeyRole::Character(first, _) if first == character => return self.click(row.key),
+                KeyRole::Character(_, Some(second)) if second == character => {
                     self.click(row.key);
                     return self.click(row.key);
                 }
@@ -99,16 +99,16 @@ impl Hand {
         }
     }
 
-    fn holds(&self, condition: &Condition) -> bool {
+    fn holds(&self, condition: &WaitCondition) -> bool {
         let emulator = self.bench.kernel.emulator();
         match condition {
-            Condition::Stopped => emulator.is_stopped(),
-            Condition::Text(text) => emulator.screen().text().contains(text),
+            WaitCondition::Stopped => emulator.is_stopped(),
+            WaitCondition::Text(text) => emulator.screen().text().contains(text),
             other => panic!("the script waits for {other:?}"),
         }
     }
 
-    fn wait_for(&mut self, condition: &Condition, limit: u64) -> Result<(), String> {
+    fn wait_for(&mut self, condition: &WaitCondition, limit: u64) -> Result<(), String> {
         for _ in 0..limit / LOOK {
             if self.holds(condition) {
                 return Ok(());
@@ -119,11 +119,11 @@ impl Hand {
     }
 
     /// What the control says, and what the window shows of it.
-    fn expect(&mut self, expect: &Expect) -> Result<(), String> {
+    fn expect(&mut self, expect: &Expectation) -> Result<(), String> {
         expect
             .check(self.bench.kernel.emulator())
             .map_err(|seen| seen.to_string())?;
-        let Expect::Row(row, text) = expect else {
+        let Expectation::Row(row, text) = expect else {
             return Ok(());
         };
         self.bench.kernel.show();
@@ -141,18 +141,18 @@ impl Hand {
         !self.bench.kernel.emulator().panel.is_held(key)
     }
 
-    fn act(&mut self, action: &Action) -> Result<(), String> {
+    fn act(&mut self, action: &ScriptAction) -> Result<(), String> {
         match action {
-            Action::Press(key) => self.click(*key),
+            ScriptAction::Press(key) => self.click(*key),
             // A right click keeps the key for the next one, and no longer.
-            Action::Down(key) => self.button(*key, PointerButton::Secondary),
-            Action::Up(key) if self.is_up(*key) => {}
-            Action::Up(key) => return Err(format!("{} is still down", key.id())),
-            Action::Type(text) => text.chars().for_each(|c| self.type_character(c)),
-            Action::Turn(graduations, _) => self.turn(*graduations),
-            Action::Wait(ms) => self.run(*ms),
-            Action::WaitFor(condition, _, limit) => return self.wait_for(condition, *limit),
-            Action::Expect(expect) => return self.expect(expect),
+            ScriptAction::Down(key) => self.button(*key, PointerButton::Secondary),
+            ScriptAction::Up(key) if self.is_up(*key) => {}
+            ScriptAction::Up(key) => return Err(format!("{} is still down", key.id())),
+            ScriptAction::Type(text) => text.chars().for_each(|c| self.type_character(c)),
+            ScriptAction::Turn(graduations, _) => self.turn(*graduations),
+            ScriptAction::Wait(ms) => self.run(*ms),
+            ScriptAction::WaitFor(condition, _, limit) => return self.wait_for(condition, *limit),
+            ScriptAction::Expect(expect) => return self.expect(expect),
             other => return Err(format!("no hand can do {other:?}")),
         }
         Ok(())

@@ -392,7 +392,7 @@ impl Cnc {
 
     /// How far the pulse board that makes the motion is behind this tick; none: the
     /// simulated lathe makes it at once.
-    pub fn behind(&self) -> Option<BoardLag> {
+    pub fn board_lag(&self) -> Option<BoardLag> {
         self.drives.board.map(|board| BoardLag {
             ticks: board.ahead,
             stops: board.stops,

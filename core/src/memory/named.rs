@@ -58,7 +58,7 @@ impl Parameters {
 
     /// 005.3 EDTB: text is inserted behind the character at the cursor (function A);
     /// otherwise in front of it (B).
-    pub fn inserts_behind(&self) -> bool {
+    pub fn inserts_after_cursor(&self) -> bool {
         self.bit(5, 3)
     }
 

@@ -154,7 +154,7 @@ impl Editing {
 
     /// Puts a character behind the one at the cursor, and the cursor on it; at the end
     /// of a block in front of its sign.
-    pub fn insert_behind(&mut self, character: char) -> bool {
+    pub fn insert_after_cursor(&mut self, character: char) -> bool {
         if self.column >= self.end_of(self.line) {
             return self.insert(character);
         }

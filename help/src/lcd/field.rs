@@ -53,7 +53,12 @@ const MODES: [(fn() -> Message, Subject<'static>); 12] = [
 const MODE_COLUMNS: Range<usize> = 20..30;
 
 /// Returns the topic about the field at a row and column.
-pub fn field_topic(page: PageId, screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> {
+pub fn field_topic(
+    page: PageId,
+    screen: &Screen,
+    row: usize,
+    column: usize,
+) -> Option<&'static Topic> {
     if row == STATE_ROW && MODE_COLUMNS.contains(&column) {
         let shown = screen.row(row);
         let is = |text: &fn() -> Message, language| shown.contains(&text().text(language));
@@ -107,7 +112,7 @@ fn labels(page: PageId, screen: &Screen, row: usize) -> Vec<Label> {
         for topic in topics() {
             if let Subject::Field(on, label) = topic.subject
                 && on == name
-                && (name != ANY || may_stand(label, row))
+                && (name != ANY || is_possible_in(label, row))
             {
                 found.extend(in_row(&cells, label).map(|columns| Label { columns, topic }));
             }
@@ -137,7 +142,7 @@ fn labels(page: PageId, screen: &Screen, row: usize) -> Vec<Label> {
 
 /// Whether a shared label is possible in a row: O, N, S and T in their rows of the frame,
 /// coordinate letters inside the frame.
-fn may_stand(label: &str, row: usize) -> bool {
+fn is_possible_in(label: &str, row: usize) -> bool {
     match label {
         "O" | "N" => row == TITLE_ROW,
         "S" | "T" => row == INPUT_ROW,
@@ -157,11 +162,11 @@ fn in_row<'a>(
         let label: Vec<char> = label.chars().filter(|it| !it.is_whitespace()).collect();
         let length = label.len();
         (0..cells.len()).filter_map(move |at| {
-            let stands = cells.get(at..at + length)?;
-            if !stands.iter().map(|(_, it)| it).eq(&label) {
+            let matched = cells.get(at..at + length)?;
+            if !matched.iter().map(|(_, it)| it).eq(&label) {
                 return None;
             }
-            let (start, last) = (stands.first()?.0, stands.last()?.0);
+            let (start, last) = (matched.first()?.0, matched.last()?.0);
             let joined = |neighbour: Option<&(usize, char)>, own: Option<&char>, column: usize| {
                 neighbour.is_some_and(|(at, it)| *at == column && it.is_ascii_alphabetic())
                     && own.is_some_and(char::is_ascii_alphabetic)

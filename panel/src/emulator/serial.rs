@@ -10,10 +10,10 @@ use crate::panel::{FileId, FileRefusal, SerialFile, file_of, read_data};
 
 impl Emulator {
     /// Sets the state of the serial port: the word on the LCD, and F213.
-    pub fn show_line(&mut self, shown: Communication) {
+    pub fn show_port_state(&mut self, shown: Communication) {
         let mut requests = Vec::new();
-        self.panel.show_line(shown, &mut requests);
-        self.ask(requests);
+        self.panel.show_port_state(shown, &mut requests);
+        self.send_requests(requests);
     }
 
     /// Returns the files that a client at the port can see, programs first.
@@ -32,7 +32,7 @@ impl Emulator {
     /// # Errors
     ///
     /// Returns the reason for refusing the file.
-    pub fn may_take(&mut self, id: FileId, overwrite: bool) -> Result<(), FileRefusal> {
+    pub fn check_receive(&mut self, id: FileId, overwrite: bool) -> Result<(), FileRefusal> {
         self.store_edited();
         let cnc = &mut self.simulation.cnc;
         let FileId::Program(number) = id else {
@@ -60,7 +60,7 @@ impl Emulator {
     /// # Errors
     ///
     /// Returns the reason for refusing the file.
-    pub fn take_file(
+    pub fn receive_file(
         &mut self,
         id: FileId,
         file: SerialFile,
@@ -87,7 +87,7 @@ impl Emulator {
                 read_data(&file).map_err(FileRefusal::Unreadable)?
             }
         };
-        self.carry_out(received)
+        self.request_transfer(received)
     }
 
     /// Returns a file that a client requests.
@@ -95,7 +95,7 @@ impl Emulator {
     /// # Errors
     ///
     /// Returns the reason for refusing it, or that the file is missing.
-    pub fn hand_out(&mut self, id: FileId) -> Result<SerialFile, FileRefusal> {
+    pub fn send_file(&mut self, id: FileId) -> Result<SerialFile, FileRefusal> {
         self.store_edited();
         let cnc = &self.simulation.cnc;
         match id {
@@ -111,8 +111,8 @@ impl Emulator {
     ///
     /// Returns the reason for refusing it.
     pub fn delete_file(&mut self, id: FileId) -> Result<(), FileRefusal> {
-        let number = self.changeable(id)?;
-        self.carry_out(Received::Deletion(number))
+        let number = self.changeable_program(id)?;
+        self.request_transfer(Received::Deletion(number))
     }
 
     /// Renumbers a program for a client at the port.
@@ -121,7 +121,7 @@ impl Emulator {
     ///
     /// Returns the reason for refusing it.
     pub fn rename_file(&mut self, from: FileId, to: FileId) -> Result<(), FileRefusal> {
-        let from = self.changeable(from)?;
+        let from = self.changeable_program(from)?;
         let FileId::Program(to) = to else {
             return Err(FileRefusal::OnlyPrograms);
         };
@@ -130,11 +130,11 @@ impl Emulator {
         if cnc.programs().stored(to).is_some() {
             return Err(FileRefusal::Exists);
         }
-        self.carry_out(Received::Renaming { from, to })
+        self.request_transfer(Received::Renaming { from, to })
     }
 
     /// The number of a program that may be deleted or renamed.
-    fn changeable(&mut self, id: FileId) -> Result<u16, FileRefusal> {
+    fn changeable_program(&mut self, id: FileId) -> Result<u16, FileRefusal> {
         self.store_edited();
         let FileId::Program(number) = id else {
             return Err(FileRefusal::OnlyPrograms);
@@ -147,7 +147,7 @@ impl Emulator {
         }
     }
 
-    fn carry_out(&mut self, received: Received) -> Result<(), FileRefusal> {
+    fn request_transfer(&mut self, received: Received) -> Result<(), FileRefusal> {
         let done = self.simulation.cnc.request(Request::Receive(received));
         done.map_err(|alarm| match alarm.number {
             number::PROGRAM_STORED => FileRefusal::Exists,
@@ -163,7 +163,7 @@ mod tests {
     use gsk_core::setup::Setup;
 
     use super::*;
-    use crate::emulator::{Condition, Outcome};
+    use crate::emulator::{WaitCondition, WaitOutcome};
     use crate::keys::Key;
 
     fn file(name: &str, text: &str) -> SerialFile {
@@ -184,8 +184,8 @@ mod tests {
                 .expect("room for a program");
         }
         let mut emulator = Emulator::new(setup);
-        emulator.run_until(&Condition::SelfTestOver, 10_000);
-        emulator.panel.connect_line();
+        emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
+        emulator.panel.connect_port();
         emulator
     }
 
@@ -206,14 +206,14 @@ mod tests {
     }
 
     #[test]
-    fn rights_stand_in_the_way_as_at_the_panel() {
+    fn rights_apply_as_at_the_panel() {
         let mut emulator = emulator();
         let one = FileId::Program(1);
-        assert_eq!(emulator.may_take(one, false), Err(FileRefusal::Exists));
-        assert_eq!(emulator.may_take(one, true), Ok(()));
+        assert_eq!(emulator.check_receive(one, false), Err(FileRefusal::Exists));
+        assert_eq!(emulator.check_receive(one, true), Ok(()));
         let switch = Err(FileRefusal::Refused(Refusal::ParameterSwitch));
-        assert_eq!(emulator.may_take(FileId::Offsets, true), switch);
-        assert!(emulator.hand_out(FileId::Parameters).is_err());
+        assert_eq!(emulator.check_receive(FileId::Offsets, true), switch);
+        assert!(emulator.send_file(FileId::Parameters).is_err());
         assert_eq!(
             emulator.delete_file(FileId::Offsets),
             Err(FileRefusal::OnlyPrograms)
@@ -228,25 +228,25 @@ mod tests {
         cnc.request(Request::SetProgramSwitch(false))
             .expect("the switch");
         let switch = FileRefusal::Refused(Refusal::ProgramSwitch);
-        assert_eq!(emulator.may_take(one, true), Err(switch.clone()));
-        assert_eq!(emulator.hand_out(one), Err(switch.clone()));
+        assert_eq!(emulator.check_receive(one, true), Err(switch.clone()));
+        assert_eq!(emulator.send_file(one), Err(switch.clone()));
         assert_eq!(emulator.delete_file(one), Err(switch));
     }
 
     #[test]
-    fn a_program_comes_under_the_number_of_its_name() {
+    fn a_program_gets_the_number_of_its_name() {
         let mut emulator = emulator();
         let two = FileId::Program(2);
         let text = "O0001;\nG00 X1.;\nM30;\n%\n";
         emulator
-            .take_file(two, file("O0002.CNC", text), false)
+            .receive_file(two, file("O0002.CNC", text), false)
             .expect("taken");
-        let out = emulator.hand_out(two).expect("handed out");
+        let out = emulator.send_file(two).expect("handed out");
         assert_eq!(out.text, text.replace("O0001", "O0002"));
         // Without `overwrite` it replaces no program, and raises 073.
-        let again = emulator.take_file(two, file("O0002.CNC", "O0002;\n"), false);
+        let again = emulator.receive_file(two, file("O0002.CNC", "O0002;\n"), false);
         assert_eq!(again, Err(FileRefusal::Exists));
-        assert_eq!(emulator.hand_out(two).expect("handed out").text, out.text);
+        assert_eq!(emulator.send_file(two).expect("handed out").text, out.text);
         let alarm = emulator.simulation.cnc.alarms().first();
         assert_eq!(
             alarm.map(|alarm| alarm.number),
@@ -254,7 +254,7 @@ mod tests {
         );
         emulator.press(Key::Reset);
         emulator
-            .take_file(two, file("O0002.CNC", "O0002;\nM99;\n"), true)
+            .receive_file(two, file("O0002.CNC", "O0002;\nM99;\n"), true)
             .expect("taken");
         emulator
             .rename_file(two, FileId::Program(3))
@@ -263,7 +263,7 @@ mod tests {
         assert_eq!(names[..2], ["O0001.CNC", "O0003.CNC"]);
         emulator.delete_file(FileId::Program(3)).expect("deleted");
         assert_eq!(
-            emulator.hand_out(FileId::Program(3)),
+            emulator.send_file(FileId::Program(3)),
             Err(FileRefusal::Missing)
         );
     }
@@ -275,20 +275,21 @@ mod tests {
         emulator.press(Key::Program);
         emulator.type_text("O1");
         emulator.press(Key::Output);
-        let sent = emulator.panel.take_for_line();
+        let sent = emulator.panel.take_port_files();
         assert_eq!(sent, [file("O0001.CNC", "O0001;\nM30;\n%\n")]);
         // It flashes.
         let sending = |emulator: &mut Emulator| {
-            emulator.run_until(&Condition::Text("输出".to_owned()), 1000) == Outcome::Reached
+            emulator.run_until(&WaitCondition::Text("输出".to_owned()), 1000)
+                == WaitOutcome::Reached
         };
         assert!(sending(&mut emulator));
         // The line stays busy until it reports otherwise.
         emulator.run(60_000);
-        assert!(sending(&mut emulator) && !emulator.panel.take_broken_off());
+        assert!(sending(&mut emulator) && !emulator.panel.take_aborted());
         emulator.press(Key::Reset);
-        assert!(!sending(&mut emulator) && emulator.panel.take_broken_off());
-        assert!(!emulator.panel.take_broken_off());
-        emulator.show_line(Communication::Failed);
+        assert!(!sending(&mut emulator) && emulator.panel.take_aborted());
+        assert!(!emulator.panel.take_aborted());
+        emulator.show_port_state(Communication::Failed);
         assert!(emulator.screen().text().contains("通信出错"));
     }
 }

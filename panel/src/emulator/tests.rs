@@ -5,8 +5,8 @@ use super::*;
 /// An emulator after its self-test picture.
 fn awake() -> Emulator {
     let mut emulator = Emulator::new(Setup::default());
-    let outcome = emulator.run_until(&Condition::SelfTestOver, 10_000);
-    assert_eq!(outcome, Outcome::Reached);
+    let outcome = emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
+    assert_eq!(outcome, WaitOutcome::Reached);
     emulator
 }
 
@@ -15,7 +15,7 @@ fn it_wakes_up_on_the_relative_page() {
     let mut emulator = Emulator::new(Setup::default());
     emulator.run(10);
     assert!(emulator.screen().text().contains("GSK980TD"));
-    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
     assert!(emulator.screen().row(0).starts_with("现在位置(相对坐标)"));
 }
 
@@ -56,8 +56,8 @@ fn a_program_is_loaded_and_run() {
     emulator.press(Key::Auto);
     emulator.press(Key::CycleStart);
     assert!(!emulator.is_stopped());
-    let outcome = emulator.run_until(&Condition::Stopped, 60_000);
-    assert_eq!(outcome, Outcome::Reached);
+    let outcome = emulator.run_until(&WaitCondition::Stopped, 60_000);
+    assert_eq!(outcome, WaitOutcome::Reached);
     assert!(emulator.screen().text().contains("100.000"));
     let number = |name| number_of_name(name);
     assert_eq!(number("/a/O0012.CNC"), Some(12));
@@ -73,8 +73,8 @@ fn jogging_stops_when_all_keys_are_released() {
     emulator.run(300);
     assert!(!emulator.is_stopped());
     emulator.key(KeyEvent::ReleaseAll);
-    let outcome = emulator.run_until(&Condition::Stopped, 2000);
-    assert_eq!(outcome, Outcome::Reached);
+    let outcome = emulator.run_until(&WaitCondition::Stopped, 2000);
+    assert_eq!(outcome, WaitOutcome::Reached);
 }
 
 #[test]
@@ -90,8 +90,8 @@ fn power_off_darkens_the_panel_and_power_on_shows_the_self_test() {
     assert!(emulator.panel.in_self_test());
     assert_eq!(emulator.ticks(), before + 50 + 2 * PRESS_TICKS);
     assert_eq!(
-        emulator.run_until(&Condition::SelfTestOver, 5000),
-        Outcome::Reached
+        emulator.run_until(&WaitCondition::SelfTestOver, 5000),
+        WaitOutcome::Reached
     );
 }
 
@@ -113,16 +113,16 @@ fn two_copies_stay_alike() {
 #[test]
 fn a_text_is_waited_for_until_the_limit() {
     let mut emulator = awake();
-    let text = |text: &str| Condition::Text(text.to_owned());
+    let text = |text: &str| WaitCondition::Text(text.to_owned());
     let now = emulator.ticks();
     assert_eq!(
         emulator.run_until(&text("现在位置(相对坐标) O0000"), 500),
-        Outcome::Reached
+        WaitOutcome::Reached
     );
     assert_eq!(emulator.ticks(), now);
     assert_eq!(
         emulator.run_until(&text("自动方式"), 500),
-        Outcome::TimedOut
+        WaitOutcome::TimedOut
     );
     assert_eq!(emulator.ticks(), now + 500);
 }

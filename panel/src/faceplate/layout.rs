@@ -1,6 +1,6 @@
 //! Lays out the parts of the panel.
 
-use super::{Area, Colour, Outline, Part, Rect, SIZE, What};
+use super::{Outline, PanelArea, PanelColour, PanelPart, PartKind, Rect, SIZE};
 use crate::keys::{Key, STRIP};
 
 /// The LCD.
@@ -19,23 +19,23 @@ const ADDITIONAL_PLATE: Rect = Rect::new(970.0, 562.0, 296.0, 184.0);
 
 /// The sections of the panel, each with a margin: LCD, name plate, edit keyboard, modes and
 /// directions, spindle and start, additional panel.
-pub(super) const APART: [Area; 6] = [
-    Area {
+pub(super) const SECTIONS: [PanelArea; 6] = [
+    PanelArea {
         rect: Rect::new(6.0, 2.0, 684.0, 560.0),
     },
-    Area {
+    PanelArea {
         rect: Rect::new(686.0, 2.0, 588.0, 76.0),
     },
-    Area {
+    PanelArea {
         rect: Rect::new(686.0, 72.0, 588.0, 488.0),
     },
-    Area {
+    PanelArea {
         rect: Rect::new(6.0, 555.0, 608.0, 198.0),
     },
-    Area {
+    PanelArea {
         rect: Rect::new(606.0, 555.0, 362.0, 198.0),
     },
-    Area {
+    PanelArea {
         rect: Rect::new(962.0, 555.0, 312.0, 198.0),
     },
 ];
@@ -48,13 +48,13 @@ const HOUSING: u8 = 0;
 const PLATE: u8 = 1;
 const ON_PLATE: u8 = 2;
 
-pub(super) fn parts() -> Vec<Part> {
-    let mut parts = vec![Part {
-        what: What::Housing,
+pub(super) fn parts() -> Vec<PanelPart> {
+    let mut parts = vec![PanelPart {
+        what: PartKind::Housing,
         rect: Rect::new(0.0, 0.0, SIZE.0, SIZE.1),
         outline: Outline::Rounded(14.0),
         layer: HOUSING,
-        colour: Colour::Housing,
+        colour: PanelColour::Housing,
     }];
     for rect in [
         STRIP_PLATE,
@@ -65,27 +65,27 @@ pub(super) fn parts() -> Vec<Part> {
         RUN_PLATE,
         ADDITIONAL_PLATE,
     ] {
-        parts.push(Part {
-            what: What::Plate,
+        parts.push(PanelPart {
+            what: PartKind::Plate,
             rect,
             outline: Outline::Rounded(8.0),
             layer: PLATE,
-            colour: Colour::Plate,
+            colour: PanelColour::Plate,
         });
     }
-    parts.push(Part {
-        what: What::Bezel,
+    parts.push(PanelPart {
+        what: PartKind::Bezel,
         rect: BEZEL,
         outline: Outline::Rounded(10.0),
         layer: PLATE,
-        colour: Colour::Bezel,
+        colour: PanelColour::Bezel,
     });
-    parts.push(Part {
-        what: What::Lcd,
+    parts.push(PanelPart {
+        what: PartKind::Lcd,
         rect: LCD,
         outline: Outline::Rounded(0.0),
         layer: ON_PLATE,
-        colour: Colour::Lcd,
+        colour: PanelColour::Lcd,
     });
     strip(&mut parts);
     name_plate(&mut parts);
@@ -96,9 +96,9 @@ pub(super) fn parts() -> Vec<Part> {
     parts
 }
 
-fn key(parts: &mut Vec<Part>, key: Key, rect: Rect, colour: Colour) {
-    parts.push(Part {
-        what: What::Key(key),
+fn key(parts: &mut Vec<PanelPart>, key: Key, rect: Rect, colour: PanelColour) {
+    parts.push(PanelPart {
+        what: PartKind::Key(key),
         rect,
         outline: Outline::Rounded(6.0),
         layer: ON_PLATE,
@@ -106,9 +106,15 @@ fn key(parts: &mut Vec<Part>, key: Key, rect: Rect, colour: Colour) {
     });
 }
 
-fn print(parts: &mut Vec<Part>, text: &'static str, size: f32, rect: Rect, colour: Colour) {
-    parts.push(Part {
-        what: What::Text(text, size),
+fn print(
+    parts: &mut Vec<PanelPart>,
+    text: &'static str,
+    size: f32,
+    rect: Rect,
+    colour: PanelColour,
+) {
+    parts.push(PanelPart {
+        what: PartKind::Text(text, size),
         rect,
         outline: Outline::Rounded(0.0),
         layer: ON_PLATE,
@@ -117,11 +123,11 @@ fn print(parts: &mut Vec<Part>, text: &'static str, size: f32, rect: Rect, colou
 }
 
 /// The status lamps, a strip above the LCD.
-fn strip(parts: &mut Vec<Part>) {
+fn strip(parts: &mut Vec<PanelPart>) {
     let width = STRIP_PLATE.w / STRIP.len() as f32;
     for index in 0..STRIP.len() {
-        parts.push(Part {
-            what: What::Strip(index),
+        parts.push(PanelPart {
+            what: PartKind::Strip(index),
             rect: Rect::new(
                 (STRIP_PLATE.x + index as f32 * width).round(),
                 STRIP_PLATE.y + 3.0,
@@ -130,32 +136,32 @@ fn strip(parts: &mut Vec<Part>) {
             ),
             outline: Outline::Rounded(4.0),
             layer: ON_PLATE,
-            colour: Colour::Print,
+            colour: PanelColour::Print,
         });
     }
 }
 
-fn name_plate(parts: &mut Vec<Part>) {
+fn name_plate(parts: &mut Vec<PanelPart>) {
     let Rect { x, y, w, h } = NAME_PLATE;
-    parts.push(Part {
-        what: What::Model,
+    parts.push(PanelPart {
+        what: PartKind::Model,
         rect: Rect::new(x + 20.0, y + 4.0, 160.0, h - 8.0),
         outline: Outline::Rounded(0.0),
         layer: ON_PLATE,
-        colour: Colour::Print,
+        colour: PanelColour::Print,
     });
     let right = Rect::new(x + w - 160.0, y + 12.0, 140.0, 16.0);
-    print(parts, "车床数控系统", 16.0, right, Colour::Print);
+    print(parts, "车床数控系统", 16.0, right, PanelColour::Print);
     let below = Rect {
         y: y + 32.0,
         ..right
     };
     let middle = Rect::new(x + 194.0, y + 6.0, 210.0, h - 12.0);
     for (what, rect, radius, colour) in [
-        (What::Emulator, below, 0.0, Colour::Hint),
-        (What::RealMotion, middle, 6.0, Colour::Danger),
+        (PartKind::Emulator, below, 0.0, PanelColour::Hint),
+        (PartKind::RealMotion, middle, 6.0, PanelColour::Danger),
     ] {
-        parts.push(Part {
+        parts.push(PanelPart {
             what,
             rect,
             outline: Outline::Rounded(radius),
@@ -167,7 +173,7 @@ fn name_plate(parts: &mut Vec<Part>) {
 
 /// The edit keyboard: RESET, page and cursor keys; addresses; numbers; the row of functions
 /// below.
-fn edit_keyboard(parts: &mut Vec<Part>) {
+fn edit_keyboard(parts: &mut Vec<PanelPart>) {
     let (w, h) = (47.0, 60.0);
     let left = EDIT_PLATE.x + 14.0;
     let top = EDIT_PLATE.y + 14.0;
@@ -178,7 +184,7 @@ fn edit_keyboard(parts: &mut Vec<Part>) {
         parts,
         Key::Reset,
         Rect::new(left, top, both, h),
-        Colour::Danger,
+        PanelColour::Danger,
     );
     // As large as letters, because they are pressed as often.
     let moves = [
@@ -187,7 +193,7 @@ fn edit_keyboard(parts: &mut Vec<Part>) {
         [Key::Left, Key::Right],
     ];
     let first = Rect::new(left, row(1.0), w, h);
-    grid(parts, &moves, first, Colour::Function);
+    grid(parts, &moves, first, PanelColour::Function);
 
     let addresses = [
         [Key::O, Key::N, Key::G, Key::X, Key::Z],
@@ -200,7 +206,7 @@ fn edit_keyboard(parts: &mut Vec<Part>) {
         parts,
         &addresses,
         Rect::new(start, top, w, h),
-        Colour::Address,
+        PanelColour::Address,
     );
 
     let numbers = [
@@ -210,7 +216,12 @@ fn edit_keyboard(parts: &mut Vec<Part>) {
         [Key::Minus, Key::Digit0, Key::Point],
     ];
     let start = start + 5.0 * (w + GAP) + 8.0;
-    grid(parts, &numbers, Rect::new(start, top, w, h), Colour::Number);
+    grid(
+        parts,
+        &numbers,
+        Rect::new(start, top, w, h),
+        PanelColour::Number,
+    );
     let end = start + 3.0 * (w + GAP) - GAP;
 
     let functions = [[
@@ -223,10 +234,10 @@ fn edit_keyboard(parts: &mut Vec<Part>) {
     ]];
     let width = (end - left + GAP) / 6.0 - GAP;
     let first = Rect::new(left, row(4.0) + 14.0, width, 66.0);
-    grid(parts, &functions, first, Colour::Function);
+    grid(parts, &functions, first, PanelColour::Function);
 }
 
-fn page_keys(parts: &mut Vec<Part>) {
+fn page_keys(parts: &mut Vec<PanelPart>) {
     let pages = [[
         Key::Position,
         Key::Program,
@@ -239,11 +250,16 @@ fn page_keys(parts: &mut Vec<Part>) {
     let left = PAGE_PLATE.x + 14.0;
     let width = (PAGE_PLATE.w - 28.0 + GAP) / 7.0 - GAP;
     let first = Rect::new(left, PAGE_PLATE.y + 18.0, width, 60.0);
-    grid(parts, &pages, first, Colour::Page);
+    grid(parts, &pages, first, PanelColour::Page);
 }
 
 /// Rows of keys of one size. The first rectangle is that of the first key.
-fn grid<const N: usize>(parts: &mut Vec<Part>, rows: &[[Key; N]], first: Rect, colour: Colour) {
+fn grid<const N: usize>(
+    parts: &mut Vec<PanelPart>,
+    rows: &[[Key; N]],
+    first: Rect,
+    colour: PanelColour,
+) {
     for (row, keys) in rows.iter().enumerate() {
         for (column, name) in keys.iter().enumerate() {
             let rect = Rect::new(
@@ -253,7 +269,7 @@ fn grid<const N: usize>(parts: &mut Vec<Part>, rows: &[[Key; N]], first: Rect, c
                 first.h,
             );
             let colour = if *name == Key::Eob {
-                Colour::Function
+                PanelColour::Function
             } else {
                 colour
             };
@@ -264,7 +280,7 @@ fn grid<const N: usize>(parts: &mut Vec<Part>, rows: &[[Key; N]], first: Rect, c
 
 /// The machine panel: modes, toggles and increments; directions; spindle and auxiliary
 /// functions; overrides, hold and start.
-fn machine_keys(parts: &mut Vec<Part>) {
+fn machine_keys(parts: &mut Vec<PanelPart>) {
     let (w, h) = (56.0, 50.0);
     let x = MACHINE_PLATE.x + 14.0;
     let y = MACHINE_PLATE.y + 11.0;
@@ -276,7 +292,7 @@ fn machine_keys(parts: &mut Vec<Part>) {
         Key::Handwheel,
         Key::Jog,
     ]];
-    grid(parts, &modes, Rect::new(x, y, w, h), Colour::Mode);
+    grid(parts, &modes, Rect::new(x, y, w, h), PanelColour::Mode);
     let toggles = [[
         Key::SingleBlock,
         Key::BlockSkip,
@@ -285,9 +301,14 @@ fn machine_keys(parts: &mut Vec<Part>) {
         Key::DryRun,
     ]];
     let second = y + h + GAP;
-    grid(parts, &toggles, Rect::new(x, second, w, h), Colour::Machine);
+    grid(
+        parts,
+        &toggles,
+        Rect::new(x, second, w, h),
+        PanelColour::Machine,
+    );
     let program_zero = Rect::new(x + 5.0 * (w + GAP), second, w, h);
-    key(parts, Key::ProgramZero, program_zero, Colour::Mode);
+    key(parts, Key::ProgramZero, program_zero, PanelColour::Mode);
     let wheel = [[
         Key::Increment1,
         Key::Increment10,
@@ -297,7 +318,12 @@ fn machine_keys(parts: &mut Vec<Part>) {
         Key::WheelZ,
     ]];
     let third = second + h + GAP;
-    grid(parts, &wheel, Rect::new(x, third, w, h), Colour::Machine);
+    grid(
+        parts,
+        &wheel,
+        Rect::new(x, third, w, h),
+        PanelColour::Machine,
+    );
 
     let group = 24.0;
     let x = x + 6.0 * (w + GAP) - GAP + group;
@@ -311,7 +337,7 @@ fn machine_keys(parts: &mut Vec<Part>) {
         (Key::XDown, 1.0, 2.0),
         (Key::YPlus, 2.0, 2.0),
     ] {
-        key(parts, name, at(column, row), Colour::Direction);
+        key(parts, name, at(column, row), PanelColour::Direction);
     }
 
     let x = x + 3.0 * (w + GAP) - GAP + group;
@@ -320,7 +346,7 @@ fn machine_keys(parts: &mut Vec<Part>) {
         [Key::SpindleStop, Key::Lubrication],
         [Key::SpindleReverse, Key::ToolChange],
     ];
-    grid(parts, &spindle, Rect::new(x, y, w, h), Colour::Machine);
+    grid(parts, &spindle, Rect::new(x, y, w, h), PanelColour::Machine);
 
     let x = x + 2.0 * (w + GAP) - GAP + group;
     let overrides = [
@@ -335,23 +361,28 @@ fn machine_keys(parts: &mut Vec<Part>) {
             Key::FeedOverrideDown,
         ],
     ];
-    grid(parts, &overrides, Rect::new(x, y, w, h), Colour::Machine);
+    grid(
+        parts,
+        &overrides,
+        Rect::new(x, y, w, h),
+        PanelColour::Machine,
+    );
     let half = (3.0 * (w + GAP) - 2.0 * GAP) / 2.0;
     key(
         parts,
         Key::FeedHold,
         Rect::new(x, third, half, h),
-        Colour::Hold,
+        PanelColour::Hold,
     );
     let start = Rect::new(x + half + GAP, third, half, h);
-    key(parts, Key::CycleStart, start, Colour::Start);
+    key(parts, Key::CycleStart, start, PanelColour::Start);
 }
 
 /// The additional panel: mushroom button, overtravel release and handwheel.
-fn additional_panel(parts: &mut Vec<Part>) {
+fn additional_panel(parts: &mut Vec<PanelPart>) {
     let Rect { x, y, .. } = ADDITIONAL_PLATE;
-    let mut round = |what: What, rect: Rect, colour: Colour| {
-        parts.push(Part {
+    let mut round = |what: PartKind, rect: Rect, colour: PanelColour| {
+        parts.push(PanelPart {
             what,
             rect,
             outline: Outline::Round,
@@ -360,18 +391,22 @@ fn additional_panel(parts: &mut Vec<Part>) {
         });
     };
     let stop = Rect::around(x + 66.0, y + 56.0, 88.0);
-    round(What::Key(Key::EmergencyStop), stop, Colour::Danger);
+    round(PartKind::Key(Key::EmergencyStop), stop, PanelColour::Danger);
     let release = Rect::around(x + 38.0, y + 152.0, 40.0);
-    round(What::Key(Key::OvertravelRelease), release, Colour::Dark);
+    round(
+        PartKind::Key(Key::OvertravelRelease),
+        release,
+        PanelColour::Dark,
+    );
     let wheel = Rect::around(x + 204.0, y + 92.0, 156.0);
-    round(What::Handwheel, wheel, Colour::Dark);
+    round(PartKind::Handwheel, wheel, PanelColour::Dark);
     let label = Rect::new(x + 22.0, y + 104.0, 88.0, 16.0);
-    print(parts, "急停", 16.0, label, Colour::Print);
+    print(parts, "急停", 16.0, label, PanelColour::Print);
     let label = Rect::new(x + 62.0, y + 136.0, 48.0, 16.0);
-    print(parts, "超程", 16.0, label, Colour::Print);
+    print(parts, "超程", 16.0, label, PanelColour::Print);
     let label = Rect {
         y: y + 152.0,
         ..label
     };
-    print(parts, "解除", 16.0, label, Colour::Print);
+    print(parts, "解除", 16.0, label, PanelColour::Print);
 }

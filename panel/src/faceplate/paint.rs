@@ -11,8 +11,8 @@ use tiny_skia::{
 };
 
 use super::text::{draw, opaque, width};
-use super::{Area, Colour, LINE_HEIGHT, Outline, Part, Rect, What};
-use crate::keys::{Bit, Key, Role, STRIP, StripLamp};
+use super::{LINE_HEIGHT, Outline, PanelArea, PanelColour, PanelPart, PartKind, Rect};
+use crate::keys::{Bit, Key, KeyRole, STRIP, StripLamp};
 use additional::GRADUATIONS;
 
 /// The panel is printed in both languages.
@@ -22,7 +22,7 @@ const BOTH: [Language; 2] = [Language::Zh, Language::En];
 const NAME_SIZE: f32 = 32.0;
 
 /// Greatest scale of [`paint`].
-const MOST_SCALE: f32 = 8.0;
+const MAX_SCALE: f32 = 8.0;
 /// Distance that a part paints beyond its rectangle: shadow, glow, pointer of the handwheel.
 const REACH: f32 = 3.0;
 const REACH_OF_WHEEL: f32 = 8.0;
@@ -47,27 +47,27 @@ pub struct FaceState<'a> {
 }
 
 /// Returns a value that changes whenever the picture of a part changes.
-pub fn look(part: &Part, state: &FaceState<'_>) -> u32 {
+pub fn part_state(part: &PanelPart, state: &FaceState<'_>) -> u32 {
     match part.what {
-        What::Key(key) => {
-            let lit = key.row().lamp.is_some_and(|bit| bit.of(state.y));
+        PartKind::Key(key) => {
+            let lit = key.row().lamp.is_some_and(|bit| bit.is_set_in(state.y));
             u32::from(lit) << 1 | u32::from(state.pressed.contains(&key))
         }
-        What::Strip(index) => {
-            let lit = |lamp: &StripLamp| lamp.fitted && lamp.lamp.of(state.y);
+        PartKind::Strip(index) => {
+            let lit = |lamp: &StripLamp| lamp.fitted && lamp.lamp.is_set_in(state.y);
             u32::from(STRIP.get(index).is_some_and(lit))
         }
-        What::Handwheel => state.wheel.rem_euclid(GRADUATIONS).unsigned_abs(),
-        What::Emulator | What::RealMotion => u32::from(state.real),
-        What::Model => state.model as u32,
+        PartKind::Handwheel => state.wheel.rem_euclid(GRADUATIONS).unsigned_abs(),
+        PartKind::Emulator | PartKind::RealMotion => u32::from(state.real),
+        PartKind::Model => state.model as u32,
         _ => 0,
     }
 }
 
 /// Paints an area of the panel at `scale` pixels a panel unit. `None` if the picture does not
 /// fit into memory.
-pub fn paint(area: Area, state: &FaceState<'_>, scale: f32) -> Option<Pixmap> {
-    let scale = scale.clamp(0.1, MOST_SCALE);
+pub fn paint(area: PanelArea, state: &FaceState<'_>, scale: f32) -> Option<Pixmap> {
+    let scale = scale.clamp(0.1, MAX_SCALE);
     let size = |units: f32| (units * scale).round() as u32;
     let mut painter = Painter {
         pixmap: Pixmap::new(size(area.rect.w), size(area.rect.h))?,
@@ -83,18 +83,18 @@ pub fn paint(area: Area, state: &FaceState<'_>, scale: f32) -> Option<Pixmap> {
 /// Paints the section of [`paint`]'s picture that contains a part. Returns it with its upper
 /// left corner in that picture, pixels.
 pub fn paint_part(
-    area: Area,
-    part: &Part,
+    area: PanelArea,
+    part: &PanelPart,
     state: &FaceState<'_>,
     scale: f32,
 ) -> Option<(Pixmap, [u32; 2])> {
-    let scale = scale.clamp(0.1, MOST_SCALE);
-    let room = with_reach(part);
+    let scale = scale.clamp(0.1, MAX_SCALE);
+    let available = painted_rect(part);
     let first = |units: f32| (units * scale).floor();
     let end = |units: f32| (units * scale).ceil();
-    let (left, top) = (first(room.x), first(room.y));
-    let width = (end(room.x + room.w) - left) as u32;
-    let height = (end(room.y + room.h) - top) as u32;
+    let (left, top) = (first(available.x), first(available.y));
+    let width = (end(available.x + available.w) - left) as u32;
+    let height = (end(available.y + available.h) - top) as u32;
     // Outlines that cross the edge of a pixmap are drawn wrongly there.
     let mut painter = Painter {
         pixmap: Pixmap::new(width + 2 * MARGIN, height + 2 * MARGIN)?,
@@ -102,25 +102,25 @@ pub fn paint_part(
         corner: (left - MARGIN as f32, top - MARGIN as f32),
     };
     for other in area.parts() {
-        if with_reach(&other).overlaps(&room) {
+        if painted_rect(&other).overlaps(&available) {
             painter.part(&other, state);
         }
     }
     let margin = MARGIN as i32;
     let inside = IntRect::from_xywh(margin, margin, width, height)?;
-    let piece = painter.pixmap.clone_rect(inside)?;
+    let section = painter.pixmap.clone_rect(inside)?;
     let (x, y) = corner(area, scale);
-    Some((piece, [(left - x) as u32, (top - y) as u32]))
+    Some((section, [(left - x) as u32, (top - y) as u32]))
 }
 
 /// The pixel of the panel where the picture of an area begins.
-fn corner(area: Area, scale: f32) -> (f32, f32) {
+fn corner(area: PanelArea, scale: f32) -> (f32, f32) {
     ((area.rect.x * scale).round(), (area.rect.y * scale).round())
 }
 
-fn with_reach(part: &Part) -> Rect {
+fn painted_rect(part: &PanelPart) -> Rect {
     let reach = match part.what {
-        What::Handwheel => REACH_OF_WHEEL,
+        PartKind::Handwheel => REACH_OF_WHEEL,
         _ => REACH,
     };
     inset(part.rect, -reach)
@@ -135,34 +135,34 @@ struct Painter {
 
 impl Painter {
     /// Converts panel units to pixels.
-    fn place(&self) -> Transform {
+    fn transform(&self) -> Transform {
         let (left, top) = self.corner;
         Transform::from_row(self.scale, 0.0, 0.0, self.scale, -left, -top)
     }
 
-    fn part(&mut self, part: &Part, state: &FaceState<'_>) {
+    fn part(&mut self, part: &PanelPart, state: &FaceState<'_>) {
         match part.what {
-            What::Housing => self.housing(part),
-            What::Plate => self.plate(part),
-            What::Bezel => self.bezel(part),
-            What::Lcd => self.lcd(part, state.lcd),
-            What::Strip(index) => self.strip_lamp(part, index, state.y),
-            What::Key(key) => self.key(part, key, state),
-            What::Handwheel => self.handwheel(part, state.wheel),
-            What::Text(text, size) => self.text(text, size, part.rect, part.colour.rgb()),
-            What::Model => {
+            PartKind::Housing => self.housing(part),
+            PartKind::Plate => self.plate(part),
+            PartKind::Bezel => self.bezel(part),
+            PartKind::Lcd => self.lcd(part, state.lcd),
+            PartKind::Strip(index) => self.strip_lamp(part, index, state.y),
+            PartKind::Key(key) => self.key(part, key, state),
+            PartKind::Handwheel => self.handwheel(part, state.wheel),
+            PartKind::Text(text, size) => self.text(text, size, part.rect, part.colour.rgb()),
+            PartKind::Model => {
                 let name = state.model.name();
-                let room = part.rect.w;
+                let available = part.rect.w;
                 // A long name is smaller.
-                let size = NAME_SIZE * (room / width(name, NAME_SIZE)).min(1.0);
+                let size = NAME_SIZE * (available / width(name, NAME_SIZE)).min(1.0);
                 self.text(name, size, part.rect, part.colour.rgb());
             }
-            What::Emulator if !state.real => {
+            PartKind::Emulator if !state.real => {
                 let text = BOTH.map(|language| say::panel_emulator().text(language));
                 self.text(&text.join("  "), LINE_HEIGHT, part.rect, part.colour.rgb());
             }
-            What::RealMotion if state.real => self.real_motion(part),
-            What::Emulator | What::RealMotion => {}
+            PartKind::RealMotion if state.real => self.real_motion(part),
+            PartKind::Emulator | PartKind::RealMotion => {}
         }
     }
 
@@ -179,7 +179,7 @@ impl Painter {
     }
 
     /// A red plate with white print.
-    fn real_motion(&mut self, part: &Part) {
+    fn real_motion(&mut self, part: &PanelPart) {
         let Rect { x, y, w, h } = part.rect;
         if let Some(path) = outline(part.rect, part.outline) {
             self.fill_flat(&path, opaque(part.colour.rgb()));
@@ -198,9 +198,9 @@ impl Painter {
             anti_alias: true,
             ..Paint::default()
         };
-        let place = self.place();
+        let transform = self.transform();
         self.pixmap
-            .fill_path(path, &paint, FillRule::Winding, place, None);
+            .fill_path(path, &paint, FillRule::Winding, transform, None);
     }
 
     fn fill_flat(&mut self, path: &Path, colour: Color) {
@@ -217,11 +217,12 @@ impl Painter {
             width,
             ..Stroke::default()
         };
-        let place = self.place();
-        self.pixmap.stroke_path(path, &paint, &stroke, place, None);
+        let transform = self.transform();
+        self.pixmap
+            .stroke_path(path, &paint, &stroke, transform, None);
     }
 
-    fn housing(&mut self, part: &Part) {
+    fn housing(&mut self, part: &PanelPart) {
         let base = part.colour.rgb();
         let Some(path) = outline(part.rect, part.outline) else {
             return;
@@ -236,7 +237,7 @@ impl Painter {
         }
     }
 
-    fn plate(&mut self, part: &Part) {
+    fn plate(&mut self, part: &PanelPart) {
         let base = part.colour.rgb();
         let shade = Rect {
             y: part.rect.y + 1.0,
@@ -254,7 +255,7 @@ impl Painter {
         }
     }
 
-    fn bezel(&mut self, part: &Part) {
+    fn bezel(&mut self, part: &PanelPart) {
         let base = part.colour.rgb();
         if let Some(path) = outline(part.rect, part.outline) {
             self.fill(
@@ -265,7 +266,7 @@ impl Painter {
         }
     }
 
-    fn lcd(&mut self, part: &Part, picture: Option<PixmapRef<'_>>) {
+    fn lcd(&mut self, part: &PanelPart, picture: Option<PixmapRef<'_>>) {
         if let Some(path) = outline(inset(part.rect, -2.0), Outline::Rounded(2.0)) {
             self.fill_flat(&path, faint(0, 0.9));
         }
@@ -286,11 +287,12 @@ impl Painter {
         };
         let x = part.rect.x * self.scale - self.corner.0;
         let y = part.rect.y * self.scale - self.corner.1;
-        let place = Transform::from_row(zoom, 0.0, 0.0, zoom, x, y);
-        self.pixmap.draw_pixmap(0, 0, picture, &paint, place, None);
+        let transform = Transform::from_row(zoom, 0.0, 0.0, zoom, x, y);
+        self.pixmap
+            .draw_pixmap(0, 0, picture, &paint, transform, None);
     }
 
-    fn strip_lamp(&mut self, part: &Part, index: usize, y: &[u8]) {
+    fn strip_lamp(&mut self, part: &PanelPart, index: usize, y: &[u8]) {
         let Some(lamp) = STRIP.get(index) else {
             return;
         };
@@ -306,8 +308,8 @@ impl Painter {
     }
 
     /// A lamp, with a glow when it is on.
-    fn bulb(&mut self, rect: Rect, shape: Outline, colour: Colour) {
-        if colour != Colour::LampOff {
+    fn bulb(&mut self, rect: Rect, shape: Outline, colour: PanelColour) {
+        if colour != PanelColour::LampOff {
             for (reach, strength) in [(4.0, 0.14), (2.0, 0.22)] {
                 let shape = match shape {
                     Outline::Rounded(radius) => Outline::Rounded(radius + reach),
@@ -328,11 +330,11 @@ impl Painter {
         }
     }
 
-    fn key(&mut self, part: &Part, key: Key, state: &FaceState<'_>) {
+    fn key(&mut self, part: &PanelPart, key: Key, state: &FaceState<'_>) {
         let down = state.pressed.contains(&key);
         match key.row().role {
-            Role::EmergencyStop => return self.mushroom(part, down),
-            Role::OvertravelRelease => return self.round_button(part, down),
+            KeyRole::EmergencyStop => return self.mushroom(part, down),
+            KeyRole::OvertravelRelease => return self.round_button(part, down),
             _ => {}
         }
         let base = part.colour.rgb();
@@ -385,11 +387,11 @@ impl Painter {
     }
 }
 
-fn lamp_colour(bit: Bit, key: Option<Key>, y: &[u8]) -> Colour {
-    match (bit.of(y), key) {
-        (false, _) => Colour::LampOff,
-        (true, Some(Key::FeedHold)) => Colour::LampHold,
-        (true, _) => Colour::LampOn,
+fn lamp_colour(bit: Bit, key: Option<Key>, y: &[u8]) -> PanelColour {
+    match (bit.is_set_in(y), key) {
+        (false, _) => PanelColour::LampOff,
+        (true, Some(Key::FeedHold)) => PanelColour::LampHold,
+        (true, _) => PanelColour::LampOn,
     }
 }
 

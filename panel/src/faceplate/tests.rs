@@ -3,7 +3,7 @@ use crate::keys::{KEYS, STRIP};
 use gsk_core::model::ModelId;
 
 #[test]
-fn every_key_stands_once() {
+fn every_key_is_on_the_panel_once() {
     for row in &KEYS {
         let count = parts()
             .iter()
@@ -14,13 +14,13 @@ fn every_key_stands_once() {
     }
     let lamps = parts()
         .iter()
-        .filter(|part| matches!(part.what, What::Strip(_)))
+        .filter(|part| matches!(part.what, PartKind::Strip(_)))
         .count();
     assert_eq!(lamps, STRIP.len());
 }
 
 #[test]
-fn parts_of_one_layer_do_not_overlap_and_stand_on_the_layer_below() {
+fn parts_of_one_layer_do_not_overlap_and_are_on_the_layer_below() {
     for (index, part) in parts().iter().enumerate() {
         for other in &parts()[index + 1..] {
             assert!(part.layer <= other.layer, "drawing order");
@@ -52,11 +52,13 @@ fn legends_and_lamps_stay_inside_their_key() {
 }
 
 #[test]
-fn every_part_stands_in_one_of_the_areas() {
-    for part in parts().iter().filter(|part| part.what != What::Housing) {
-        let areas = Area::APART.iter().filter(|area| area.holds(part));
+fn every_part_is_in_one_of_the_areas() {
+    for part in parts().iter().filter(|part| part.what != PartKind::Housing) {
+        let areas = PanelArea::SECTIONS
+            .iter()
+            .filter(|area| area.contains(part));
         assert_eq!(areas.count(), 1, "{part:?}");
-        assert!(Area::WHOLE.holds(part));
+        assert!(PanelArea::WHOLE.contains(part));
     }
 }
 
@@ -90,14 +92,17 @@ fn the_lcd_has_whole_dots_at_half_scales() {
 fn the_pointer_finds_keys_by_their_outline() {
     let stop = part_of(Key::EmergencyStop).unwrap().rect;
     let (x, y) = stop.center();
-    assert_eq!(part_at(x, y).and_then(Part::key), Some(Key::EmergencyStop));
     assert_eq!(
-        part_at(stop.x + 1.0, stop.y + 1.0).and_then(Part::key),
+        part_at(x, y).and_then(PanelPart::key),
+        Some(Key::EmergencyStop)
+    );
+    assert_eq!(
+        part_at(stop.x + 1.0, stop.y + 1.0).and_then(PanelPart::key),
         None
     );
     for row in &KEYS {
         let (x, y) = part_of(row.key).unwrap().rect.center();
-        assert_eq!(part_at(x, y).and_then(Part::key), Some(row.key));
+        assert_eq!(part_at(x, y).and_then(PanelPart::key), Some(row.key));
     }
     assert_eq!(part_at(-1.0, 5.0), None);
 }
@@ -112,14 +117,14 @@ fn it_is_painted_at_any_scale() {
         real: false,
         model: ModelId::Gsk980td,
     };
-    let picture = paint(Area::WHOLE, &state, 1.0).unwrap();
+    let picture = paint(PanelArea::WHOLE, &state, 1.0).unwrap();
     assert_eq!((picture.width(), picture.height()), (1280, 756));
     assert_ne!(
         picture,
-        paint(Area::WHOLE, &FaceState::default(), 1.0).unwrap()
+        paint(PanelArea::WHOLE, &FaceState::default(), 1.0).unwrap()
     );
-    assert!(paint(Area::WHOLE, &state, 0.33).is_some());
-    assert!(paint(Area::WHOLE, &state, f32::NAN).is_none_or(|picture| picture.width() > 0));
+    assert!(paint(PanelArea::WHOLE, &state, 0.33).is_some());
+    assert!(paint(PanelArea::WHOLE, &state, f32::NAN).is_none_or(|picture| picture.width() > 0));
 }
 
 #[test]
@@ -134,23 +139,26 @@ fn a_part_is_painted_as_in_the_whole_picture() {
     };
     let scale = 1.37;
     for real in [false, true] {
-        pieces_as_in_the_whole(&FaceState { real, ..state }, scale);
+        sections_as_in_the_whole(&FaceState { real, ..state }, scale);
     }
 }
 
-fn pieces_as_in_the_whole(state: &FaceState<'_>, scale: f32) {
-    for area in core::iter::once(Area::WHOLE).chain(Area::APART) {
-        pieces_as_in(area, state, scale);
+fn sections_as_in_the_whole(state: &FaceState<'_>, scale: f32) {
+    for area in core::iter::once(PanelArea::WHOLE).chain(PanelArea::SECTIONS) {
+        sections_as_in(area, state, scale);
     }
 }
 
-fn pieces_as_in(area: Area, state: &FaceState<'_>, scale: f32) {
+fn sections_as_in(area: PanelArea, state: &FaceState<'_>, scale: f32) {
     let whole = paint(area, state, scale).unwrap();
     for part in area.parts().filter(|part| part.layer > 1) {
         let part = &part;
-        let (piece, [left, top]) = paint_part(area, part, state, scale).unwrap();
-        for (index, dot) in piece.pixels().iter().enumerate() {
-            let (x, y) = (index as u32 % piece.width(), index as u32 / piece.width());
+        let (section, [left, top]) = paint_part(area, part, state, scale).unwrap();
+        for (index, dot) in section.pixels().iter().enumerate() {
+            let (x, y) = (
+                index as u32 % section.width(),
+                index as u32 / section.width(),
+            );
             let there = whole.pixel(left + x, top + y).unwrap();
             let near = |one: u8, other: u8| one.abs_diff(other) <= 8;
             assert!(
@@ -164,7 +172,7 @@ fn pieces_as_in(area: Area, state: &FaceState<'_>, scale: f32) {
 }
 
 #[test]
-fn what_changes_the_picture_changes_the_look() {
+fn a_change_of_the_picture_changes_the_state() {
     let dark = FaceState::default();
     let lit = FaceState {
         y: &[0xff; 20],
@@ -178,24 +186,31 @@ fn what_changes_the_picture_changes_the_look() {
             pressed: &pressed,
             ..dark
         };
-        assert_eq!(look(part, &dark) != look(part, &down), part.key().is_some());
+        assert_eq!(
+            part_state(part, &dark) != part_state(part, &down),
+            part.key().is_some()
+        );
         let lamp = match part.what {
-            What::Strip(index) => STRIP[index].fitted,
+            PartKind::Strip(index) => STRIP[index].fitted,
             _ => key.is_some_and(|key| key.row().lamp.is_some()),
         };
-        assert_eq!(look(part, &dark) != look(part, &lit), lamp, "{part:?}");
-        let wheel = part.what == What::Handwheel;
-        assert_eq!(look(part, &dark) != look(part, &turned), wheel);
+        assert_eq!(
+            part_state(part, &dark) != part_state(part, &lit),
+            lamp,
+            "{part:?}"
+        );
+        let wheel = part.what == PartKind::Handwheel;
+        assert_eq!(part_state(part, &dark) != part_state(part, &turned), wheel);
         let linked = FaceState { real: true, ..dark };
-        let says = matches!(part.what, What::Emulator | What::RealMotion);
-        assert_eq!(look(part, &dark) != look(part, &linked), says);
+        let says = matches!(part.what, PartKind::Emulator | PartKind::RealMotion);
+        assert_eq!(part_state(part, &dark) != part_state(part, &linked), says);
         let other = FaceState {
             model: ModelId::Ncb08,
             ..dark
         };
         assert_eq!(
-            look(part, &dark) != look(part, &other),
-            part.what == What::Model
+            part_state(part, &dark) != part_state(part, &other),
+            part.what == PartKind::Model
         );
     }
 }
@@ -205,7 +220,7 @@ fn what_changes_the_picture_changes_the_look() {
 fn the_name_is_that_of_the_model() {
     let part = parts()
         .iter()
-        .find(|part| part.what == What::Model)
+        .find(|part| part.what == PartKind::Model)
         .unwrap();
     let mut pictures = Vec::new();
     for model in ModelId::ALL {
@@ -213,7 +228,7 @@ fn the_name_is_that_of_the_model() {
             model,
             ..FaceState::default()
         };
-        let (picture, _) = paint_part(Area::WHOLE, part, &state, 1.0).unwrap();
+        let (picture, _) = paint_part(PanelArea::WHOLE, part, &state, 1.0).unwrap();
         let edge = |x: u32| (0..picture.height()).map(move |y| (x, y));
         let ground = picture.pixel(0, picture.height() / 2).unwrap();
         let of_edges = edge(1).chain(edge(picture.width() - 2));
@@ -229,22 +244,22 @@ fn the_name_is_that_of_the_model() {
 
 #[test]
 fn a_panel_with_a_real_machine_is_no_emulator() {
-    let dots = |real: bool, what: What| {
+    let dots = |real: bool, what: PartKind| {
         let part = parts().iter().find(|part| part.what == what).unwrap();
         let state = FaceState {
             real,
             ..FaceState::default()
         };
-        paint_part(Area::WHOLE, part, &state, 1.0).unwrap().0
+        paint_part(PanelArea::WHOLE, part, &state, 1.0).unwrap().0
     };
-    let plain = |piece: &Pixmap| {
-        let row = |y: u32| (8..piece.width() - 8).map(move |x| piece.pixel(x, y).unwrap());
-        (8..piece.height() - 8).all(|y| row(y).all(|dot| dot == row(y).next().unwrap()))
+    let plain = |section: &Pixmap| {
+        let row = |y: u32| (8..section.width() - 8).map(move |x| section.pixel(x, y).unwrap());
+        (8..section.height() - 8).all(|y| row(y).all(|dot| dot == row(y).next().unwrap()))
     };
-    assert!(!plain(&dots(false, What::Emulator)));
-    assert!(plain(&dots(true, What::Emulator)), "the word is gone");
-    assert!(plain(&dots(false, What::RealMotion)));
-    let badge = dots(true, What::RealMotion);
+    assert!(!plain(&dots(false, PartKind::Emulator)));
+    assert!(plain(&dots(true, PartKind::Emulator)), "the word is gone");
+    assert!(plain(&dots(false, PartKind::RealMotion)));
+    let badge = dots(true, PartKind::RealMotion);
     let red = |dot: &tiny_skia::PremultipliedColorU8| dot.red() > 150 && dot.green() < 90;
     let share = badge.pixels().iter().filter(|dot| red(dot)).count();
     assert!(share * 2 > badge.pixels().len(), "{share} red dots");

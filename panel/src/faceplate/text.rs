@@ -79,8 +79,8 @@ pub(super) fn draw(
     // Use a separate picture, because outlines that cross the edge of a pixmap are drawn
     // wrongly.
     let (left, top) = (x - 2.0, (y - 1.1 * em).floor());
-    let room = [wide + 4.0, 1.5 * em].map(|side| side.ceil().max(1.0) as u32);
-    let Some(mut picture) = Pixmap::new(room[0], room[1]) else {
+    let size_px = [wide + 4.0, 1.5 * em].map(|side| side.ceil().max(1.0) as u32);
+    let Some(mut picture) = Pixmap::new(size_px[0], size_px[1]) else {
         return;
     };
     let mut pen = Pen {
@@ -109,8 +109,8 @@ pub(super) fn draw(
         None,
     );
     let (x, y) = ((left - corner.0) as i32, (top - corner.1) as i32);
-    let (plain, place) = (PixmapPaint::default(), Transform::identity());
-    target.draw_pixmap(x, y, picture.as_ref(), &plain, place, None);
+    let (plain, transform) = (PixmapPaint::default(), Transform::identity());
+    target.draw_pixmap(x, y, picture.as_ref(), &plain, transform, None);
 }
 
 /// Returns an opaque colour.

@@ -1,7 +1,7 @@
 use super::*;
 
 #[test]
-fn the_table_stands_in_the_order_of_the_enum() {
+fn the_table_has_the_order_of_the_enum() {
     for (index, row) in KEYS.iter().enumerate() {
         assert_eq!(row.key as usize, index, "{}", row.id);
         assert_eq!(row.key.row(), row);
@@ -87,7 +87,7 @@ fn the_keys_of_the_manual_are_all_there() {
 fn every_character_is_entered_by_one_key() {
     for character in "ONGXZUWSTMPRIKJFLH/0123456789-.".chars() {
         let enters =
-            |row: &&KeyRow| matches!(row.role, Role::Character(first, _) if first == character);
+            |row: &&KeyRow| matches!(row.role, KeyRole::Character(first, _) if first == character);
         assert_eq!(KEYS.iter().filter(enters).count(), 1, "{character}");
     }
 }
@@ -105,6 +105,6 @@ fn lamps_are_found_by_their_key_or_strip_name() {
     assert_eq!(lamp_of("SBK"), Some(Bit::new(6, 7)));
     assert_eq!(lamp_of("s-sbk"), Some(Bit::new(4, 3)));
     assert_eq!(lamp_of("POS"), None);
-    assert!(Bit::new(1, 3).of(&[0, 8]));
-    assert!(!Bit::new(2, 3).of(&[0, 8]));
+    assert!(Bit::new(1, 3).is_set_in(&[0, 8]));
+    assert!(!Bit::new(2, 3).is_set_in(&[0, 8]));
 }

@@ -13,7 +13,7 @@ use super::lists::{self, HEADING_ROW};
 use super::parameters::{self, BITS};
 use super::plc_names;
 use super::table::PageId;
-use super::view::View;
+use super::view::PageView;
 use crate::screen::Screen;
 
 /// Count of diagnosis numbers, and of those on one screen.
@@ -154,13 +154,13 @@ const REGISTERS: [Register; 5] = [
 ];
 
 const fn wired(bits: [(u16, u8); 8]) -> [Option<(u16, u8)>; 8] {
-    let mut places = [None; 8];
+    let mut wired_bits = [None; 8];
     let mut at = 0;
-    while at < places.len() {
-        places[at] = Some(bits[at]);
+    while at < wired_bits.len() {
+        wired_bits[at] = Some(bits[at]);
         at += 1;
     }
-    places
+    wired_bits
 }
 
 /// Diagnosis number of the current tool.
@@ -196,10 +196,10 @@ impl Register {
 }
 
 /// Draws the page.
-pub fn draw(screen: &mut Screen, view: &View, cnc: &Cnc) {
+pub fn draw(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let cursor = view.cursors.get(PageId::Dgn);
     let item = cursor.item.min(DIAGNOSES - 1);
-    screen.say(HEADING_ROW, 0, &say::lcd_diagnosis_heading());
+    screen.put_message(HEADING_ROW, 0, &say::lcd_diagnosis_heading());
     let first = item / SCREEN * SCREEN;
     let shown = (first..DIAGNOSES).map(|number| {
         let value = match time_of(number) {
@@ -211,28 +211,28 @@ pub fn draw(screen: &mut Screen, view: &View, cnc: &Cnc) {
     lists::draw(screen, &BITS, shown, item % SCREEN);
     if let Some(register) = Register::of(item) {
         let bit = cursor.bit.min(7);
-        let place = usize::from(7 - bit);
-        let end = screen.put(10, 0, &format!("Bit{bit}:{}", register.names[place]));
+        let index = usize::from(7 - bit);
+        let end = screen.put(10, 0, &format!("Bit{bit}:{}", register.names[index]));
         if let Some(address) = register.address(bit) {
             let meaning = plc_names::meaning(cnc.plc().ladder(), address, screen.language());
             screen.put(10, end + 1, &meaning);
         }
         lists::bit_names(screen, 11, |bit| register.names[usize::from(7 - bit)]);
-        screen.say(12, 0, &(register.group)());
+        screen.put_message(12, 0, &(register.group)());
     }
     if let Some(signals) = SIGNALS.iter().find(|signals| signals.number == item) {
         let bit = cursor.bit.min(7);
-        let place = usize::from(7 - bit);
-        let end = screen.put(10, 0, &format!("Bit{bit}:{}", signals.names[place]));
-        if let Some(meaning) = signals.meanings[place] {
-            screen.say(10, end + 1, &meaning());
+        let index = usize::from(7 - bit);
+        let end = screen.put(10, 0, &format!("Bit{bit}:{}", signals.names[index]));
+        if let Some(meaning) = signals.meanings[index] {
+            screen.put_message(10, end + 1, &meaning());
         }
         lists::bit_names(screen, 11, |bit| signals.names[usize::from(7 - bit)]);
-        screen.say(12, 0, &(signals.group)());
+        screen.put_message(12, 0, &(signals.group)());
     }
     if let Some(row) = time_of(item).and_then(|parameter| memory::row(parameter, None)) {
         screen.put(10, 0, parameters::meaning(screen, row));
-        screen.say(12, 0, &say::lcd_data_parameter(item));
+        screen.put_message(12, 0, &say::lcd_data_parameter(item));
     }
     let prompt = say::lcd_number_prompt(format!("{item:03}"));
     frame::input_line(screen, &prompt, view);

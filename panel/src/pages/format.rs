@@ -11,14 +11,14 @@ const PER_REVOLUTION_UNIT: f64 = 100.0;
 
 /// How coordinates are shown: X as diameter or radius, mm or inch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Display {
+pub struct CoordinateFormat {
     /// Whether X is a diameter (001.2 = 0).
     pub diameter: bool,
     /// Whether the machine is in inches (004.0 SCW), with four decimals.
     pub inch: bool,
 }
 
-impl Display {
+impl CoordinateFormat {
     /// Reads the format from the parameters of a control.
     pub fn of(cnc: &Cnc) -> Self {
         Self {
@@ -65,7 +65,7 @@ pub fn per_minute(rate: f64) -> String {
     if rate > 15_000.0 {
         return "***".to_owned();
     }
-    format!("{:.0}", cut(rate))
+    format!("{:.0}", integer_part(rate))
 }
 
 /// Formats a rate per revolution, mm, in hundredths of a millimetre, rounded down. Above 500 mm
@@ -79,7 +79,7 @@ pub fn per_revolution(rate: f64) -> String {
 }
 
 /// The integer part. A value a rounding error below an integer counts as that integer.
-fn cut(value: f64) -> f64 {
+fn integer_part(value: f64) -> f64 {
     (value + 1e-6).floor()
 }
 
@@ -113,7 +113,7 @@ pub fn byte(value: u8) -> String {
 }
 
 /// Formats a number with four digits, at most 9999.
-pub fn four(value: f64) -> String {
+pub fn four_digits(value: f64) -> String {
     format!("{:04.0}", value.abs().round().min(9999.0))
 }
 
@@ -121,7 +121,7 @@ pub fn four(value: f64) -> String {
 mod tests {
     use super::*;
 
-    const METRIC: Display = Display {
+    const METRIC: CoordinateFormat = CoordinateFormat {
         diameter: true,
         inch: false,
     };
@@ -132,7 +132,7 @@ mod tests {
         assert_eq!(METRIC.coordinate(Axis::Z, -9999.999), "-9999.999");
         assert_eq!(METRIC.coordinate(Axis::Z, -0.0004), "0.000");
         assert_eq!(METRIC.coordinate(Axis::Z, -0.0006), "-0.001");
-        let inch = Display {
+        let inch = CoordinateFormat {
             diameter: false,
             inch: true,
         };
@@ -159,7 +159,7 @@ mod tests {
         assert_eq!(clock(19_688_999), "05:28:08");
         assert_eq!(clock(360_000_000), "00:00:00");
         assert_eq!(byte(0b0100_0001), "01000001");
-        assert_eq!(four(-300.2), "0300");
-        assert_eq!(four(12_000.0), "9999");
+        assert_eq!(four_digits(-300.2), "0300");
+        assert_eq!(four_digits(12_000.0), "9999");
     }
 }

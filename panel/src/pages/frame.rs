@@ -7,10 +7,10 @@ use gsk_core::operation::Mode;
 use gsk_core::program::{Inflow, Program};
 use gsk_messages::{Message, say};
 
-use super::format::four;
+use super::format::four_digits;
 use super::table::PageId;
-use super::view::{Communication, View};
-use crate::screen::{Look, Screen};
+use super::view::{Communication, PageView};
+use crate::screen::{CellStyle, Screen};
 
 /// Row of the input line, and of the S and T display.
 pub(crate) const INPUT_ROW: usize = 13;
@@ -29,34 +29,34 @@ const MODE_COLUMN: usize = 20;
 const COMMUNICATION_COLUMN: usize = 30;
 
 /// Draws the frame of a page.
-pub fn draw(screen: &mut Screen, page: PageId, view: &View, cnc: &Cnc) {
-    screen.say(0, 0, &page.title());
+pub fn draw(screen: &mut Screen, page: PageId, view: &PageView, cnc: &Cnc) {
+    screen.put_message(0, 0, &page.title());
     screen.put(0, PROGRAM_COLUMN, &format!("O{:04}", program_number(cnc)));
     screen.put(0, SEQUENCE_COLUMN, &format!("N{:04}", sequence(view, cnc)));
 
-    let spindle = format!("S{}", four(spindle_speed(cnc)));
+    let spindle = format!("S{}", four_digits(spindle_speed(cnc)));
     screen.put(INPUT_ROW, PROGRAM_COLUMN, &spindle);
     let (tool, offset) = cnc.tool();
     let tool = format!("T{tool:02}{offset:02}");
     screen.put(INPUT_ROW, SEQUENCE_COLUMN, &tool);
 
     draw_state(screen, view, cnc);
-    screen.say(STATUS_ROW, MODE_COLUMN, &mode_text(cnc.mode()));
+    screen.put_message(STATUS_ROW, MODE_COLUMN, &mode_text(cnc.mode()));
     draw_communication(screen, view);
 }
 
 /// 准备未绪 replaces both 报警 and 暂停.
-fn draw_state(screen: &mut Screen, view: &View, cnc: &Cnc) {
+fn draw_state(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let lit = view.flash_on();
     if cnc.not_ready() {
-        screen.say_flashing(STATUS_ROW, ALARM_COLUMN, &say::lcd_not_ready(), lit);
+        screen.put_flashing_message(STATUS_ROW, ALARM_COLUMN, &say::lcd_not_ready(), lit);
         return;
     }
     if cnc.in_alarm() {
-        screen.say_flashing(STATUS_ROW, ALARM_COLUMN, &say::lcd_alarm(), lit);
+        screen.put_flashing_message(STATUS_ROW, ALARM_COLUMN, &say::lcd_alarm(), lit);
     }
     if cnc.in_feed_hold() {
-        screen.say(STATUS_ROW, HOLD_COLUMN, &say::lcd_hold());
+        screen.put_message(STATUS_ROW, HOLD_COLUMN, &say::lcd_hold());
     }
 }
 
@@ -78,7 +78,7 @@ fn mode_text(mode: Mode) -> Message {
     }
 }
 
-fn draw_communication(screen: &mut Screen, view: &View) {
+fn draw_communication(screen: &mut Screen, view: &PageView) {
     let text = match view.communication {
         Communication::Idle => return,
         Communication::Receiving => say::lcd_receiving(),
@@ -87,34 +87,34 @@ fn draw_communication(screen: &mut Screen, view: &View) {
         Communication::Failed => say::lcd_transfer_failed(),
     };
     let lit = view.communication != Communication::Sending || view.flash_on();
-    screen.say_flashing(STATUS_ROW, COMMUNICATION_COLUMN, &text, lit);
+    screen.put_flashing_message(STATUS_ROW, COMMUNICATION_COLUMN, &text, lit);
 }
 
 /// Draws the input line: the prompt and, one column after it, the typed text.
-pub(crate) fn input_line(screen: &mut Screen, prompt: &Message, view: &View) {
-    let end = screen.say(INPUT_ROW, 0, prompt);
+pub(crate) fn input_line(screen: &mut Screen, prompt: &Message, view: &PageView) {
+    let end = screen.put_message(INPUT_ROW, 0, prompt);
     keyed_in(screen, end + 1, view);
 }
 
 /// Draws the input line of a setting: `序号ISO=`, and the typed text.
-pub(crate) fn setting_line(screen: &mut Screen, name: &str, view: &View) {
-    let end = screen.say(INPUT_ROW, 0, &say::lcd_setting_prompt(name));
+pub(crate) fn setting_line(screen: &mut Screen, name: &str, view: &PageView) {
+    let end = screen.put_message(INPUT_ROW, 0, &say::lcd_setting_prompt(name));
     keyed_in(screen, end, view);
 }
 
 /// Draws the typed text from a column on. A trailing address letter flashes until its number
 /// follows.
-fn keyed_in(screen: &mut Screen, start: usize, view: &View) {
-    let room = INPUT_END.saturating_sub(start);
+fn keyed_in(screen: &mut Screen, start: usize, view: &PageView) {
+    let width_left = INPUT_END.saturating_sub(start);
     let length = view.input.chars().count();
     let shown: String = view
         .input
         .chars()
-        .skip(length.saturating_sub(room))
+        .skip(length.saturating_sub(width_left))
         .collect();
     let end = screen.put(INPUT_ROW, start, &shown);
     if shown.ends_with(|last: char| last.is_ascii_alphabetic()) && !view.flash_on() {
-        screen.set_look(INPUT_ROW, end - 1..end, Look::Dark);
+        screen.set_style(INPUT_ROW, end - 1..end, CellStyle::Dark);
     }
 }
 
@@ -153,7 +153,7 @@ fn program_number(cnc: &Cnc) -> u16 {
 }
 
 /// The sequence number of the block in execution, or of the block at the cursor.
-fn sequence(view: &View, cnc: &Cnc) -> u32 {
+fn sequence(view: &PageView, cnc: &Cnc) -> u32 {
     let cursor = cnc.cursor();
     if let Some(sequence) = cursor.sequence {
         return sequence;

@@ -4,17 +4,17 @@ use gsk_core::cnc::Cnc;
 use gsk_core::units::{Axis, Point};
 use gsk_messages::{Message, say};
 
-use super::format::{Display, thousandths};
+use super::format::{CoordinateFormat, thousandths};
 use super::frame;
 use super::graphic_settings::GraphicSettings;
 use super::table::PageId;
-use super::view::View;
-use crate::bitmap::{Area, Bitmap, Stroke};
+use super::view::PageView;
+use crate::bitmap::{Bitmap, DotArea, Stroke};
 use crate::screen::Screen;
-use crate::trace::Trace;
+use crate::trace::PathTrace;
 
 /// The area of the path.
-pub(crate) const PLOT: Area = Area {
+pub(crate) const PLOT: DotArea = DotArea {
     left: 8,
     top: 24,
     right: 223,
@@ -28,7 +28,7 @@ const CENTER: (f64, f64) = (116.0, 112.0);
 const MARKER: f64 = 3.0;
 
 /// Draws the page of the graphic parameters.
-pub fn parameters(screen: &mut Screen, view: &View) {
+pub fn parameters(screen: &mut Screen, view: &PageView) {
     let settings = &view.graphic;
     let rows: [(Message, String, Option<Message>); 8] = [
         (
@@ -52,25 +52,25 @@ pub fn parameters(screen: &mut Screen, view: &View) {
         (say::lcd_graphic_x_min(), thousandths(settings.min_x), None),
         (say::lcd_graphic_z_min(), thousandths(settings.min_z), None),
     ];
-    screen.say(1, 14, &say::lcd_graphic_parameters());
+    screen.put_message(1, 14, &say::lcd_graphic_parameters());
     let cursor = view.cursors.get(PageId::GraphPar).item.min(rows.len() - 1);
     for (index, (label, value, note)) in rows.into_iter().enumerate() {
         let row = 3 + index;
         if index == cursor {
             screen.put(row, 0, "_");
         }
-        let column = screen.say(row, 1, &label) + 1;
+        let column = screen.put_message(row, 1, &label) + 1;
         let column = screen.put(row, column, &value);
         if let Some(note) = note {
-            screen.say(row, column, &note);
+            screen.put_message(row, column, &note);
         }
     }
     frame::setting_line(screen, &format!("{:03}", cursor + 1), view);
 }
 
 /// Draws the page with the picture of the path.
-pub fn picture(screen: &mut Screen, view: &View, cnc: &Cnc) {
-    let display = Display::of(cnc);
+pub fn picture(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
+    let display = CoordinateFormat::of(cnc);
     let at = cnc.position_absolute();
     for (row, (letter, axis)) in (2..).zip([("X", Axis::X), ("Z", Axis::Z)]) {
         screen.put(row, 29, letter);
@@ -85,7 +85,7 @@ pub fn picture(screen: &mut Screen, view: &View, cnc: &Cnc) {
         if chosen {
             screen.put(row, 29, "*");
         }
-        screen.say(row, 30, &text);
+        screen.put_message(row, 30, &text);
     }
     let plot = Plot::new(&view.graphic, display, cnc.parameters().up_is_positive());
     let dots = screen.graphic_mut();
@@ -104,7 +104,7 @@ struct Plot {
 }
 
 impl Plot {
-    fn new(settings: &GraphicSettings, display: Display, x_up: bool) -> Self {
+    fn new(settings: &GraphicSettings, display: CoordinateFormat, x_up: bool) -> Self {
         Self {
             center: settings.center(display.diameter),
             dots_per_mm: settings.dots_per_mm(),
@@ -123,14 +123,14 @@ impl Plot {
         (CENTER.0 + right, CENTER.1 - up)
     }
 
-    fn trace(&self, dots: &mut Bitmap, trace: &Trace) {
-        for piece in trace.pieces() {
-            let stroke = if piece.rapid {
+    fn trace(&self, dots: &mut Bitmap, trace: &PathTrace) {
+        for segment in trace.segments() {
+            let stroke = if segment.rapid {
                 Stroke::Dotted
             } else {
                 Stroke::Solid
             };
-            dots.line(self.dot(piece.from), self.dot(piece.to), stroke, PLOT);
+            dots.line(self.dot(segment.from), self.dot(segment.to), stroke, PLOT);
         }
     }
 
@@ -159,7 +159,7 @@ mod tests {
         settings
     }
 
-    const DIAMETER: Display = Display {
+    const DIAMETER: CoordinateFormat = CoordinateFormat {
         diameter: true,
         inch: false,
     };

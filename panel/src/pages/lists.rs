@@ -13,7 +13,7 @@ pub(crate) const FIRST_ROW: usize = 2;
 
 /// Columns of one half of a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Column {
+pub struct ListColumns {
     /// Column of the cursor.
     pub cursor: usize,
     /// First column of the number.
@@ -23,13 +23,13 @@ pub struct Column {
 }
 
 /// The halves of a list of three-digit numbers or addresses with their values.
-pub(crate) const NUMBERED: [Column; 2] = [
-    Column {
+pub(crate) const NUMBERED: [ListColumns; 2] = [
+    ListColumns {
         cursor: 0,
         number: 1,
         value_end: 16,
     },
-    Column {
+    ListColumns {
         cursor: 20,
         number: 21,
         value_end: 36,
@@ -37,22 +37,22 @@ pub(crate) const NUMBERED: [Column; 2] = [
 ];
 
 /// An item: its number as shown, and its value.
-pub type Item = (String, String);
+pub type ListItem = (String, String);
 
 /// The row of an item on its screen, and its half.
-fn place(index: usize) -> (usize, usize) {
+fn row_and_half(index: usize) -> (usize, usize) {
     (FIRST_ROW + index % LIST_ROWS, index / LIST_ROWS)
 }
 
 /// Writes the items of one screen, the first half before the second.
 pub fn draw(
     screen: &mut Screen,
-    halves: &[Column],
-    items: impl Iterator<Item = Item>,
+    halves: &[ListColumns],
+    items: impl Iterator<Item = ListItem>,
     cursor: usize,
 ) {
     for (index, (number, value)) in items.take(LIST_ROWS * halves.len()).enumerate() {
-        let (row, half) = place(index);
+        let (row, half) = row_and_half(index);
         let Some(column) = halves.get(half) else {
             return;
         };

@@ -5,9 +5,9 @@ use gsk_core::operation::{Mode, RunState};
 use gsk_core::program::{Block, Syntax};
 use gsk_messages::say;
 
-use super::format::{Display, four};
+use super::format::{CoordinateFormat, four_digits};
 use super::frame;
-use super::view::View;
+use super::view::PageView;
 use crate::screen::Screen;
 
 /// The words of the left side, in their rows from R2 on.
@@ -29,8 +29,8 @@ const STATEMENT_ROW: usize = 1;
 const NO_LIMIT: f64 = 9999.0;
 
 /// Draws the page.
-pub fn draw(screen: &mut Screen, view: &View, cnc: &Cnc) {
-    screen.say(1, 4, &say::lcd_block_and_modal());
+pub fn draw(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
+    screen.put_message(1, 4, &say::lcd_block_and_modal());
     if let Some((block, text)) = shown_block(cnc) {
         draw_words(screen, &block, &text, cnc);
     }
@@ -68,7 +68,7 @@ fn draw_words(screen: &mut Screen, block: &Block, text: &str, cnc: &Cnc) {
     if let Some(code) = block.g_codes().last() {
         screen.put(FIRST_ROW, 0, &format!("G{code:02}"));
     }
-    let display = Display::of(cnc);
+    let display = CoordinateFormat::of(cnc);
     for (row, address) in (FIRST_ROW..).zip(WORDS) {
         let Some(word) = block.word(*address) else {
             continue;
@@ -137,6 +137,6 @@ fn draw_modal(screen: &mut Screen, cnc: &Cnc) {
     ];
     for (row, (name, value)) in (9..).zip(speeds) {
         screen.put(row, CODE_COLUMN, name);
-        screen.put(row, MODAL_COLUMN, &four(value));
+        screen.put(row, MODAL_COLUMN, &four_digits(value));
     }
 }

@@ -27,7 +27,7 @@ mod view;
 use gsk_core::cnc::Cnc;
 use gsk_messages::Language;
 
-pub use format::Display;
+pub use format::CoordinateFormat;
 pub use graphic_settings::GraphicSettings;
 pub(crate) use parameters::PITCH_POINTS;
 pub(crate) use parameters::data_numbers;
@@ -44,10 +44,10 @@ pub use power_on::{POWER_ON_TICKS, draw as power_on};
 pub(crate) use program::directory_screens;
 pub(crate) use program_text::PAGE_ROWS;
 pub use table::{PAGES, PageId, PageKey, PageRow};
-pub use taught::{Taught, Teaching};
+pub use taught::{TaughtPoint, TaughtProgram};
 pub(crate) use teaching::teaches;
 pub use view::BRIGHTNESS_STEPS;
-pub use view::{Communication, Cursor, Cursors, Editor, FLASH_TICKS, View};
+pub use view::{Communication, EditorState, FLASH_TICKS, PageCursor, PageCursors, PageView};
 
 use crate::screen::Screen;
 
@@ -61,12 +61,12 @@ pub fn language(cnc: &Cnc) -> Language {
 }
 
 /// Draws a page in the language of the LCD.
-pub fn draw(page: PageId, view: &View, cnc: &Cnc) -> Screen {
+pub fn draw(page: PageId, view: &PageView, cnc: &Cnc) -> Screen {
     draw_in(language(cnc), page, view, cnc)
 }
 
 /// Draws a page in a language.
-pub fn draw_in(language: Language, page: PageId, view: &View, cnc: &Cnc) -> Screen {
+pub fn draw_in(language: Language, page: PageId, view: &PageView, cnc: &Cnc) -> Screen {
     let mut screen = Screen::in_language(language);
     let target = &mut screen;
     frame::draw(target, page, view, cnc);
@@ -112,15 +112,15 @@ mod tests {
 
     /// A text of the table without its values.
     fn words(text: &str) -> String {
-        let pieces = text.split('{');
-        let behind = pieces.map(|piece| piece.split_once('}').map_or(piece, |(_, rest)| rest));
-        behind.collect()
+        let parts = text.split('{');
+        let rests = parts.map(|part| part.split_once('}').map_or(part, |(_, rest)| rest));
+        rests.collect()
     }
 
     /// Titles are alone in their row. Other English texts take at most the cells of the Chinese
     /// ones, so that every page keeps its layout.
     #[test]
-    fn english_takes_no_more_room_than_chinese() {
+    fn english_is_no_wider_than_chinese() {
         let titles: Vec<Id> = PAGES.iter().map(|row| row.page.title().id()).collect();
         let mut count = 0;
         for (id, [english, chinese]) in Id::all().iter().zip(texts()) {
@@ -141,7 +141,7 @@ mod tests {
         setup.memory.parameters.set_bit(184, 0, true).unwrap();
         let cnc = Cnc::new(setup);
         for row in PAGES {
-            let screen = draw(row.page, &View::default(), &cnc);
+            let screen = draw(row.page, &PageView::default(), &cnc);
             for line in screen.text().lines() {
                 // The ladder's header is in the language of its author.
                 let own = row.page == PageId::Version

@@ -5,11 +5,11 @@ use gsk_core::memory::OFFSETS;
 use gsk_core::units::Axis;
 use gsk_messages::say;
 
-use super::format::Display;
+use super::format::CoordinateFormat;
 use super::frame;
-use super::lists::{self, Column, FIRST_ROW, HEADING_ROW, LIST_ROWS};
+use super::lists::{self, FIRST_ROW, HEADING_ROW, LIST_ROWS, ListColumns};
 use super::table::PageId;
-use super::view::View;
+use super::view::PageView;
 use crate::screen::Screen;
 
 /// Variables on one screen.
@@ -23,13 +23,13 @@ const GREATEST_SHOWN: u64 = 9_999_999;
 const LEAST_REAL: f64 = 0.000_000_1;
 const GREATEST_REAL: f64 = 99_999_999.0;
 
-const VARIABLE_COLUMNS: [Column; 2] = [
-    Column {
+const VARIABLE_COLUMNS: [ListColumns; 2] = [
+    ListColumns {
         cursor: 0,
         number: 1,
         value_end: 17,
     },
-    Column {
+    ListColumns {
         cursor: 20,
         number: 21,
         value_end: 37,
@@ -37,10 +37,10 @@ const VARIABLE_COLUMNS: [Column; 2] = [
 ];
 
 /// Draws the offsets (偏置).
-pub fn offsets(screen: &mut Screen, view: &View, cnc: &Cnc) {
+pub fn offsets(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let item = view.cursors.get(PageId::Oft).item.min(OFFSETS - 1);
-    let display = Display::of(cnc);
-    screen.say(HEADING_ROW, 0, &say::lcd_offset_heading());
+    let display = CoordinateFormat::of(cnc);
+    screen.put_message(HEADING_ROW, 0, &say::lcd_offset_heading());
     let first = item / LIST_ROWS * LIST_ROWS;
     let rows = cnc.offsets().iter().skip(first).take(LIST_ROWS);
     for (row, (number, offset)) in (FIRST_ROW..).zip(rows) {
@@ -58,11 +58,11 @@ pub fn offsets(screen: &mut Screen, view: &View, cnc: &Cnc) {
 }
 
 /// Draws the macro variables (宏变量).
-pub fn variables(screen: &mut Screen, view: &View, cnc: &Cnc) {
+pub fn variables(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let numbers = cnc.variable_numbers();
     let real = cnc.variables_are_real();
     let item = view.cursors.get(PageId::Macro).item.min(numbers.len() - 1);
-    screen.say(HEADING_ROW, 0, &say::lcd_variables_heading());
+    screen.put_message(HEADING_ROW, 0, &say::lcd_variables_heading());
     let shown = numbers
         .iter()
         .skip(item / VARIABLE_SCREEN * VARIABLE_SCREEN);
@@ -99,9 +99,9 @@ fn real_value(value: Option<f64>) -> String {
     if !(LEAST_REAL..=GREATEST_REAL).contains(&size) {
         return STARS.to_owned();
     }
-    let before = (1..DIGITS).take_while(|places| size >= 10_f64.powi(*places));
-    let places = DIGITS - 1 - before.count() as i32;
-    let text = format!("{value:.0$}", places.unsigned_abs() as usize);
+    let before = (1..DIGITS).take_while(|decimals| size >= 10_f64.powi(*decimals));
+    let decimals = DIGITS - 1 - before.count() as i32;
+    let text = format!("{value:.0$}", decimals.unsigned_abs() as usize);
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
         false => text,
@@ -109,9 +109,9 @@ fn real_value(value: Option<f64>) -> String {
 }
 
 fn relative_position(screen: &mut Screen, cnc: &Cnc) {
-    let display = Display::of(cnc);
+    let display = CoordinateFormat::of(cnc);
     let at = cnc.position_relative();
-    screen.say(10, 0, &say::lcd_position_relative_below());
+    screen.put_message(10, 0, &say::lcd_position_relative_below());
     screen.put(11, 2, "U");
     screen.put_right(11, 13, &display.coordinate(Axis::X, at.x));
     screen.put(11, 20, "W");

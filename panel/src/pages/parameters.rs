@@ -8,9 +8,9 @@ use gsk_messages::{Language, Message, say};
 
 use super::format;
 use super::frame;
-use super::lists::{self, Column, HEADING_ROW};
+use super::lists::{self, HEADING_ROW, ListColumns};
 use super::table::PageId;
-use super::view::View;
+use super::view::PageView;
 use crate::glyphs;
 use crate::screen::Screen;
 
@@ -21,13 +21,13 @@ pub(crate) const PITCH_POINTS: usize = 256;
 const PITCH_SCREEN: usize = 8;
 
 /// Columns of pages with eight binary digits a number.
-pub const BITS: [Column; 2] = [
-    Column {
+pub const BITS: [ListColumns; 2] = [
+    ListColumns {
         cursor: 0,
         number: 1,
         value_end: 15,
     },
-    Column {
+    ListColumns {
         cursor: 20,
         number: 21,
         value_end: 35,
@@ -54,7 +54,7 @@ fn numbers(state: bool) -> impl Iterator<Item = u16> {
 }
 
 /// Draws the state parameters (状态参数).
-pub fn states(screen: &mut Screen, view: &View, cnc: &Cnc) {
+pub fn states(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let cursor = view.cursors.get(PageId::ParBit);
     let values: Vec<u16> = state_numbers().collect();
     let item = cursor.item.min(values.len().saturating_sub(1));
@@ -89,10 +89,10 @@ pub(super) const fn meaning(screen: &Screen, row: &ParameterRow) -> &'static str
 /// The short name of a bit, as wide as the Chinese one.
 fn name(number: u16, bit: u8, language: Language) -> String {
     if let Some(name) = chinese_name(number, bit) {
-        let room = glyphs::text_columns(&name.text(Language::Zh));
+        let width = glyphs::text_columns(&name.text(Language::Zh));
         return match language {
             Language::Zh => name.text(language),
-            Language::En => format!("{:room$}", name.text(language)),
+            Language::En => format!("{:width$}", name.text(language)),
         };
     }
     let symbol = memory::row(number, Some(bit)).map_or("", |row| row.symbol);
@@ -113,7 +113,7 @@ fn chinese_name(number: u16, bit: u8) -> Option<Message> {
 }
 
 /// Draws the data parameters (数据参数).
-pub fn data(screen: &mut Screen, view: &View, cnc: &Cnc) {
+pub fn data(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let values: Vec<u16> = data_numbers().collect();
     let item = view.cursors.get(PageId::ParData).item;
     let item = item.min(values.len().saturating_sub(1));
@@ -136,13 +136,13 @@ pub fn data(screen: &mut Screen, view: &View, cnc: &Cnc) {
 }
 
 fn heading(screen: &mut Screen) {
-    screen.say(HEADING_ROW, 0, &say::lcd_parameters_heading());
+    screen.put_message(HEADING_ROW, 0, &say::lcd_parameters_heading());
 }
 
 /// Draws the pitch error table (螺距补偿参数).
-pub fn pitch(screen: &mut Screen, view: &View, cnc: &Cnc) {
+pub fn pitch(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let item = view.cursors.get(PageId::Pitch).item.min(PITCH_POINTS - 1);
-    screen.say(HEADING_ROW, 0, &say::lcd_pitch_heading());
+    screen.put_message(HEADING_ROW, 0, &say::lcd_pitch_heading());
     let first = item / PITCH_SCREEN * PITCH_SCREEN;
     let points = (first..PITCH_POINTS).take(PITCH_SCREEN);
     for (row, point) in (lists::FIRST_ROW..).zip(points) {

@@ -5,13 +5,13 @@ use gsk_core::cnc::Cnc;
 use gsk_messages::say;
 
 use super::table::PageId;
-use super::view::View;
+use super::view::PageView;
 use crate::screen::Screen;
 
 /// Draws the page.
-pub fn draw(screen: &mut Screen, view: &View, cnc: &Cnc) {
+pub fn draw(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let level = cnc.authority().level().number();
-    screen.say(3, 1, &say::lcd_level(level));
+    screen.put_message(3, 1, &say::lcd_level(level));
     let [old, new, again] = view.password.rows.each_ref().map(|it| "*".repeat(it.len()));
     let rows = [
         say::lcd_enter_password(old),
@@ -19,12 +19,12 @@ pub fn draw(screen: &mut Screen, view: &View, cnc: &Cnc) {
         say::lcd_confirm_password(again),
     ];
     for (row, text) in (0..).zip(rows) {
-        screen.say(5 + 2 * row, 1, &text);
+        screen.put_message(5 + 2 * row, 1, &text);
     }
     let cursor = view.cursors.get(PageId::Password).item.min(3);
     screen.put(3 + 2 * cursor, 0, "_");
-    let end = screen.say(11, 0, &say::lcd_hint());
+    let end = screen.put_message(11, 0, &say::lcd_hint());
     if let Some(hint) = view.password.hint.text() {
-        screen.say(11, end, &hint);
+        screen.put_message(11, end, &hint);
     }
 }

@@ -7,12 +7,12 @@ use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
 use gsk_core::units::Axis;
 use gsk_messages::say;
 
-use super::format::{self, Display};
+use super::format::{self, CoordinateFormat};
 use super::frame;
 use super::lists::{self, HEADING_ROW, LIST_ROWS};
 use super::plc_names;
 use super::table::PageId;
-use super::view::View;
+use super::view::PageView;
 use crate::screen::Screen;
 
 /// The areas of the signal page and of the value page, in their order.
@@ -93,10 +93,10 @@ fn screen_of(address: ByteAddress, size: usize) -> impl Iterator<Item = ByteAddr
 }
 
 /// Draws the PLC signals (PLC信号状态).
-pub fn signals(screen: &mut Screen, view: &View, cnc: &Cnc) {
+pub fn signals(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let cursor = view.cursors.get(PageId::PlcBits);
     let at = bit_item(cursor.item);
-    screen.say(HEADING_ROW, 0, &say::lcd_diagnosis_heading());
+    screen.put_message(HEADING_ROW, 0, &say::lcd_diagnosis_heading());
     let memory = cnc.plc().memory();
     let shown = screen_of(at, BIT_SCREEN)
         .map(|address| (address.to_string(), format::byte(memory.byte(address))));
@@ -121,9 +121,9 @@ pub fn signals(screen: &mut Screen, view: &View, cnc: &Cnc) {
 }
 
 /// Draws the PLC values (PLC数值诊断).
-pub fn values(screen: &mut Screen, view: &View, cnc: &Cnc) {
+pub fn values(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let at = value_item(view.cursors.get(PageId::PlcValues).item);
-    screen.say(HEADING_ROW, 0, &say::lcd_plc_values_heading());
+    screen.put_message(HEADING_ROW, 0, &say::lcd_plc_values_heading());
     let memory = cnc.plc().memory();
     let rows = screen_of(at, LIST_ROWS);
     for (row, address) in (lists::FIRST_ROW..).zip(rows) {
@@ -155,13 +155,13 @@ pub fn soft_panel(screen: &mut Screen, cnc: &Cnc) {
     ];
     for ((row, text), switch) in (2..).zip(texts).zip(SoftSwitch::ALL) {
         let on = cnc.soft_switch_state(switch);
-        screen.say(row, 0, &text);
-        screen.say(row, 18, &say::lcd_off_on());
+        screen.put_message(row, 0, &text);
+        screen.put_message(row, 18, &say::lcd_off_on());
         screen.put(row, if on { 23 } else { 17 }, "*");
     }
-    let display = Display::of(cnc);
+    let display = CoordinateFormat::of(cnc);
     let at = cnc.position_relative();
-    screen.say(9, 0, &say::lcd_position());
+    screen.put_message(9, 0, &say::lcd_position());
     for (row, (letter, axis)) in (10..).zip([("U", Axis::X), ("W", Axis::Z)]) {
         screen.put(row, 2, letter);
         screen.put_right(row, 17, &display.coordinate(axis, at.get(axis)));
@@ -182,7 +182,7 @@ pub fn version(screen: &mut Screen, cnc: &Cnc) {
         (9, say::lcd_ladder_note(), 1, &header.remark),
     ];
     for (row, label, gap, value) in rows {
-        let end = screen.say(row, 0, &label);
+        let end = screen.put_message(row, 0, &label);
         screen.put(row, end + gap, value);
     }
 }

@@ -5,11 +5,11 @@ use gsk_core::operation::Mode;
 use gsk_core::units::{Axis, Point};
 use gsk_messages::{Message, say};
 
-use super::format::{self, Display};
+use super::format::{self, CoordinateFormat};
 use super::frame;
 use super::program_text::{self, Listing};
-use super::view::View;
-use crate::screen::{Look, Screen};
+use super::view::PageView;
+use crate::screen::{CellStyle, Screen};
 
 /// Group-01 codes whose F word is a lead.
 const THREADS: [u8; 5] = [32, 33, 34, 76, 92];
@@ -21,23 +21,23 @@ const BIG_LETTER: (usize, usize) = (4, 4);
 const BIG_FIGURE_END: (usize, usize) = (24, 34);
 
 /// Draws the relative coordinates.
-pub fn relative(screen: &mut Screen, view: &View, cnc: &Cnc) {
+pub fn relative(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     big_figures(screen, ["U", "W"], cnc.position_relative(), view, cnc);
     state_rows(screen, view, cnc);
 }
 
 /// Draws the absolute coordinates.
-pub fn absolute(screen: &mut Screen, view: &View, cnc: &Cnc) {
+pub fn absolute(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     big_figures(screen, ["X", "Z"], cnc.position_absolute(), view, cnc);
     state_rows(screen, view, cnc);
 }
 
-fn big_figures(screen: &mut Screen, letters: [&str; 2], at: Point, view: &View, cnc: &Cnc) {
-    let display = Display::of(cnc);
+fn big_figures(screen: &mut Screen, letters: [&str; 2], at: Point, view: &PageView, cnc: &Cnc) {
+    let display = CoordinateFormat::of(cnc);
     for ((letter, row), axis) in letters.into_iter().zip(BIG_ROWS).zip([Axis::X, Axis::Z]) {
         let flashes = view.flashing == Some(axis) && letters == ["U", "W"];
         if flashes && !view.flash_on() {
-            screen.put_as(row, BIG_LETTER.0, letter, Look::Dark);
+            screen.put_as(row, BIG_LETTER.0, letter, CellStyle::Dark);
         } else {
             screen.put_big(row, BIG_LETTER.0, BIG_LETTER.1, letter);
         }
@@ -50,7 +50,7 @@ fn big_figures(screen: &mut Screen, letters: [&str; 2], at: Point, view: &View, 
 }
 
 /// Rates, overrides, G codes, part count and cutting time.
-fn state_rows(screen: &mut Screen, view: &View, cnc: &Cnc) {
+fn state_rows(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let modal = cnc.modal();
     let (programmed_label, programmed) = first_rate(cnc);
     let override_row = if view.spindle_override {
@@ -74,15 +74,15 @@ fn state_rows(screen: &mut Screen, view: &View, cnc: &Cnc) {
         override_row,
     ];
     for (row, (label, value)) in (10..).zip(left) {
-        screen.say(row, 0, &label);
+        screen.put_message(row, 0, &label);
         screen.put_right(row, 17, &value);
     }
     let group_3 = if modal.feed_per_revolution { 99 } else { 98 };
-    screen.say(10, 20, &say::lcd_g_codes(modal.motion, group_3));
+    screen.put_message(10, 20, &say::lcd_g_codes(modal.motion, group_3));
     let counters = cnc.counters();
-    screen.say(11, 20, &say::lcd_parts());
+    screen.put_message(11, 20, &say::lcd_parts());
     screen.put_right(11, 36, &counters.parts.to_string());
-    screen.say(12, 20, &say::lcd_cutting_time());
+    screen.put_message(12, 20, &say::lcd_cutting_time());
     screen.put(12, 30, &format::clock(counters.cutting_ms));
 }
 
@@ -155,8 +155,8 @@ const REMAINING: Heading = (say::lcd_distance_to_go, ["X", "Z"]);
 
 fn group(screen: &mut Screen, row: usize, column: usize, what: Heading, at: Point, cnc: &Cnc) {
     let (heading, letters) = what;
-    let display = Display::of(cnc);
-    screen.say(row, column, &heading());
+    let display = CoordinateFormat::of(cnc);
+    screen.put_message(row, column, &heading());
     for ((row, letter), axis) in (row + 1..).zip(letters).zip([Axis::X, Axis::Z]) {
         screen.put(row, column, letter);
         screen.put_right(row, column + 14, &display.coordinate(axis, at.get(axis)));
@@ -187,7 +187,7 @@ pub fn with_program(screen: &mut Screen, cnc: &Cnc) {
         screen,
         program,
         listing,
-        program_text::Mark::Block(line),
+        program_text::ListingMark::Block(line),
         cnc,
     );
 }

@@ -12,8 +12,8 @@ pub const POWER_ON_TICKS: u64 = 3000;
 pub fn draw(language: Language, model: ModelId) -> Screen {
     let mut screen = Screen::in_language(language);
     screen.put(4, 13, model.name());
-    screen.say(6, 10, &say::lcd_lathe_cnc());
-    screen.say(9, 8, &say::lcd_maker());
-    screen.say(12, 8, &say::lcd_self_test());
+    screen.put_message(6, 10, &say::lcd_lathe_cnc());
+    screen.put_message(9, 8, &say::lcd_maker());
+    screen.put_message(12, 8, &say::lcd_self_test());
     screen
 }

@@ -5,8 +5,8 @@ use gsk_core::operation::Mode;
 use gsk_messages::say;
 
 use super::frame;
-use super::program_text::{self, Mark};
-use super::view::View;
+use super::program_text::{self, ListingMark};
+use super::view::PageView;
 use crate::screen::Screen;
 
 /// Programs on one screen of the directory, and in one of its rows.
@@ -16,7 +16,7 @@ const DIRECTORY_ROW: usize = 6;
 const VERSION: &str = "Gsk-980TD V05.05.12";
 
 /// Draws the program page: the editor in EDIT, otherwise the block in execution.
-pub fn text(screen: &mut Screen, view: &View, cnc: &Cnc) {
+pub fn text(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let mode = cnc.mode();
     if mode.edits() || mode == Mode::Auto {
         let searching = view.editor.searching;
@@ -43,14 +43,14 @@ pub fn text(screen: &mut Screen, view: &View, cnc: &Cnc) {
         None => (cnc.cursor().line.max(1), 0),
     };
     let mark = if mode.edits() {
-        Mark::Edit {
+        ListingMark::Edit {
             line,
             column,
             alter: view.editor.alter,
             open: editing.is_some_and(|editing| editing.open_line() == Some(line)),
         }
     } else {
-        Mark::Block(line)
+        ListingMark::Block(line)
     };
     let listing = program_text::page_of(program, line, column);
     program_text::draw(screen, program, listing, mark, cnc);
@@ -71,14 +71,14 @@ fn listed(cnc: &Cnc) -> impl Iterator<Item = u16> {
 }
 
 /// Draws the directory.
-pub fn directory(screen: &mut Screen, view: &View, cnc: &Cnc) {
+pub fn directory(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let memory = cnc.programs();
-    let (stored, room) = (memory.count(), memory.free_count());
+    let (stored, free_programs) = (memory.count(), memory.free_count());
     let (used, free) = (memory.characters(), memory.free_characters());
-    screen.say(1, 0, &say::lcd_control_version(VERSION));
-    screen.say(2, 0, &say::lcd_programs_stored(stored, room));
-    screen.say(3, 0, &say::lcd_memory_used(used, free));
-    screen.say(4, 0, &say::lcd_directory());
+    screen.put_message(1, 0, &say::lcd_control_version(VERSION));
+    screen.put_message(2, 0, &say::lcd_programs_stored(stored, free_programs));
+    screen.put_message(3, 0, &say::lcd_memory_used(used, free));
+    screen.put_message(4, 0, &say::lcd_directory());
     let first = view.directory_screen % directory_screens(cnc) * DIRECTORY_SCREEN;
     for (index, number) in listed(cnc).skip(first).take(DIRECTORY_SCREEN).enumerate() {
         let (row, column) = (index / DIRECTORY_ROW, index % DIRECTORY_ROW);

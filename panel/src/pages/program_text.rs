@@ -6,7 +6,7 @@ use gsk_core::cnc::Cnc;
 use gsk_core::program::{Program, without_end};
 
 use crate::glyphs;
-use crate::screen::{COLUMNS, Look, Screen};
+use crate::screen::{COLUMNS, CellStyle, Screen};
 
 /// The rows of the program page.
 pub(crate) const PAGE_ROWS: usize = 12;
@@ -26,7 +26,7 @@ pub struct Listing {
 
 /// The mark in a listing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mark {
+pub enum ListingMark {
     /// The block in execution, inverse, by its line.
     Block(u32),
     /// The edit cursor.
@@ -42,7 +42,7 @@ pub enum Mark {
     },
 }
 
-impl Mark {
+impl ListingMark {
     fn leaves_open(self, here: u32) -> bool {
         matches!(self, Self::Edit { line, open: true, .. } if line == here)
     }
@@ -142,7 +142,13 @@ fn byte_of(text: &str, column: u32) -> usize {
 }
 
 /// Draws a listing.
-pub fn draw(screen: &mut Screen, program: &Program, listing: Listing, mark: Mark, cnc: &Cnc) {
+pub fn draw(
+    screen: &mut Screen,
+    program: &Program,
+    listing: Listing,
+    mark: ListingMark,
+    cnc: &Cnc,
+) {
     let sign = end_of_block(cnc);
     let end = listing.top + listing.rows;
     let (mut row, mut line, mut skip) = (listing.top, listing.first.max(1), listing.skip);
@@ -166,14 +172,14 @@ fn draw_row(
     text: &str,
     range: Range<usize>,
     line: u32,
-    mark: Mark,
+    mark: ListingMark,
 ) {
     let part = text.get(range.clone()).unwrap_or_default();
     match mark {
-        Mark::Block(marked) if marked == line => {
-            screen.put_as(row, 0, part, Look::Inverse);
+        ListingMark::Block(marked) if marked == line => {
+            screen.put_as(row, 0, part, CellStyle::Inverse);
         }
-        Mark::Edit {
+        ListingMark::Edit {
             line: marked,
             column,
             alter,
@@ -184,15 +190,15 @@ fn draw_row(
             if range.contains(&at) {
                 let start = glyphs::text_columns(text.get(range.start..at).unwrap_or_default());
                 let width = text[at..].chars().next().map_or(1, glyphs::columns);
-                let look = if alter {
-                    Look::Inverse
+                let style = if alter {
+                    CellStyle::Inverse
                 } else {
-                    Look::Underline
+                    CellStyle::Underline
                 };
-                screen.set_look(row, start..start + width, look);
+                screen.set_style(row, start..start + width, style);
             }
         }
-        Mark::Block(_) | Mark::Edit { .. } => {
+        ListingMark::Block(_) | ListingMark::Edit { .. } => {
             screen.put(row, 0, part);
         }
     }

@@ -5,11 +5,11 @@ use gsk_messages::say;
 
 use super::frame;
 use super::table::PageId;
-use super::view::View;
+use super::view::PageView;
 use crate::screen::Screen;
 
 /// Draws the settings (设置): codes.
-pub fn codes(screen: &mut Screen, view: &View, cnc: &Cnc) {
+pub fn codes(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let settings = cnc.settings();
     let rows = [
         (say::lcd_tv_check(u8::from(settings.parity)), "TVON"),
@@ -20,7 +20,7 @@ pub fn codes(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let cursor = view.cursors.get(PageId::SetCode).item.min(rows.len() - 1);
     for (index, (text, name)) in rows.into_iter().enumerate() {
         let row = 2 + 2 * index;
-        screen.say(row, 1, &text);
+        screen.put_message(row, 1, &text);
         if index == cursor {
             screen.put(row, 0, "_");
             frame::setting_line(screen, name, view);
@@ -29,7 +29,7 @@ pub fn codes(screen: &mut Screen, view: &View, cnc: &Cnc) {
 }
 
 /// Draws the settings (设置): parameter switch and program switch.
-pub fn switches(screen: &mut Screen, view: &View, cnc: &Cnc) {
+pub fn switches(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let cursor = view.cursors.get(PageId::SetSwitch).item.min(1);
     let rows = [
         (3, say::lcd_parameter_switch(), cnc.parameter_switch()),
@@ -39,25 +39,25 @@ pub fn switches(screen: &mut Screen, view: &View, cnc: &Cnc) {
         if index == cursor {
             screen.put(row, 0, "_");
         }
-        screen.say(row, 1, &label);
-        screen.say(row, 12, &say::lcd_switch_off_on());
+        screen.put_message(row, 1, &label);
+        screen.put_message(row, 12, &say::lcd_switch_off_on());
         screen.put(row, if on { 15 } else { 11 }, "*");
     }
 }
 
 /// Draws the electronic disk (电子盘设置).
-pub fn disk(screen: &mut Screen, view: &View) {
+pub fn disk(screen: &mut Screen, view: &PageView) {
     for disk in 0..5 {
-        screen.say(2 + disk, 0, &say::lcd_disk_read(disk, disk));
+        screen.put_message(2 + disk, 0, &say::lcd_disk_read(disk, disk));
     }
     for disk in 1..5 {
-        screen.say(6 + disk, 0, &say::lcd_disk_save(disk + 4, disk));
+        screen.put_message(6 + disk, 0, &say::lcd_disk_save(disk + 4, disk));
     }
     if let Some(done) = view.disk_done {
         let text = match done {
             true => say::lcd_disk_done(),
             false => say::lcd_disk_failed(),
         };
-        screen.say(12, 0, &text);
+        screen.put_message(12, 0, &text);
     }
 }

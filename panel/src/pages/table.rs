@@ -221,7 +221,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_stands_in_the_order_of_the_ids() {
+    fn the_table_has_the_order_of_the_ids() {
         for (index, row) in PAGES.iter().enumerate() {
             assert_eq!(row.page as usize, index, "{}", row.name);
             assert_eq!(PageId::from_name(row.name), Some(row.page));

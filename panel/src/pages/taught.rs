@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// The points taught since power-on.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Teaching {
+pub struct TaughtProgram {
     /// The number of the program.
     pub program: u16,
     /// Whether the next point is reached by G00.
@@ -12,14 +12,14 @@ pub struct Teaching {
     /// The F of cuts as typed.
     pub feed: String,
     /// The points, in order.
-    pub points: Vec<Taught>,
+    pub points: Vec<TaughtPoint>,
     /// 命令: whether the first points are shown instead of the last.
     pub from_first: bool,
 }
 
 /// A taught point.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Taught {
+pub struct TaughtPoint {
     /// The F of a G01 to the point. `None` for G00.
     pub feed: Option<String>,
     /// X as programmed.
@@ -28,7 +28,7 @@ pub struct Taught {
     pub z: String,
 }
 
-impl Default for Teaching {
+impl Default for TaughtProgram {
     fn default() -> Self {
         Self {
             program: 1,
@@ -40,11 +40,11 @@ impl Default for Teaching {
     }
 }
 
-impl Teaching {
+impl TaughtProgram {
     /// Returns the blocks of the program: number, G0 or G1 and end point. The last block is M2.
     pub fn blocks(&self) -> Vec<String> {
         let points = (1..).zip(&self.points).map(|(number, point)| {
-            let Taught { feed, x, z } = point;
+            let TaughtPoint { feed, x, z } = point;
             match feed {
                 None => format!("N{number} G0 X{x} Z{z}"),
                 Some(feed) if feed.is_empty() => format!("N{number} G1 X{x} Z{z}"),

@@ -6,10 +6,10 @@ use gsk_core::operation::Mode;
 use gsk_core::units::Axis;
 use gsk_messages::say;
 
-use super::format::Display;
+use super::format::CoordinateFormat;
 use super::frame;
-use super::taught::Teaching;
-use super::view::View;
+use super::taught::TaughtProgram;
+use super::view::PageView;
 use crate::screen::Screen;
 
 /// Rows of taught blocks.
@@ -26,9 +26,9 @@ pub fn teaches(cnc: &Cnc) -> bool {
 }
 
 /// Draws the page.
-pub fn draw(screen: &mut Screen, view: &View, cnc: &Cnc) {
+pub fn draw(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let teaching = &view.teaching;
-    screen.say(1, 14, &say::lcd_teaching());
+    screen.put_message(1, 14, &say::lcd_teaching());
     let blocks = teaching.blocks();
     let first = match teaching.from_first {
         true => 0,
@@ -37,14 +37,14 @@ pub fn draw(screen: &mut Screen, view: &View, cnc: &Cnc) {
     for (row, block) in (FIRST_ROW..).zip(blocks.iter().skip(first).take(ROWS)) {
         screen.put(row, 1, block);
     }
-    let display = Display::of(cnc);
+    let display = CoordinateFormat::of(cnc);
     let at = cnc.position_absolute();
     screen.put(POSITION_ROW, 1, "X");
     screen.put_right(POSITION_ROW, 12, &display.coordinate(Axis::X, at.x));
     screen.put(POSITION_ROW, 20, "Z");
     screen.put_right(POSITION_ROW, 31, &display.coordinate(Axis::Z, at.z));
     let code = if teaching.rapid { "G0" } else { "G1" };
-    let Teaching { program, feed, .. } = teaching;
+    let TaughtProgram { program, feed, .. } = teaching;
     screen.put(NEXT_ROW, 1, &format!("P{program:04}  {code}  F{feed}"));
     frame::input_line(screen, &say::lcd_address_prompt(), view);
 }

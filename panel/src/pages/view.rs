@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::graphic_settings::GraphicSettings;
 use super::password_entry::PasswordEntry;
 use super::table::{PAGE_COUNT, PageId};
-use super::taught::Teaching;
-use crate::trace::Trace;
+use super::taught::TaughtProgram;
+use crate::trace::PathTrace;
 
 /// Half a period of flashing, ticks.
 pub const FLASH_TICKS: u64 = 500;
@@ -21,7 +21,7 @@ pub(crate) const DEFAULT_BRIGHTNESS: u8 = 8;
 
 /// The state of the panel that pages show.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct View {
+pub struct PageView {
     /// Ticks since power-on, the phase of flashing.
     pub ticks: u64,
     /// Brightness, 0 (darkest) to 15.
@@ -33,9 +33,9 @@ pub struct View {
     /// Whether the position pages show the spindle override instead of the rapid override (转换).
     pub spindle_override: bool,
     /// Cursors of the list pages.
-    pub cursors: Cursors,
+    pub cursors: PageCursors,
     /// The program editor.
-    pub editor: Editor,
+    pub editor: EditorState,
     /// The screen of 36 programs that the directory shows, from 0.
     pub directory_screen: usize,
     /// The input of the password page.
@@ -45,15 +45,15 @@ pub struct View {
     /// Settings of the graphic page.
     pub graphic: GraphicSettings,
     /// The path drawn on the graphic page.
-    pub trace: Trace,
+    pub trace: PathTrace,
     /// State of serial communication in the status row.
     pub communication: Communication,
     /// Points taught by hand.
     #[serde(default)]
-    pub teaching: Teaching,
+    pub teaching: TaughtProgram,
 }
 
-impl Default for View {
+impl Default for PageView {
     fn default() -> Self {
         Self {
             ticks: 0,
@@ -61,20 +61,20 @@ impl Default for View {
             input: String::new(),
             flashing: None,
             spindle_override: false,
-            cursors: Cursors::default(),
-            editor: Editor::default(),
+            cursors: PageCursors::default(),
+            editor: EditorState::default(),
             directory_screen: 0,
             password: PasswordEntry::default(),
             disk_done: None,
             graphic: GraphicSettings::default(),
-            trace: Trace::default(),
+            trace: PathTrace::default(),
             communication: Communication::Idle,
-            teaching: Teaching::default(),
+            teaching: TaughtProgram::default(),
         }
     }
 }
 
-impl View {
+impl PageView {
     /// Returns whether flashing texts are visible now.
     pub(crate) const fn flash_on(&self) -> bool {
         (self.ticks / FLASH_TICKS).is_multiple_of(2)
@@ -83,7 +83,7 @@ impl View {
 
 /// The cursor of a list page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Cursor {
+pub struct PageCursor {
     /// The selected item, from 0. Its screen is shown.
     pub item: usize,
     /// The selected bit, on pages with bits.
@@ -94,32 +94,32 @@ pub struct Cursor {
 
 /// A cursor for each page.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Cursors([Cursor; PAGE_COUNT]);
+pub struct PageCursors([PageCursor; PAGE_COUNT]);
 
-impl Default for Cursors {
+impl Default for PageCursors {
     /// Every cursor is on the first item, but on the second of the password page.
     fn default() -> Self {
-        let mut cursors = Self([Cursor::default(); PAGE_COUNT]);
+        let mut cursors = Self([PageCursor::default(); PAGE_COUNT]);
         cursors.get_mut(PageId::Password).item = 1;
         cursors
     }
 }
 
-impl Cursors {
+impl PageCursors {
     /// Returns the cursor of a page.
-    pub const fn get(&self, page: PageId) -> Cursor {
+    pub const fn get(&self, page: PageId) -> PageCursor {
         self.0[page as usize]
     }
 
     /// Returns the cursor of a page for moving.
-    pub const fn get_mut(&mut self, page: PageId) -> &mut Cursor {
+    pub const fn get_mut(&mut self, page: PageId) -> &mut PageCursor {
         &mut self.0[page as usize]
     }
 }
 
 /// The state of the program editor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Editor {
+pub struct EditorState {
     /// Text and cursor. `None` shows the stored program at the control's cursor.
     pub editing: Option<Editing>,
     /// Whether alter mode (inverse cursor) is on instead of insert mode (bar).

@@ -24,7 +24,12 @@ const fn lists_programs(mode: Mode) -> bool {
 
 impl Panel {
     /// Handles a character from the PC keyboard.
-    pub(super) fn typed(&mut self, character: char, cnc: &Cnc, requests: &mut Vec<Request>) {
+    pub(super) fn type_character(
+        &mut self,
+        character: char,
+        cnc: &Cnc,
+        requests: &mut Vec<Request>,
+    ) {
         let character = character.to_ascii_uppercase();
         if character == ';' {
             return self.act(Key::Eob, cnc, requests);
@@ -47,7 +52,7 @@ impl Panel {
         cnc: &Cnc,
         requests: &mut Vec<Request>,
     ) {
-        let in_text = self.edits(cnc) && !self.keyed_beside_text(first, cnc);
+        let in_text = self.edits(cnc) && !self.goes_to_input_line(first, cnc);
         if in_text && !self.is_held(Key::Cancel) {
             let again = before == Some(key);
             if let Some(second) = second.filter(|_| again)
@@ -78,7 +83,7 @@ impl Panel {
 
     fn character(&mut self, character: char, cnc: &Cnc, requests: &mut Vec<Request>) {
         if self.is_held(Key::Cancel) {
-            return self.chord(character, requests);
+            return self.cancel_chord(character, requests);
         }
         if self.bit_command(character) || self.command_character(character, cnc, requests) {
             return;
@@ -93,16 +98,16 @@ impl Panel {
             }
             PageId::Graph if self.is_teaching(cnc) => self.teaching_character(character),
             PageId::Graph => self.graphic_command(character, cnc),
-            PageId::Prg if self.edits(cnc) && !self.keyed_beside_text(character, cnc) => {
+            PageId::Prg if self.edits(cnc) && !self.goes_to_input_line(character, cnc) => {
                 self.type_into_text(character, None, cnc, requests);
             }
-            _ if self.takes_input(cnc) => self.append(character),
+            _ if self.takes_input(cnc) => self.append_to_input(character),
             _ => {}
         }
     }
 
     /// Handles a character while 取消 is held.
-    fn chord(&self, character: char, requests: &mut Vec<Request>) {
+    fn cancel_chord(&self, character: char, requests: &mut Vec<Request>) {
         let relative = matches!(self.page, PageId::PosRel | PageId::PosAll);
         let counters = matches!(self.page, PageId::PosRel | PageId::PosAbs);
         match character {
@@ -148,7 +153,7 @@ impl Panel {
         }
     }
 
-    fn append(&mut self, character: char) {
+    fn append_to_input(&mut self, character: char) {
         if self.view.editor.searching && self.view.input.len() >= SEARCH_LENGTH {
             self.view.input.pop();
         }
@@ -158,7 +163,7 @@ impl Panel {
     }
 
     /// 输入: reads and clears the input line.
-    pub(super) fn commit(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
+    pub(super) fn commit_input(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
         match self.page {
             PageId::Password => return self.password_input(cnc, requests),
             // The cursor keys search on the program page.

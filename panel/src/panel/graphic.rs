@@ -5,7 +5,7 @@ use gsk_core::units::Point;
 
 use super::Panel;
 use crate::pages::PageId;
-use crate::trace::{Ahead, Piece};
+use crate::trace::{PathSegment, PendingMotion};
 
 /// Greatest value of a row, thousandths of a millimetre.
 const LARGEST: i64 = 9_999_999;
@@ -23,7 +23,7 @@ impl Panel {
             'T' => {
                 self.view.graphic.drawing = false;
                 self.traced = None;
-                self.view.trace.settle(u64::MAX);
+                self.view.trace.confirm_until(u64::MAX);
             }
             'R' => self.view.trace.clear(),
             _ => {}
@@ -42,29 +42,27 @@ impl Panel {
             return;
         };
         let trace = &mut self.view.trace;
-        let behind = cnc.behind();
-        let stops = behind.map_or(self.stops, |behind| behind.stops);
+        let lag = cnc.board_lag();
+        let stops = lag.map_or(self.stops, |lag| lag.stops);
         if core::mem::replace(&mut self.stops, stops) != stops {
             let from = frame.program(framed.machine(from));
-            if !trace.cut(frame.machine(to)) && from != to {
+            if !trace.end_at_stop(frame.machine(to)) && from != to {
                 trace.push(from, to, cnc.moves_at_rapid());
             }
             return;
         }
-        let made = behind.map_or(u64::MAX, |behind| {
-            self.clock.saturating_sub(behind.ticks + 1)
-        });
-        trace.settle(made);
+        let made = lag.map_or(u64::MAX, |lag| self.clock.saturating_sub(lag.ticks + 1));
+        trace.confirm_until(made);
         if framed != frame || from == to {
             return;
         }
         let rapid = cnc.moves_at_rapid();
-        let piece = Piece { from, to, rapid };
-        if behind.is_none() {
+        let piece = PathSegment { from, to, rapid };
+        if lag.is_none() {
             trace.push(from, to, rapid);
         } else {
             let tick = self.clock;
-            trace.push_ahead(Ahead { tick, frame, piece });
+            trace.push_pending(PendingMotion { tick, frame, piece });
         }
     }
 

@@ -2,7 +2,7 @@
 
 use gsk_core::cnc::{Cnc, Request};
 
-use super::{Panel, group};
+use super::{Panel, page_group};
 use crate::keys::Key;
 use crate::pages::{self, PageId, PageKey};
 
@@ -37,7 +37,7 @@ impl Panel {
     /// POS, PRG, OFT and ALM open their last page. SET, PAR and DGN open their first display,
     /// and step through the displays when pressed again.
     pub(super) fn page_key(&mut self, key: Key, cnc: &Cnc) {
-        let Some(group) = group(key) else {
+        let Some(group) = page_group(key) else {
             return;
         };
         let shown = self.page.row();
@@ -60,7 +60,7 @@ impl Panel {
     /// The page keys step through the screens of a page, then to the next page.
     pub(super) fn turn_page(&mut self, forward: bool, cnc: &Cnc, requests: &mut Vec<Request>) {
         if self.page == PageId::Prg && cnc.mode().edits() {
-            self.turn_text(forward, cnc, requests);
+            self.turn_text_page(forward, cnc, requests);
             return;
         }
         if self.page == PageId::Dir {

@@ -21,7 +21,7 @@ impl Panel {
 
     /// Returns whether a character goes into the editor's input line instead of the text: in a
     /// search, or for a program number.
-    pub(super) fn keyed_beside_text(&self, character: char, cnc: &Cnc) -> bool {
+    pub(super) fn goes_to_input_line(&self, character: char, cnc: &Cnc) -> bool {
         let editor = &self.view.editor;
         let editing = editor.editing.as_ref();
         let in_comment = editing.is_some_and(Editing::in_comment);
@@ -41,12 +41,12 @@ impl Panel {
         requests: &mut Vec<Request>,
     ) {
         let alter = self.view.editor.alter;
-        let behind = cnc.parameters().inserts_behind();
+        let after_cursor = cnc.parameters().inserts_after_cursor();
         let typed = self.edit(cnc, requests, |editing| {
             if alter {
                 editing.overwrite(character, key.is_some())
-            } else if behind {
-                editing.insert_behind(character)
+            } else if after_cursor {
+                editing.insert_after_cursor(character)
             } else {
                 editing.insert(character)
             }
@@ -70,8 +70,8 @@ impl Panel {
         };
         // With insertion after the cursor, the cursor is on the typed character, except at the
         // end of a block.
-        let behind = cnc.parameters().inserts_behind() && editing.at_cursor().is_some();
-        let alter = self.view.editor.alter || behind;
+        let after_cursor = cnc.parameters().inserts_after_cursor() && editing.at_cursor().is_some();
+        let alter = self.view.editor.alter || after_cursor;
         let entered = if alter {
             editing.at_cursor()
         } else {
@@ -155,7 +155,7 @@ impl Panel {
         let Some(sequence) = input.strip_prefix('N').and_then(number) else {
             return;
         };
-        if !self.may_edit(cnc, requests) {
+        if !self.has_edit_right(cnc, requests) {
             return;
         }
         if self.edit(cnc, requests, |editing| editing.delete_to(sequence.into())) {
@@ -216,7 +216,7 @@ impl Panel {
             Key::Up => false,
             _ => return,
         };
-        if wanted.is_empty() || cnc.mode() == Mode::Auto && running(cnc) {
+        if wanted.is_empty() || cnc.mode() == Mode::Auto && is_running(cnc) {
             return;
         }
         let found = self
@@ -231,7 +231,7 @@ impl Panel {
     }
 
     /// Moves one screen forward or back in EDIT.
-    pub(super) fn turn_text(&mut self, forward: bool, cnc: &Cnc, requests: &mut Vec<Request>) {
+    pub(super) fn turn_text_page(&mut self, forward: bool, cnc: &Cnc, requests: &mut Vec<Request>) {
         if let Some(editing) = self.editing(cnc) {
             editing.turn_page(forward, PAGE_ROWS as u32);
             self.cursor_moved(requests);
@@ -255,7 +255,7 @@ impl Panel {
     }
 
     /// Whether the selected program may be edited. The control reports the reason if not.
-    fn may_edit(&self, cnc: &Cnc, requests: &mut Vec<Request>) -> bool {
+    fn has_edit_right(&self, cnc: &Cnc, requests: &mut Vec<Request>) -> bool {
         // A program outside the memory is read-only.
         let Some(number) = stored_number(cnc) else {
             return false;
@@ -277,7 +277,7 @@ impl Panel {
         requests: &mut Vec<Request>,
         change: impl FnOnce(&mut Editing) -> bool,
     ) -> bool {
-        if !self.may_edit(cnc, requests) {
+        if !self.has_edit_right(cnc, requests) {
             return false;
         }
         let Some(number) = stored_number(cnc) else {
@@ -380,7 +380,7 @@ fn stored_number(cnc: &Cnc) -> Option<u16> {
     }
 }
 
-fn running(cnc: &Cnc) -> bool {
+fn is_running(cnc: &Cnc) -> bool {
     cnc.rights().operating
 }
 

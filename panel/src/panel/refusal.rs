@@ -6,7 +6,7 @@ use gsk_core::operation::Mode;
 use gsk_messages::{Message, say};
 
 use super::Panel;
-use crate::keys::{Key, Role};
+use crate::keys::{Key, KeyRole};
 use crate::pages::PageId;
 
 impl Panel {
@@ -24,7 +24,7 @@ impl Panel {
             (_, Key::Input | Key::Delete) if self.is_teaching(cnc) => {
                 cnc.is_moving().then(say::key_teaches_at_rest)
             }
-            (Role::Character(first, _), _) => self.refuses_character(first, cnc),
+            (KeyRole::Character(first, _), _) => self.refuses_character(first, cnc),
             (_, Key::Insert | Key::Delete) if self.page() != PageId::Prg => {
                 Some(say::key_edits_programs())
             }
@@ -46,7 +46,7 @@ impl Panel {
         }
         match self.page() {
             PageId::Prg if cnc.mode() == Mode::Auto => None,
-            PageId::Prg if self.edits(cnc) && self.keyed_beside_text(character, cnc) => None,
+            PageId::Prg if self.edits(cnc) && self.goes_to_input_line(character, cnc) => None,
             PageId::Prg => self.refuses_text(false, cnc),
             PageId::Mdi if cnc.mode() != Mode::Mdi => Some(say::key_mdi_block_in_mdi_mode()),
             PageId::GraphPar if cnc.mode() != Mode::Mdi => Some(say::key_graphic_in_mdi_mode()),

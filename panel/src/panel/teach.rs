@@ -7,7 +7,7 @@ use gsk_core::units::Axis;
 
 use super::Panel;
 use crate::keys::Key;
-use crate::pages::{PageId, Taught, teaches};
+use crate::pages::{PageId, TaughtPoint, teaches};
 
 /// Millimetres in an inch.
 const MM_PER_INCH: f64 = 25.4;
@@ -51,7 +51,7 @@ impl Panel {
             Key::Input => {
                 let teaching = &mut self.view.teaching;
                 let feed = (!teaching.rapid).then(|| teaching.feed.clone());
-                teaching.points.push(Taught {
+                teaching.points.push(TaughtPoint {
                     feed,
                     x: programmed(cnc, Axis::X),
                     z: programmed(cnc, Axis::Z),

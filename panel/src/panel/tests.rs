@@ -5,12 +5,12 @@ use gsk_core::units::Point;
 use gsk_messages::Language;
 
 use super::*;
-use crate::emulator::{Condition, Emulator};
+use crate::emulator::{Emulator, WaitCondition};
 use crate::pages::PAGES;
 
 fn awake() -> Emulator {
     let mut emulator = Emulator::new(Setup::default());
-    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
     emulator
 }
 
@@ -72,7 +72,7 @@ fn a_walk_over_all_pages() {
 }
 
 #[test]
-fn page_keys_lead_back_the_way_they_came() {
+fn page_keys_lead_back_to_the_first_page() {
     for row in &PAGES {
         let mut emulator = awake();
         emulator.panel.show(row.page);
@@ -185,12 +185,12 @@ fn words_of_a_block_are_entered_in_mdi() {
     tap(&mut emulator, Key::Input);
     assert_eq!(emulator.simulation.cnc.mdi_block().text(), "G50 X50");
     emulator.press(Key::CycleStart);
-    emulator.run_until(&Condition::Stopped, 1000);
+    emulator.run_until(&WaitCondition::Stopped, 1000);
     assert!((emulator.simulation.cnc.position_absolute().x - 25.0).abs() < 1e-9);
 }
 
 #[test]
-fn compound_keys_alternate_while_nothing_comes_between() {
+fn compound_keys_alternate_without_another_key_between() {
     let mut emulator = awake();
     emulator.press(Key::Mdi);
     emulator.panel.show(PageId::Mdi);
@@ -259,7 +259,7 @@ fn counters_are_cleared_by_chords() {
     emulator.load_program("O1", "G0 X90;\nM30;\n").unwrap();
     emulator.press(Key::Auto);
     emulator.press(Key::CycleStart);
-    emulator.run_until(&Condition::Stopped, 60_000);
+    emulator.run_until(&WaitCondition::Stopped, 60_000);
     let counters = |emulator: &Emulator| emulator.simulation.cnc.counters();
     assert_eq!(counters(&emulator).parts, 1);
     tap(&mut emulator, Key::N);
@@ -393,11 +393,11 @@ fn graphic_extents_are_entered_and_the_path_is_drawn() {
         .unwrap();
     emulator.press(Key::Auto);
     emulator.press(Key::CycleStart);
-    emulator.run_until(&Condition::Stopped, 120_000);
+    emulator.run_until(&WaitCondition::Stopped, 120_000);
     let trace = &emulator.panel.view().trace;
     // X and Z need the same time here, so that the rapid is one straight segment.
-    assert_eq!(trace.pieces().count(), 2);
-    let last = trace.pieces().last().unwrap();
+    assert_eq!(trace.segments().count(), 2);
+    let last = trace.segments().last().unwrap();
     assert!(!last.rapid);
     assert!((last.from.x - 10.0).abs() < 0.1 && (last.to.x - 15.0).abs() < 1e-6);
     tap(&mut emulator, Key::R);
@@ -424,7 +424,7 @@ fn bits_are_walked_and_items_searched() {
 }
 
 #[test]
-fn after_the_self_test_the_alarm_page_comes_up_only_with_an_alarm() {
+fn after_the_self_test_only_an_alarm_shows_the_alarm_page() {
     let mut emulator = Emulator::new(Setup::default());
     emulator.run(100);
     emulator.press(Key::EmergencyStop);
@@ -433,18 +433,18 @@ fn after_the_self_test_the_alarm_page_comes_up_only_with_an_alarm() {
     let mut released = emulator.clone();
     released.press(Key::EmergencyStop);
     for (mut emulator, expected) in [(emulator, PageId::Alm), (released, PageId::PosRel)] {
-        emulator.run_until(&Condition::SelfTestOver, 5000);
+        emulator.run_until(&WaitCondition::SelfTestOver, 5000);
         emulator.run(2);
         assert_eq!(page(&emulator), expected);
     }
 }
 
 #[test]
-fn during_the_self_test_the_display_is_deaf() {
+fn the_display_ignores_keys_during_the_self_test() {
     let mut emulator = Emulator::new(Setup::default());
     emulator.run(100);
     emulator.press(Key::Program);
-    emulator.run_until(&Condition::SelfTestOver, 5000);
+    emulator.run_until(&WaitCondition::SelfTestOver, 5000);
     assert_eq!(page(&emulator), PageId::PosRel);
     let mut setup = Setup::default();
     setup.memory.parameters.set_bit(173, 2, true).unwrap();

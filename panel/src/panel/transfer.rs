@@ -13,11 +13,11 @@ use serde::{Deserialize, Serialize};
 use super::Panel;
 use super::program_text::{is_all_programs, number};
 use crate::pages::{Communication, PageId};
-pub use files::LineError;
+pub use files::DataLineError;
 pub use line::{FileId, FileRefusal, file_of, number_of_name, read_data};
 
 /// Least rate of a PC connection, bit/s (manual III-9.3).
-const SLOWEST: u64 = 4800;
+const MIN_BAUD: u64 = 4800;
 /// Bits of a character: start bit, eight data bits, stop bit.
 const CHARACTER_BITS: u64 = 10;
 /// Ticks in a second.
@@ -26,7 +26,7 @@ const SECOND: u64 = 1000;
 /// The reason why the control does not receive a file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", self.message())]
-pub enum NotTaken {
+pub enum ReceiveError {
     /// The port is off (parameter 002.5).
     PortOff,
     /// Another transfer is in progress.
@@ -38,7 +38,7 @@ pub enum NotTaken {
         /// The name of the file.
         name: String,
         /// The invalid line.
-        cause: LineError,
+        cause: DataLineError,
     },
     /// The control refuses the file in its current state.
     Refused {
@@ -49,13 +49,13 @@ pub enum NotTaken {
     },
 }
 
-impl NotTaken {
+impl ReceiveError {
     /// Returns the message to the partner.
     pub fn message(&self) -> Message {
         match self {
             Self::PortOff => say::transfer_port_off(),
             Self::Busy => say::transfer_busy(),
-            Self::TooSlow => say::baud_rate_too_low(SLOWEST),
+            Self::TooSlow => say::baud_rate_too_low(MIN_BAUD),
             Self::Unreadable { name, cause } => say::subject_reason(name, cause.message()),
             Self::Refused { name, why } => say::subject_reason(name, reason(*why)),
         }
@@ -86,9 +86,11 @@ enum Wanted {
 enum Partner {
     /// No partner.
     #[default]
-    Nobody,
+    #[serde(rename = "Nobody")]
+    Disconnected,
     /// A simulated partner that accepts everything, without a port of the computer.
-    Imagined,
+    #[serde(rename = "Imagined")]
+    Simulated,
     /// A partner at a port of the computer.
     Line,
 }
@@ -113,7 +115,7 @@ pub(super) struct Transfer {
 
 impl Transfer {
     /// The cable remains connected over power-off.
-    pub(super) fn at_power_on(&self) -> Self {
+    pub(super) fn after_power_on(&self) -> Self {
         Self {
             partner: self.partner,
             sent: self.sent.clone(),
@@ -126,8 +128,8 @@ impl Panel {
     /// Connects a simulated partner, or disconnects the cable.
     pub const fn connect(&mut self, partner: bool) {
         self.transfer.partner = match partner {
-            true => Partner::Imagined,
-            false => Partner::Nobody,
+            true => Partner::Simulated,
+            false => Partner::Disconnected,
         };
     }
 
@@ -142,7 +144,7 @@ impl Panel {
     }
 
     /// Clears the error in the status row after a key press.
-    pub(super) const fn read_transfer_error(&mut self) {
+    pub(super) const fn clear_transfer_error(&mut self) {
         if matches!(
             self.view.communication,
             Communication::NotConnected | Communication::Failed
@@ -152,9 +154,9 @@ impl Panel {
     }
 
     /// 复位 aborts a transfer.
-    pub(super) fn break_transfer(&mut self, requests: &mut Vec<Request>) {
+    pub(super) fn abort_transfer(&mut self, requests: &mut Vec<Request>) {
         self.transfer.wanted = None;
-        if self.line_is_busy() {
+        if self.client_port_is_busy() {
             self.transfer.for_line.clear();
             self.transfer.broken_off = true;
             self.show_transfer(Communication::Idle, SerialPort::Idle, requests);
@@ -181,13 +183,13 @@ impl Panel {
         transfer.wanted.is_some()
             || transfer.incoming.is_some()
             || !transfer.files.is_empty()
-            || self.line_is_busy()
+            || self.client_port_is_busy()
     }
 
     /// Duration of a number of characters on the line, ticks.
     fn line_time(characters: usize, cnc: &Cnc) -> u64 {
         let bits = characters as u64 * CHARACTER_BITS;
-        (bits * SECOND).div_ceil(baud(cnc).max(1))
+        (bits * SECOND).div_ceil(baud_rate_of(cnc).max(1))
     }
 
     /// Starts receiving a file from the partner. The operator does not have to do anything.
@@ -200,24 +202,24 @@ impl Panel {
         file: SerialFile,
         cnc: &Cnc,
         requests: &mut Vec<Request>,
-    ) -> Result<(), NotTaken> {
-        if !self.awake() || !cnc.parameters().has_serial_port() {
-            return Err(NotTaken::PortOff);
+    ) -> Result<(), ReceiveError> {
+        if !self.is_awake() || !cnc.parameters().has_serial_port() {
+            return Err(ReceiveError::PortOff);
         }
         if self.port_is_busy() {
-            return Err(NotTaken::Busy);
+            return Err(ReceiveError::Busy);
         }
-        if baud(cnc) < SLOWEST {
+        if baud_rate_of(cnc) < MIN_BAUD {
             self.view.communication = Communication::NotConnected;
-            return Err(NotTaken::TooSlow);
+            return Err(ReceiveError::TooSlow);
         }
         let received = match files::read(&file) {
             Ok(received) => received,
-            Err(said) => {
+            Err(error) => {
                 self.view.communication = Communication::Failed;
-                return Err(NotTaken::Unreadable {
+                return Err(ReceiveError::Unreadable {
                     name: file.name,
-                    cause: said,
+                    cause: error,
                 });
             }
         };
@@ -231,7 +233,7 @@ impl Panel {
                 // The control raises its alarm.
                 requests.push(Request::Receive(received));
             }
-            return Err(NotTaken::Refused {
+            return Err(ReceiveError::Refused {
                 name: file.name,
                 why: refusal,
             });
@@ -258,8 +260,8 @@ impl Panel {
             return;
         }
         let answers = match self.transfer.partner {
-            Partner::Nobody => false,
-            Partner::Imagined => baud(cnc) >= SLOWEST,
+            Partner::Disconnected => false,
+            Partner::Simulated => baud_rate_of(cnc) >= MIN_BAUD,
             // The port finds out whether a partner is connected.
             Partner::Line => true,
         };
@@ -316,7 +318,7 @@ impl Panel {
     /// Starts or ends a transfer at a tick.
     pub(super) fn follow_transfer(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
         if let Some(wanted) = self.transfer.wanted.take() {
-            let files = files::of(wanted, cnc);
+            let files = files::files_to_send(wanted, cnc);
             if self.transfer.partner == Partner::Line {
                 self.transfer.for_line = files;
                 self.show_transfer(Communication::Sending, SerialPort::Sending, requests);
@@ -355,6 +357,6 @@ fn reason(refusal: Refusal) -> Message {
     }
 }
 
-fn baud(cnc: &Cnc) -> u64 {
+fn baud_rate_of(cnc: &Cnc) -> u64 {
     cnc.parameters().baud().into()
 }

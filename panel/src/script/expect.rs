@@ -6,8 +6,8 @@ use gsk_core::operation::Mode;
 use gsk_core::plc::address::{BitAddress, ByteAddress};
 use gsk_messages::{Message, say};
 
-use super::state::State;
-use crate::emulator::{Emulator, folded};
+use super::state::ExpectedState;
+use crate::emulator::{Emulator, fold_blanks};
 use crate::keys::Bit;
 
 /// Coordinates are equal if the display shows them alike.
@@ -15,7 +15,7 @@ const TOLERANCE: f64 = 0.000_500_1;
 
 /// A set of coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Coordinates {
+pub enum CoordinateSystem {
     /// 绝对坐标.
     Absolute,
     /// 机床坐标.
@@ -24,7 +24,7 @@ pub enum Coordinates {
     Relative,
 }
 
-impl Coordinates {
+impl CoordinateSystem {
     /// Returns X as displayed (diameter or radius) and Z, mm.
     pub(super) fn shown(self, emulator: &Emulator) -> (f64, f64) {
         let cnc = &emulator.simulation.cnc;
@@ -42,11 +42,11 @@ impl Coordinates {
 
 /// An expectation of a script.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Expect {
+pub enum Expectation {
     /// A row of the LCD contains a text. Runs of blanks count as one.
     Row(usize, String),
     /// X as displayed (diameter or radius) and Z, mm.
-    Position(Coordinates, f64, f64),
+    Position(CoordinateSystem, f64, f64),
     /// Position of the machine's slides: X as a diameter and Z, mm from the reference point.
     Slides(f64, f64),
     /// The command pulses since power-on, X and Z.
@@ -66,15 +66,15 @@ pub enum Expect {
     /// A byte or entry of PLC memory.
     Value(ByteAddress, i32),
     /// A state of control, panel or lathe.
-    State(State),
+    State(ExpectedState),
     /// The expectation is not met.
-    Not(Box<Expect>),
+    Not(Box<Expectation>),
 }
 
 /// The actual state instead of the expected one.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", self.message())]
-pub enum Unmet {
+pub enum UnmetExpectation {
     /// A row of the LCD.
     Row(usize, String),
     /// Coordinates as displayed, mm.
@@ -101,7 +101,7 @@ pub enum Unmet {
     Holds,
 }
 
-impl Unmet {
+impl UnmetExpectation {
     /// Returns the message about the actual state.
     pub fn message(&self) -> Message {
         match self {
@@ -122,11 +122,11 @@ impl Unmet {
     }
 }
 
-impl Expect {
+impl Expectation {
     /// Returns whether it is about the position of the slides.
     pub fn is_position(&self) -> bool {
         match self {
-            Self::Position(..) | Self::Slides(..) | Self::State(State::At(..)) => true,
+            Self::Position(..) | Self::Slides(..) | Self::State(ExpectedState::At(..)) => true,
             Self::Not(expect) => expect.is_position(),
             _ => false,
         }
@@ -137,53 +137,61 @@ impl Expect {
     /// # Errors
     ///
     /// Returns the actual state.
-    pub fn check(&self, emulator: &Emulator) -> Result<(), Unmet> {
+    pub fn check(&self, emulator: &Emulator) -> Result<(), UnmetExpectation> {
         let cnc = &emulator.simulation.cnc;
         match self {
             Self::Row(row, text) => {
                 let seen = emulator.screen().row(*row);
-                let fits = folded(&seen).contains(&folded(text));
-                verdict(fits, || Unmet::Row(*row, seen.trim_end().to_owned()))
+                let fits = fold_blanks(&seen).contains(&fold_blanks(text));
+                verdict(fits, || {
+                    UnmetExpectation::Row(*row, seen.trim_end().to_owned())
+                })
             }
             Self::Position(coordinates, x, z) => {
                 let seen = coordinates.shown(emulator);
                 verdict(near(seen.0, *x) && near(seen.1, *z), || {
-                    Unmet::Position(seen.0, seen.1)
+                    UnmetExpectation::Position(seen.0, seen.1)
                 })
             }
             Self::Slides(x, z) => {
                 let at = emulator.simulation.lathe.slides();
                 verdict(near(at.x * 2.0, *x) && near(at.z, *z), || {
-                    Unmet::Slides(at.x * 2.0, at.z)
+                    UnmetExpectation::Slides(at.x * 2.0, at.z)
                 })
             }
             Self::Pulses(x, z) => {
                 let seen = cnc.pulses();
                 verdict(x.contains(&seen.x.0) && z.contains(&seen.z.0), || {
-                    Unmet::Pulses(seen.x.0, seen.z.0)
+                    UnmetExpectation::Pulses(seen.x.0, seen.z.0)
                 })
             }
             Self::Volts(volts) => {
                 let seen = cnc.spindle_volts();
-                verdict(near(seen, *volts), || Unmet::Volts(seen))
+                verdict(near(seen, *volts), || UnmetExpectation::Volts(seen))
             }
             Self::Lamp(name, lamp, on) => {
                 let seen = emulator.lamp(*lamp);
                 verdict(seen == *on, || {
-                    Unmet::Lamp(name.clone(), if seen { "on" } else { "off" })
+                    UnmetExpectation::Lamp(name.clone(), if seen { "on" } else { "off" })
                 })
             }
             Self::Alarm(number) => verdict(
-                standing(emulator).iter().any(|(seen, _)| seen == number),
-                || Unmet::Alarms(alarms(emulator)),
+                active_alarms(emulator)
+                    .iter()
+                    .any(|(seen, _)| seen == number),
+                || UnmetExpectation::Alarms(alarms(emulator)),
             ),
-            Self::NoAlarm => verdict(standing(emulator).is_empty(), || {
-                Unmet::Alarms(alarms(emulator))
+            Self::NoAlarm => verdict(active_alarms(emulator).is_empty(), || {
+                UnmetExpectation::Alarms(alarms(emulator))
             }),
-            Self::Mode(mode) => verdict(cnc.mode() == *mode, || Unmet::Mode(cnc.mode().text())),
+            Self::Mode(mode) => verdict(cnc.mode() == *mode, || {
+                UnmetExpectation::Mode(cnc.mode().text())
+            }),
             Self::Bit(address, on) => {
                 let seen = cnc.plc().memory().bit(*address);
-                verdict(seen == *on, || Unmet::Bit(*address, u8::from(seen)))
+                verdict(seen == *on, || {
+                    UnmetExpectation::Bit(*address, u8::from(seen))
+                })
             }
             Self::Value(address, value) => {
                 let memory = cnc.plc().memory();
@@ -192,10 +200,12 @@ impl Expect {
                 } else {
                     memory.byte(*address).into()
                 };
-                verdict(seen == *value, || Unmet::Value(*address, seen))
+                verdict(seen == *value, || UnmetExpectation::Value(*address, seen))
             }
-            Self::State(state) => state.check(emulator).map_err(Unmet::State),
-            Self::Not(expect) => verdict(expect.check(emulator).is_err(), || Unmet::Holds),
+            Self::State(state) => state.check(emulator).map_err(UnmetExpectation::State),
+            Self::Not(expect) => {
+                verdict(expect.check(emulator).is_err(), || UnmetExpectation::Holds)
+            }
         }
     }
 }
@@ -204,12 +214,12 @@ fn near(a: f64, b: f64) -> bool {
     (a - b).abs() < TOLERANCE
 }
 
-fn verdict(fits: bool, seen: impl FnOnce() -> Unmet) -> Result<(), Unmet> {
+fn verdict(fits: bool, seen: impl FnOnce() -> UnmetExpectation) -> Result<(), UnmetExpectation> {
     if fits { Ok(()) } else { Err(seen()) }
 }
 
 /// Active alarms and messages.
-fn standing(emulator: &Emulator) -> Vec<(u16, String)> {
+fn active_alarms(emulator: &Emulator) -> Vec<(u16, String)> {
     let cnc = &emulator.simulation.cnc;
     let alarms = cnc.alarms().iter();
     let mut all: Vec<_> = alarms
@@ -221,6 +231,6 @@ fn standing(emulator: &Emulator) -> Vec<(u16, String)> {
 }
 
 fn alarms(emulator: &Emulator) -> Vec<String> {
-    let standing = standing(emulator).into_iter();
-    standing.map(|(_, text)| text).collect()
+    let active_alarms = active_alarms(emulator).into_iter();
+    active_alarms.map(|(_, text)| text).collect()
 }

@@ -7,9 +7,11 @@ use gsk_core::operation::Mode;
 use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
 use gsk_core::units::parse_finite;
 
-use super::state::State;
-use super::{Action, Coordinates, Expect, FORMS, Line, ParseError, Script, ScriptError};
-use crate::emulator::Condition;
+use super::state::ExpectedState;
+use super::{
+    CoordinateSystem, Expectation, FORMS, ParseError, Script, ScriptAction, ScriptError, ScriptLine,
+};
+use crate::emulator::WaitCondition;
 use crate::keys::{self, Key};
 use crate::panel::is_typable;
 use crate::screen::ROWS;
@@ -46,7 +48,7 @@ struct Word<'a> {
     quoted: bool,
 }
 
-fn line(number: u32, text: &str) -> Result<Option<Line>, ParseError> {
+fn line(number: u32, text: &str) -> Result<Option<ScriptLine>, ParseError> {
     let code = without_comment(text)?.trim();
     if code.is_empty() {
         return Ok(None);
@@ -62,7 +64,7 @@ fn line(number: u32, text: &str) -> Result<Option<Line>, ParseError> {
     };
     let (verb, rest) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
     let action = action(verb, rest.trim())?;
-    Ok(Some(Line {
+    Ok(Some(ScriptLine {
         number,
         text: code.to_owned(),
         at,
@@ -120,31 +122,36 @@ fn wrong(verb: &str) -> ParseError {
     }
 }
 
-fn action(verb: &str, rest: &str) -> Result<Action, ParseError> {
+fn action(verb: &str, rest: &str) -> Result<ScriptAction, ParseError> {
     let words = words(rest);
     let texts: Vec<&str> = words.iter().map(|word| word.text).collect();
     match (verb, texts.as_slice()) {
-        ("press", [name]) => Ok(Action::Press(key(name)?)),
-        ("hold", [name, time]) => Ok(Action::Hold(key(name)?, duration(time)?)),
-        ("down", [name]) => Ok(Action::Down(key(name)?)),
-        ("up", [name]) => Ok(Action::Up(key(name)?)),
+        ("press", [name]) => Ok(ScriptAction::Press(key(name)?)),
+        ("hold", [name, time]) => Ok(ScriptAction::Hold(key(name)?, duration(time)?)),
+        ("down", [name]) => Ok(ScriptAction::Down(key(name)?)),
+        ("up", [name]) => Ok(ScriptAction::Up(key(name)?)),
         ("type", [_, ..]) => typed(rest, &words),
-        ("load", [_, ..]) => Ok(Action::Load(path(rest, &words))),
-        ("receive", [_, ..]) => Ok(Action::Receive(path(rest, &words))),
-        ("dnc", ["off"]) => Ok(Action::Dnc(None)),
-        ("dnc", [_, ..]) => Ok(Action::Dnc(Some(path(rest, &words)))),
-        ("power", ["off"]) => Ok(Action::Power(false)),
-        ("power", ["on"]) => Ok(Action::Power(true)),
-        ("fault", [name, state]) => Ok(Action::Fault(fault(name)?, on_off(state)?)),
-        ("turn", [count]) => Ok(Action::Turn(graduations(count)?, None)),
-        ("turn", [count, time]) => Ok(Action::Turn(graduations(count)?, Some(duration(time)?))),
+        ("load", [_, ..]) => Ok(ScriptAction::Load(path(rest, &words))),
+        ("receive", [_, ..]) => Ok(ScriptAction::Receive(path(rest, &words))),
+        ("dnc", ["off"]) => Ok(ScriptAction::Dnc(None)),
+        ("dnc", [_, ..]) => Ok(ScriptAction::Dnc(Some(path(rest, &words)))),
+        ("power", ["off"]) => Ok(ScriptAction::Power(false)),
+        ("power", ["on"]) => Ok(ScriptAction::Power(true)),
+        ("fault", [name, state]) => Ok(ScriptAction::Fault(fault(name)?, on_off(state)?)),
+        ("turn", [count]) => Ok(ScriptAction::Turn(graduations(count)?, None)),
+        ("turn", [count, time]) => Ok(ScriptAction::Turn(
+            graduations(count)?,
+            Some(duration(time)?),
+        )),
         ("wait", [_, ..]) => wait(&words),
-        ("set", [address, state]) => Ok(Action::Set(input(address)?, zero_one(state)?)),
-        ("free", [address]) => Ok(Action::Free(input(address)?)),
-        ("force", [address, "free"]) => Ok(Action::Force(bit(address)?, None)),
-        ("force", [address, state]) => Ok(Action::Force(bit(address)?, Some(zero_one(state)?))),
-        ("expect", [_, ..]) => expect(&texts).map(Action::Expect),
-        ("show", []) => Ok(Action::Show),
+        ("set", [address, state]) => Ok(ScriptAction::Set(input(address)?, zero_one(state)?)),
+        ("free", [address]) => Ok(ScriptAction::Free(input(address)?)),
+        ("force", [address, "free"]) => Ok(ScriptAction::Force(bit(address)?, None)),
+        ("force", [address, state]) => {
+            Ok(ScriptAction::Force(bit(address)?, Some(zero_one(state)?)))
+        }
+        ("expect", [_, ..]) => expect(&texts).map(ScriptAction::Expect),
+        ("show", []) => Ok(ScriptAction::Show),
         ("shot", [path]) if *path != "--panel" => Ok(shot(path, false)),
         ("shot", [path, "--panel"] | ["--panel", path]) => Ok(shot(path, true)),
         _ if !form(verb).is_empty() => Err(wrong(verb)),
@@ -152,8 +159,8 @@ fn action(verb: &str, rest: &str) -> Result<Action, ParseError> {
     }
 }
 
-fn shot(path: &str, panel: bool) -> Action {
-    Action::Shot {
+fn shot(path: &str, panel: bool) -> ScriptAction {
+    ScriptAction::Shot {
         path: path.to_owned(),
         panel,
     }
@@ -202,7 +209,7 @@ fn key(name: &str) -> Result<Key, ParseError> {
     })
 }
 
-fn typed(rest: &str, words: &[Word<'_>]) -> Result<Action, ParseError> {
+fn typed(rest: &str, words: &[Word<'_>]) -> Result<ScriptAction, ParseError> {
     let text = match words {
         [Word { text, quoted: true }] => *text,
         _ => rest,
@@ -210,7 +217,7 @@ fn typed(rest: &str, words: &[Word<'_>]) -> Result<Action, ParseError> {
     if let Some(strange) = text.chars().find(|c| !is_typable(*c)) {
         return Err(ParseError::NotTypable(strange));
     }
-    Ok(Action::Type(text.to_ascii_uppercase()))
+    Ok(ScriptAction::Type(text.to_ascii_uppercase()))
 }
 
 fn graduations(text: &str) -> Result<i32, ParseError> {
@@ -291,8 +298,12 @@ fn input(text: &str) -> Result<BitAddress, ParseError> {
 }
 
 /// `wait Y1.6 1 5s`, or with a window: `wait Y1.6 1 40ms..60ms`.
-fn wait_for_bit(address: &str, state: &str, times: Option<&str>) -> Result<Action, ParseError> {
-    let condition = Condition::Bit(bit(address)?, zero_one(state)?);
+fn wait_for_bit(
+    address: &str,
+    state: &str,
+    times: Option<&str>,
+) -> Result<ScriptAction, ParseError> {
+    let condition = WaitCondition::Bit(bit(address)?, zero_one(state)?);
     let (earliest, latest) = match times.map(|times| times.split_once("..").ok_or(times)) {
         None => (0, DEFAULT_LIMIT),
         Some(Err(limit)) => (0, duration(limit)?),
@@ -301,10 +312,10 @@ fn wait_for_bit(address: &str, state: &str, times: Option<&str>) -> Result<Actio
     if earliest > latest {
         return Err(ParseError::Backward { earliest, latest });
     }
-    Ok(Action::WaitFor(condition, earliest, latest))
+    Ok(ScriptAction::WaitFor(condition, earliest, latest))
 }
 
-fn wait(words: &[Word<'_>]) -> Result<Action, ParseError> {
+fn wait(words: &[Word<'_>]) -> Result<ScriptAction, ParseError> {
     if let [address, state, times @ ..] = words
         && !address.quoted
         && address.text.contains('.')
@@ -323,20 +334,20 @@ fn wait(words: &[Word<'_>]) -> Result<Action, ParseError> {
         _ => return Err(wrong("wait")),
     };
     let condition = match first {
-        Word { text, quoted: true } => Condition::Text((*text).to_owned()),
-        Word { text: "idle", .. } => Condition::Stopped,
-        Word { text: "alarm", .. } => Condition::Alarm,
-        Word { text, .. } if limit.is_none() => return duration(text).map(Action::Wait),
+        Word { text, quoted: true } => WaitCondition::Text((*text).to_owned()),
+        Word { text: "idle", .. } => WaitCondition::Stopped,
+        Word { text: "alarm", .. } => WaitCondition::Alarm,
+        Word { text, .. } if limit.is_none() => return duration(text).map(ScriptAction::Wait),
         _ => return Err(wrong("wait")),
     };
-    Ok(Action::WaitFor(
+    Ok(ScriptAction::WaitFor(
         condition,
         0,
         limit.unwrap_or(DEFAULT_LIMIT),
     ))
 }
 
-impl Expect {
+impl Expectation {
     /// Parses the words after `expect`.
     ///
     /// # Errors
@@ -350,42 +361,44 @@ impl Expect {
     }
 }
 
-fn expect(words: &[&str]) -> Result<Expect, ParseError> {
-    if let Some(state) = State::read(words) {
-        return state.map(Expect::State);
+fn expect(words: &[&str]) -> Result<Expectation, ParseError> {
+    if let Some(state) = ExpectedState::read(words) {
+        return state.map(Expectation::State);
     }
     Ok(match words {
-        ["not", rest @ ..] if rest.first() != Some(&"not") => Expect::Not(Box::new(expect(rest)?)),
+        ["not", rest @ ..] if rest.first() != Some(&"not") => {
+            Expectation::Not(Box::new(expect(rest)?))
+        }
         ["row", row, text] => {
             let number = row.strip_prefix('R').unwrap_or(row);
             let row = number.parse().ok().filter(|row| *row < ROWS);
             let row = row.ok_or_else(|| ParseError::NoRow(number.to_owned()))?;
-            Expect::Row(row, (*text).to_owned())
+            Expectation::Row(row, (*text).to_owned())
         }
         [kind @ ("abs" | "machine" | "rel"), x, z] => {
             let coordinates = match *kind {
-                "abs" => Coordinates::Absolute,
-                "machine" => Coordinates::Machine,
-                _ => Coordinates::Relative,
+                "abs" => CoordinateSystem::Absolute,
+                "machine" => CoordinateSystem::Machine,
+                _ => CoordinateSystem::Relative,
             };
-            Expect::Position(coordinates, coordinate(x)?, coordinate(z)?)
+            Expectation::Position(coordinates, coordinate(x)?, coordinate(z)?)
         }
-        ["slides", x, z] => Expect::Slides(coordinate(x)?, coordinate(z)?),
-        ["svc", volts] => Expect::Volts(voltage(volts)?),
-        ["pulses", x, z] => Expect::Pulses(pulses(x)?, pulses(z)?),
+        ["slides", x, z] => Expectation::Slides(coordinate(x)?, coordinate(z)?),
+        ["svc", volts] => Expectation::Volts(voltage(volts)?),
+        ["pulses", x, z] => Expectation::Pulses(pulses(x)?, pulses(z)?),
         ["lamp", name, state] => {
             let lamp = keys::lamp_of(name).ok_or_else(|| no_lamp(name))?;
-            Expect::Lamp((*name).to_owned(), lamp, on_off(state)?)
+            Expectation::Lamp((*name).to_owned(), lamp, on_off(state)?)
         }
-        ["alarm", "none"] => Expect::NoAlarm,
-        ["alarm", number] => Expect::Alarm(
+        ["alarm", "none"] => Expectation::NoAlarm,
+        ["alarm", number] => Expectation::Alarm(
             number
                 .parse()
                 .map_err(|_| ParseError::NoAlarm((*number).to_owned()))?,
         ),
         ["mode", text] => {
             let mode = Mode::ALL.iter().find(|mode| mode.text() == *text);
-            Expect::Mode(*mode.ok_or_else(|| {
+            Expectation::Mode(*mode.ok_or_else(|| {
                 let all: Vec<&str> = Mode::ALL.iter().map(|mode| mode.text()).collect();
                 ParseError::UnknownMode {
                     text: (*text).to_owned(),
@@ -395,9 +408,9 @@ fn expect(words: &[&str]) -> Result<Expect, ParseError> {
         }
         [address, state] if address.starts_with(|c: char| c.is_ascii_uppercase()) => {
             if address.contains('.') {
-                Expect::Bit(bit(address)?, zero_one(state)?)
+                Expectation::Bit(bit(address)?, zero_one(state)?)
             } else {
-                Expect::Value(byte(address)?, whole_number(state)?)
+                Expectation::Value(byte(address)?, whole_number(state)?)
             }
         }
         _ => return Err(wrong("expect")),

@@ -5,8 +5,8 @@ use core::fmt;
 use gsk_core::cnc::Request;
 use gsk_messages::{Message, say};
 
-use super::{Action, Line, Script};
-use crate::emulator::{Emulator, PRESS_TICKS, Watch};
+use super::{Script, ScriptAction, ScriptLine};
+use crate::emulator::{ConditionWatch, Emulator, PRESS_TICKS};
 use crate::keys::Key;
 use crate::pages::POWER_ON_TICKS;
 use crate::panel::KeyEvent;
@@ -15,7 +15,7 @@ use crate::panel::KeyEvent;
 const SLICE: u64 = 100_000;
 
 /// A handwheel turned at two turns a second.
-const TICKS_A_GRADUATION: u64 = 5;
+const TICKS_PER_GRADUATION: u64 = 5;
 
 /// An action that the caller of the runner has to execute.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,7 +45,7 @@ pub enum Effect {
 
 /// The progress of a script.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Progress {
+pub enum ScriptProgress {
     /// The permitted ticks have elapsed.
     Running,
     /// The caller has to execute an effect before the script continues.
@@ -93,7 +93,7 @@ pub struct Runner {
     /// Whether a partner sends programs in DNC mode.
     dnc: bool,
     /// The tick of its last request.
-    asked: Option<u64>,
+    last_request: Option<u64>,
 }
 
 /// The action in progress.
@@ -119,7 +119,7 @@ enum Stage {
     },
     /// A wait for a condition, from the earliest to the latest tick.
     Waiting {
-        watch: Box<Watch>,
+        watch: Box<ConditionWatch>,
         since: u64,
         earliest: u64,
         latest: u64,
@@ -131,8 +131,8 @@ enum Stage {
 /// What the runner does next.
 enum Next {
     Tick,
-    Look,
-    Say(Progress),
+    Recheck,
+    Return(ScriptProgress),
 }
 
 impl Runner {
@@ -144,12 +144,12 @@ impl Runner {
             origin: 0,
             stage: Stage::SelfTest(None),
             dnc: false,
-            asked: None,
+            last_request: None,
         }
     }
 
     /// Returns the current or last line, for messages about its effects.
-    pub fn line(&self) -> Option<&Line> {
+    pub fn line(&self) -> Option<&ScriptLine> {
         self.script.lines.get(self.next.saturating_sub(1))
     }
 
@@ -167,18 +167,21 @@ impl Runner {
     }
 
     /// Continues for at most a number of ticks.
-    pub fn advance(&mut self, emulator: &mut Emulator, ticks: u64) -> Progress {
+    pub fn advance(&mut self, emulator: &mut Emulator, ticks: u64) -> ScriptProgress {
         let mut left = ticks;
         loop {
-            match self.look(emulator) {
-                Next::Tick if left == 0 => return Progress::Running,
+            match self.step(emulator) {
+                Next::Tick if left == 0 => return ScriptProgress::Running,
                 Next::Tick => {
                     emulator.tick();
                     left -= 1;
                 }
-                Next::Look => {}
-                Next::Say(progress) => {
-                    if matches!(progress, Progress::Failed(_) | Progress::Finished) {
+                Next::Recheck => {}
+                Next::Return(progress) => {
+                    if matches!(
+                        progress,
+                        ScriptProgress::Failed(_) | ScriptProgress::Finished
+                    ) {
                         self.stage = Stage::Over;
                     }
                     return progress;
@@ -187,11 +190,11 @@ impl Runner {
         }
     }
 
-    fn look(&mut self, emulator: &mut Emulator) -> Next {
+    fn step(&mut self, emulator: &mut Emulator) -> Next {
         let now = emulator.ticks();
-        let room = self.dnc && emulator.simulation.cnc.dnc_room() > 0;
-        if room && self.asked.replace(now) != Some(now) {
-            return Next::Say(Progress::Effect(Effect::DncRoom));
+        let can_send = self.dnc && emulator.simulation.cnc.dnc_room() > 0;
+        if can_send && self.last_request.replace(now) != Some(now) {
+            return Next::Return(ScriptProgress::Effect(Effect::DncRoom));
         }
         match &mut self.stage {
             Stage::SelfTest(until) => {
@@ -201,14 +204,14 @@ impl Runner {
                 }
                 self.origin = now;
             }
-            Stage::Ready => return self.begin(emulator, now),
+            Stage::Ready => return self.start_line(emulator, now),
             Stage::Holding(key, until, rest) => {
                 if now < *until {
                     return Next::Tick;
                 }
                 emulator.key_up(*key);
                 self.stage = Stage::Resting(now + *rest);
-                return Next::Look;
+                return Next::Recheck;
             }
             Stage::Resting(until) => {
                 if now < *until {
@@ -223,7 +226,7 @@ impl Runner {
                     emulator.key(KeyEvent::Type(character));
                     let last = characters.is_empty();
                     *at = now + if last { *rest } else { PRESS_TICKS };
-                    return Next::Look;
+                    return Next::Recheck;
                 }
             }
             Stage::Turning {
@@ -243,7 +246,7 @@ impl Runner {
                     return Next::Tick;
                 }
                 self.stage = Stage::Resting(now + PRESS_TICKS);
-                return Next::Look;
+                return Next::Recheck;
             }
             Stage::Waiting {
                 watch,
@@ -254,26 +257,26 @@ impl Runner {
                 let reached = watch.reached(emulator);
                 if reached && now < *earliest {
                     let seen = say::script_too_early(now - *since);
-                    return Next::Say(Progress::Failed(self.failure(seen)));
+                    return Next::Return(ScriptProgress::Failed(self.failure(seen)));
                 }
                 if !reached {
                     if now < *latest {
                         return Next::Tick;
                     }
                     let seen = say::script_too_late(emulator.screen());
-                    return Next::Say(Progress::Failed(self.failure(seen)));
+                    return Next::Return(ScriptProgress::Failed(self.failure(seen)));
                 }
             }
-            Stage::Over => return Next::Say(Progress::Finished),
+            Stage::Over => return Next::Return(ScriptProgress::Finished),
         }
         self.stage = Stage::Ready;
-        Next::Look
+        Next::Recheck
     }
 
     /// Starts the next line when it is due.
-    fn begin(&mut self, emulator: &mut Emulator, now: u64) -> Next {
+    fn start_line(&mut self, emulator: &mut Emulator, now: u64) -> Next {
         let Some(line) = self.script.lines.get(self.next) else {
-            return Next::Say(Progress::Finished);
+            return Next::Return(ScriptProgress::Finished);
         };
         let timed = line.at.map(|at| at + self.origin);
         if timed.is_some_and(|at| now < at) {
@@ -283,39 +286,43 @@ impl Runner {
         self.next += 1;
         if timed.is_some_and(|at| now > at) {
             let seen = say::script_tick_over(now - self.origin);
-            return Next::Say(Progress::Failed(self.failure(seen)));
+            return Next::Return(ScriptProgress::Failed(self.failure(seen)));
         }
         let rest = if timed.is_some() { 0 } else { PRESS_TICKS };
         match action {
-            Action::Press(key) => {
+            ScriptAction::Press(key) => {
                 emulator.key_down(key);
                 self.stage = Stage::Holding(key, now + PRESS_TICKS, rest);
             }
-            Action::Hold(key, ticks) => {
+            ScriptAction::Hold(key, ticks) => {
                 emulator.key_down(key);
                 self.stage = Stage::Holding(key, now + ticks, 0);
             }
-            Action::Down(key) => {
+            ScriptAction::Down(key) => {
                 emulator.key_down(key);
             }
-            Action::Up(key) => emulator.key_up(key),
-            Action::Type(text) => {
+            ScriptAction::Up(key) => emulator.key_up(key),
+            ScriptAction::Type(text) => {
                 let characters = text.chars().rev().collect();
                 self.stage = Stage::Typing(now, characters, rest);
             }
-            Action::Load(path) => return Next::Say(Progress::Effect(Effect::Load(path))),
-            Action::Receive(path) => return Next::Say(Progress::Effect(Effect::Receive(path))),
-            Action::Dnc(path) => {
+            ScriptAction::Load(path) => {
+                return Next::Return(ScriptProgress::Effect(Effect::Load(path)));
+            }
+            ScriptAction::Receive(path) => {
+                return Next::Return(ScriptProgress::Effect(Effect::Receive(path)));
+            }
+            ScriptAction::Dnc(path) => {
                 self.dnc = path.is_some();
                 emulator.simulation.cnc.connect_dnc(self.dnc);
-                return Next::Say(Progress::Effect(Effect::Dnc(path)));
+                return Next::Return(ScriptProgress::Effect(Effect::Dnc(path)));
             }
-            Action::Power(true) => emulator.power_on(),
-            Action::Power(false) => emulator.power_off(),
-            Action::Fault(fault, on) => emulator.simulation.lathe.set_fault(fault, on),
-            Action::Turn(graduations, None) if timed.is_some() => emulator.turn(graduations),
-            Action::Turn(graduations, time) => {
-                let own = u64::from(graduations.unsigned_abs()) * TICKS_A_GRADUATION;
+            ScriptAction::Power(true) => emulator.power_on(),
+            ScriptAction::Power(false) => emulator.power_off(),
+            ScriptAction::Fault(fault, on) => emulator.simulation.lathe.set_fault(fault, on),
+            ScriptAction::Turn(graduations, None) if timed.is_some() => emulator.turn(graduations),
+            ScriptAction::Turn(graduations, time) => {
+                let own = u64::from(graduations.unsigned_abs()) * TICKS_PER_GRADUATION;
                 self.stage = Stage::Turning {
                     graduations,
                     from: now,
@@ -323,39 +330,39 @@ impl Runner {
                     done: 0,
                 };
             }
-            Action::Wait(ticks) => self.stage = Stage::Resting(now + ticks),
-            Action::WaitFor(condition, earliest, latest) => {
+            ScriptAction::Wait(ticks) => self.stage = Stage::Resting(now + ticks),
+            ScriptAction::WaitFor(condition, earliest, latest) => {
                 self.stage = Stage::Waiting {
-                    watch: Box::new(Watch::new(condition, emulator)),
+                    watch: Box::new(ConditionWatch::new(condition, emulator)),
                     since: now,
                     earliest: now + earliest,
                     latest: now + latest,
                 };
             }
-            Action::Set(address, state) => {
+            ScriptAction::Set(address, state) => {
                 emulator.simulation.lathe.force_input(address, Some(state));
             }
-            Action::Free(address) => emulator.simulation.lathe.force_input(address, None),
-            Action::Force(bit, value) => {
+            ScriptAction::Free(address) => emulator.simulation.lathe.force_input(address, None),
+            ScriptAction::Force(bit, value) => {
                 let request = Request::ForceBit(bit, value);
                 if let Err(alarm) = emulator.simulation.cnc.request(request) {
-                    return Next::Say(Progress::Failed(self.failure(alarm.reason())));
+                    return Next::Return(ScriptProgress::Failed(self.failure(alarm.reason())));
                 }
             }
-            Action::Expect(expect) => {
+            ScriptAction::Expect(expect) => {
                 if let Err(seen) = expect.check(emulator) {
-                    return Next::Say(Progress::Failed(self.failure(seen.message())));
+                    return Next::Return(ScriptProgress::Failed(self.failure(seen.message())));
                 }
             }
-            Action::Show => {
+            ScriptAction::Show => {
                 let text = emulator.screen().text();
-                return Next::Say(Progress::Effect(Effect::Show(text)));
+                return Next::Return(ScriptProgress::Effect(Effect::Show(text)));
             }
-            Action::Shot { path, panel } => {
-                return Next::Say(Progress::Effect(Effect::Shot { path, panel }));
+            ScriptAction::Shot { path, panel } => {
+                return Next::Return(ScriptProgress::Effect(Effect::Shot { path, panel }));
             }
         }
-        Next::Look
+        Next::Recheck
     }
 }
 
@@ -372,13 +379,13 @@ pub fn run<E: fmt::Display>(
     let mut runner = Runner::new(script);
     loop {
         match runner.advance(emulator, SLICE) {
-            Progress::Running => {}
-            Progress::Effect(effect) => {
+            ScriptProgress::Running => {}
+            ScriptProgress::Effect(effect) => {
                 carry_out(effect, emulator)
                     .map_err(|seen| runner.failure(say::as_written(seen)))?;
             }
-            Progress::Failed(failure) => return Err(failure),
-            Progress::Finished => return Ok(()),
+            ScriptProgress::Failed(failure) => return Err(failure),
+            ScriptProgress::Finished => return Ok(()),
         }
     }
 }

@@ -6,8 +6,8 @@ use gsk_core::operation::RunState;
 use gsk_core::units::{Axis, parse_finite};
 use gsk_messages::{Language, Message, say};
 
-use super::{Coordinates, ParseError};
-use crate::emulator::{Emulator, folded};
+use super::{CoordinateSystem, ParseError};
+use crate::emulator::{Emulator, fold_blanks};
 use crate::keys::{self, Key};
 use crate::pages::{PAGES, PageId};
 use crate::screen::ROWS;
@@ -22,12 +22,12 @@ pub(super) const FORM: &str = "expect screen \"TEXT\" | page oft | key ESTOP dow
 
 /// A range of values that includes both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
+pub struct ValueRange {
     from: f64,
     to: f64,
 }
 
-impl Range {
+impl ValueRange {
     fn read(text: &str) -> Result<Self, ParseError> {
         let (from, to) = text.split_once("..").unwrap_or((text, text));
         let number = |text: &str| {
@@ -49,7 +49,7 @@ impl Range {
 
 /// A column of the offset page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Column {
+pub enum OffsetField {
     /// X as typed.
     X,
     /// Z.
@@ -62,7 +62,7 @@ pub enum Column {
 
 /// An expected state.
 #[derive(Clone, Debug, PartialEq)]
-pub enum State {
+pub enum ExpectedState {
     /// A row of the LCD contains this text. Runs of blanks count as one.
     Screen(String),
     /// This page is shown.
@@ -70,9 +70,9 @@ pub enum State {
     /// A key is down, or the emergency stop is latched.
     Key(Key, bool),
     /// One coordinate, mm. X as displayed.
-    At(Coordinates, Axis, Range),
+    At(CoordinateSystem, Axis, ValueRange),
     /// A value of an offset, mm.
-    Offset(u8, Column, Range),
+    Offset(u8, OffsetField, ValueRange),
     /// A parameter, or one bit of it.
     Parameter(u16, Option<u8>, i32),
     /// The memory has a program, which contains this text without regard to blanks.
@@ -82,22 +82,22 @@ pub enum State {
     /// The current tool, and the offset in force.
     Tool(u8, Option<u8>),
     /// Speed of the spindle, r/min, negative in reverse.
-    Spindle(Range),
+    Spindle(ValueRange),
     /// The state of the run.
     Run(RunState),
     /// The part counter.
-    Parts(Range),
+    Parts(ValueRange),
     /// The power.
     Power(bool),
     /// An axis has returned to its reference since power-on.
     Referenced(Axis),
 }
 
-impl State {
+impl ExpectedState {
     /// Parses the words after `expect`. `None` if they do not name a state.
     pub(super) fn read(words: &[&str]) -> Option<Result<Self, ParseError>> {
         Some(match words {
-            ["screen", text] => Ok(Self::Screen(folded(text))),
+            ["screen", text] => Ok(Self::Screen(fold_blanks(text))),
             ["page", name] => page(name).map(Self::Page),
             ["key", name, state @ ("down" | "up")] => {
                 key(name).map(|key| Self::Key(key, *state == "down"))
@@ -109,21 +109,21 @@ impl State {
                 range,
             ] => {
                 let coordinates = match *kind {
-                    "abs" => Coordinates::Absolute,
-                    "machine" => Coordinates::Machine,
-                    _ => Coordinates::Relative,
+                    "abs" => CoordinateSystem::Absolute,
+                    "machine" => CoordinateSystem::Machine,
+                    _ => CoordinateSystem::Relative,
                 };
-                Range::read(range).map(|range| Self::At(coordinates, axis(name), range))
+                ValueRange::read(range).map(|range| Self::At(coordinates, axis(name), range))
             }
             ["offset", number, column @ ("X" | "Z" | "R" | "T"), range] => {
                 let column = match *column {
-                    "X" => Column::X,
-                    "Z" => Column::Z,
-                    "R" => Column::Radius,
-                    _ => Column::Tip,
+                    "X" => OffsetField::X,
+                    "Z" => OffsetField::Z,
+                    "R" => OffsetField::Radius,
+                    _ => OffsetField::Tip,
                 };
                 whole(number).and_then(|number| {
-                    Range::read(range).map(|range| Self::Offset(number, column, range))
+                    ValueRange::read(range).map(|range| Self::Offset(number, column, range))
                 })
             }
             ["param", name, value] => parameter(name, value),
@@ -133,12 +133,12 @@ impl State {
             }
             ["selected", name] => number(name).map(Self::Selected),
             ["tool", word] => tool(word),
-            ["spindle", range] => Range::read(range).map(Self::Spindle),
+            ["spindle", range] => ValueRange::read(range).map(Self::Spindle),
             ["run", "run"] => Ok(Self::Run(RunState::Run)),
             ["run", "hold"] => Ok(Self::Run(RunState::Hold)),
             ["run", "stop"] => Ok(Self::Run(RunState::Stop)),
             ["run", "reset"] => Ok(Self::Run(RunState::Reset)),
-            ["parts", range] => Range::read(range).map(Self::Parts),
+            ["parts", range] => ValueRange::read(range).map(Self::Parts),
             ["power", state @ ("on" | "off")] => Ok(Self::Power(*state == "on")),
             ["referenced", name @ ("X" | "Z")] => Ok(Self::Referenced(axis(name))),
             [
@@ -163,7 +163,7 @@ impl State {
         match self {
             Self::Screen(text) => {
                 let screen = emulator.screen();
-                let shown = (0..ROWS).any(|row| folded(&screen.row(row)).contains(text));
+                let shown = (0..ROWS).any(|row| fold_blanks(&screen.row(row)).contains(text));
                 verdict(shown, || say::script_state_is(format!("\n{screen}")))
             }
             Self::Page(page) => {
@@ -192,10 +192,10 @@ impl State {
             Self::Offset(number, column, range) => {
                 let row = cnc.offsets().get(*number);
                 let (name, seen, digits) = match column {
-                    Column::X => ("X", row.x, 3),
-                    Column::Z => ("Z", row.z, 3),
-                    Column::Radius => ("R", row.r, 3),
-                    Column::Tip => ("T", row.t.into(), 0),
+                    OffsetField::X => ("X", row.x, 3),
+                    OffsetField::Z => ("Z", row.z, 3),
+                    OffsetField::Radius => ("R", row.r, 3),
+                    OffsetField::Tip => ("T", row.t.into(), 0),
                 };
                 verdict(range.contains(seen), || {
                     say::script_value_is(format!("{number:03} {name}"), format!("{seen:.digits$}"))
@@ -316,7 +316,7 @@ fn key(name: &str) -> Result<Key, ParseError> {
     })
 }
 
-fn parameter(name: &str, value: &str) -> Result<State, ParseError> {
+fn parameter(name: &str, value: &str) -> Result<ExpectedState, ParseError> {
     let (number, bit) = match name.split_once('.') {
         None => (name, None),
         Some((number, bit)) => {
@@ -325,13 +325,16 @@ fn parameter(name: &str, value: &str) -> Result<State, ParseError> {
             (number, Some(bit))
         }
     };
-    Ok(State::Parameter(whole(number)?, bit, whole(value)?))
+    Ok(ExpectedState::Parameter(whole(number)?, bit, whole(value)?))
 }
 
 /// `2` is the tool, `0202` tool and offset.
-fn tool(word: &str) -> Result<State, ParseError> {
+fn tool(word: &str) -> Result<ExpectedState, ParseError> {
     match word.len() {
-        4 if word.is_ascii() => Ok(State::Tool(whole(&word[..2])?, Some(whole(&word[2..])?))),
-        _ => Ok(State::Tool(whole(word)?, None)),
+        4 if word.is_ascii() => Ok(ExpectedState::Tool(
+            whole(&word[..2])?,
+            Some(whole(&word[2..])?),
+        )),
+        _ => Ok(ExpectedState::Tool(whole(word)?, None)),
     }
 }

@@ -51,12 +51,12 @@ fn every_form_of_the_manual_page_is_read() {
         expect alarm 011\nexpect alarm none\nexpect mode 自动方式\nexpect Y0.3 1\n\
         show\nshot page.png\nshot panel.png --panel\n";
     let script = Script::parse(text).expect("a script");
-    let actions: Vec<&Action> = script.lines.iter().map(|line| &line.action).collect();
-    assert_eq!(actions[2], &Action::Type("G0 X#1".to_owned()));
-    assert_eq!(actions[3], &Action::Type("A # B".to_owned()));
-    assert_eq!(actions[4], &Action::Hold(Key::ZLeft, 2000));
-    assert_eq!(actions[7], &Action::Load("part one.CNC".to_owned()));
-    assert_eq!(actions[8], &Action::Load("x.nc".to_owned()));
+    let actions: Vec<&ScriptAction> = script.lines.iter().map(|line| &line.action).collect();
+    assert_eq!(actions[2], &ScriptAction::Type("G0 X#1".to_owned()));
+    assert_eq!(actions[3], &ScriptAction::Type("A # B".to_owned()));
+    assert_eq!(actions[4], &ScriptAction::Hold(Key::ZLeft, 2000));
+    assert_eq!(actions[7], &ScriptAction::Load("part one.CNC".to_owned()));
+    assert_eq!(actions[8], &ScriptAction::Load("x.nc".to_owned()));
     assert_eq!(script.lines[12].at, Some(12345));
     assert_eq!(script.lines[0].number, 3);
     assert_eq!(actions.len(), 36);
@@ -184,21 +184,21 @@ fn machine_inputs_and_power() {
 fn a_runner_can_be_driven_in_small_steps() {
     let text = "press JOG\nhold ZM 300ms\nwait idle 5s\nexpect mode 手动方式\n";
     let mut whole = Emulator::new(Setup::default());
-    let mut pieces = whole.clone();
+    let mut stepwise = whole.clone();
     run(Script::parse(text).unwrap(), &mut whole, &mut |_, _| {
         Ok::<_, Failure>(())
     })
     .unwrap();
     let mut runner = Runner::new(Script::parse(text).unwrap());
     loop {
-        match runner.advance(&mut pieces, 7) {
-            Progress::Running => {}
-            Progress::Finished => break,
+        match runner.advance(&mut stepwise, 7) {
+            ScriptProgress::Running => {}
+            ScriptProgress::Finished => break,
             other => panic!("{other:?}"),
         }
     }
-    assert_eq!(whole, pieces);
-    assert_eq!(runner.advance(&mut pieces, 7), Progress::Finished);
+    assert_eq!(whole, stepwise);
+    assert_eq!(runner.advance(&mut stepwise, 7), ScriptProgress::Finished);
 }
 
 #[test]
@@ -226,10 +226,10 @@ fn states_of_control_panel_and_lathe_are_expected() {
         ("expect screen \"no such text\"", "GSK980TD"),
     ] {
         let (result, ..) = run_text(line);
-        let said = result.expect_err(line).to_string();
+        let message = result.expect_err(line).to_string();
         assert!(
-            said.contains(seen) || seen == "GSK980TD" && said.contains("it is \n"),
-            "{said}"
+            message.contains(seen) || seen == "GSK980TD" && message.contains("it is \n"),
+            "{message}"
         );
     }
     for (line, wanted) in [

@@ -136,7 +136,7 @@ impl Run<'_> {
     /// Whether control and board stand.
     fn stands(&self) -> bool {
         let cnc = &self.simulation.cnc;
-        !cnc.is_moving() && cnc.behind().is_none_or(|behind| behind.ticks == 0)
+        !cnc.is_moving() && cnc.board_lag().is_none_or(|lag| lag.ticks == 0)
     }
 
     /// Looks after a program that a board carries out, once a tick. A stop is answered

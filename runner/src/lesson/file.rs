@@ -2,8 +2,8 @@
 
 use gsk_core::units::{NonFinite, find_non_finite};
 use gsk_messages::{Message, say};
-use gsk_panel::keys::{KEYS, Key, Role};
-use gsk_panel::script::{Action, Expect, Line, Script};
+use gsk_panel::keys::{KEYS, Key, KeyRole};
+use gsk_panel::script::{Expectation, Script, ScriptAction, ScriptLine};
 use gsk_workpiece::job::Job;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -219,7 +219,7 @@ fn key(name: &str, place: &Place<'_>) -> Result<Key, LessonError> {
 
 fn conditions(texts: &[String], place: &Place<'_>) -> Result<Vec<Condition>, LessonError> {
     let read = texts.iter().map(|text| {
-        let expect = Expect::parse(text)
+        let expect = Expectation::parse(text)
             .map_err(|error| place.breaks(say::subject_reason(text, error.message())))?;
         Ok(Condition {
             text: text.clone(),
@@ -245,20 +245,20 @@ fn solution(lines: &[String], place: &Place<'_>) -> Result<Script, LessonError> 
     for line in script.lines {
         let by_hand = matches!(
             line.action,
-            Action::Press(_)
-                | Action::Hold(..)
-                | Action::Down(_)
-                | Action::Up(_)
-                | Action::Type(_)
-                | Action::Turn(..)
-                | Action::Wait(_)
-                | Action::WaitFor(..)
+            ScriptAction::Press(_)
+                | ScriptAction::Hold(..)
+                | ScriptAction::Down(_)
+                | ScriptAction::Up(_)
+                | ScriptAction::Type(_)
+                | ScriptAction::Turn(..)
+                | ScriptAction::Wait(_)
+                | ScriptAction::WaitFor(..)
         );
         if !by_hand || line.at.is_some() {
             let rule = say::lesson_not_by_hand(&line.text);
             return Err(place.breaks(say::in_line(line.number, rule)));
         }
-        let Action::Type(text) = &line.action else {
+        let ScriptAction::Type(text) = &line.action else {
             pressed.push(line);
             continue;
         };
@@ -267,9 +267,9 @@ fn solution(lines: &[String], place: &Place<'_>) -> Result<Script, LessonError> 
                 let rule = say::lesson_no_key(character);
                 place.breaks(say::in_line(line.number, rule))
             })?;
-            pressed.extend(keys.into_iter().map(|key| Line {
+            pressed.extend(keys.into_iter().map(|key| ScriptLine {
                 text: format!("press {}", key.id()),
-                action: Action::Press(key),
+                action: ScriptAction::Press(key),
                 ..line.clone()
             }));
         }
@@ -286,8 +286,8 @@ fn keys_of(character: char) -> Option<Vec<Key>> {
         _ => {}
     }
     KEYS.iter().find_map(|row| match row.role {
-        Role::Character(first, _) if first == character => Some(vec![row.key]),
-        Role::Character(_, Some(second)) if second == character => Some(vec![row.key, row.key]),
+        KeyRole::Character(first, _) if first == character => Some(vec![row.key]),
+        KeyRole::Character(_, Some(second)) if second == character => Some(vec![row.key, row.key]),
         _ => None,
     })
 }

@@ -7,9 +7,9 @@ use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::units::{Diameter, Point};
 use gsk_messages::{Message, say};
-use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::pages::POWER_ON_TICKS;
-use gsk_panel::script::{Action, Progress, Runner, Script, ScriptError};
+use gsk_panel::script::{Runner, Script, ScriptAction, ScriptError, ScriptProgress};
 use serde::Deserialize;
 
 /// The largest coordinate of the control, mm.
@@ -83,14 +83,14 @@ impl Begins {
         }
         let before = Script::parse(&raw.before.join("\n"))
             .map_err(|errors| say::several(errors.iter().map(ScriptError::message)))?;
-        let needs_files = |action: &Action| {
+        let needs_files = |action: &ScriptAction| {
             matches!(
                 action,
-                Action::Load(_)
-                    | Action::Receive(_)
-                    | Action::Dnc(_)
-                    | Action::Show
-                    | Action::Shot { .. }
+                ScriptAction::Load(_)
+                    | ScriptAction::Receive(_)
+                    | ScriptAction::Dnc(_)
+                    | ScriptAction::Show
+                    | ScriptAction::Shot { .. }
             )
         };
         if let Some(line) = before.lines.iter().find(|line| needs_files(&line.action)) {
@@ -115,12 +115,14 @@ impl Begins {
         if self.picture {
             return Ok(emulator);
         }
-        emulator.run_until(&Condition::SelfTestOver, POWER_ON_TICKS + 1000);
+        emulator.run_until(&WaitCondition::SelfTestOver, POWER_ON_TICKS + 1000);
         let mut runner = Runner::new(self.before.clone());
         match runner.advance(&mut emulator, LONGEST) {
-            Progress::Finished => Ok(emulator),
-            Progress::Failed(failure) => Err(failure.message()),
-            Progress::Running | Progress::Effect(_) => Err(say::lesson_before_too_long()),
+            ScriptProgress::Finished => Ok(emulator),
+            ScriptProgress::Failed(failure) => Err(failure.message()),
+            ScriptProgress::Running | ScriptProgress::Effect(_) => {
+                Err(say::lesson_before_too_long())
+            }
         }
     }
 }

@@ -15,7 +15,7 @@ mod shown;
 use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
-use gsk_panel::script::{Expect, Script, Unmet};
+use gsk_panel::script::{Expectation, Script, UnmetExpectation};
 use gsk_workpiece::job::Job;
 use serde::{Deserialize, Serialize};
 
@@ -97,7 +97,7 @@ pub struct Wrong {
 pub struct Condition {
     /// As it is written.
     pub text: String,
-    expect: Expect,
+    expect: Expectation,
 }
 
 impl Condition {
@@ -107,7 +107,7 @@ impl Condition {
     }
 
     /// What is there instead.
-    pub fn unmet(&self, emulator: &Emulator) -> Option<Unmet> {
+    pub fn unmet(&self, emulator: &Emulator) -> Option<UnmetExpectation> {
         self.expect.check(emulator).err()
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
-use gsk_panel::script::{Progress as ScriptProgress, Runner};
+use gsk_panel::script::{ScriptProgress, Runner};
 
 use super::progress::LOOK;
 use super::{Lesson, Progress};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use gsk_messages::Message;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::KeyEvent;
-use gsk_panel::script::{Action, Line, Progress as ScriptProgress, Runner, Script};
+use gsk_panel::script::{ScriptAction, ScriptLine, ScriptProgress, Runner, Script};
 
 use super::play::{self, SETTLES};
 use super::progress::LOOK;
@@ -229,18 +229,18 @@ impl Practice {
 /// first of them while its step is read.
 fn slowly(solution: &Script, is_read: bool) -> Script {
     let first = solution.lines.first().filter(|_| is_read);
-    let mut lines: Vec<Line> = first
-        .map(|line| Line {
-            action: Action::Wait(READ_REST),
+    let mut lines: Vec<ScriptLine> = first
+        .map(|line| ScriptLine {
+            action: ScriptAction::Wait(READ_REST),
             ..line.clone()
         })
         .into_iter()
         .collect();
     for line in &solution.lines {
         lines.push(line.clone());
-        if matches!(line.action, Action::Press(_) | Action::Hold(..)) {
-            lines.push(Line {
-                action: Action::Wait(SHOWN_REST),
+        if matches!(line.action, ScriptAction::Press(_) | ScriptAction::Hold(..)) {
+            lines.push(ScriptLine {
+                action: ScriptAction::Wait(SHOWN_REST),
                 ..line.clone()
             });
         }

@@ -4,7 +4,7 @@
 use std::sync::{Arc, LazyLock};
 
 use gsk_panel::keys::Key;
-use gsk_panel::script::Action;
+use gsk_panel::script::ScriptAction;
 use gsk_workpiece::job::Job;
 use serde::Deserialize;
 
@@ -121,7 +121,9 @@ fn marked(mut step: Step) -> Step {
         .lines
         .iter()
         .filter_map(|line| match line.action {
-            Action::Press(key) | Action::Hold(key, _) | Action::Down(key) => Some(key),
+            ScriptAction::Press(key) | ScriptAction::Hold(key, _) | ScriptAction::Down(key) => {
+                Some(key)
+            }
             _ => None,
         });
     let mut keys: Vec<Key> = Vec::new();

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use gsk_core::model::{ControlModel, ModelId};
-use gsk_milling::{MillSetup, MillMove, preview_while};
+use gsk_milling::{MillMove, MillSetup, preview_while};
 
 use super::{settings, watch};
 

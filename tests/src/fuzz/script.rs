@@ -4,8 +4,8 @@ use core::mem::discriminant;
 use std::cell::OnceCell;
 
 use gsk_core::setup::Setup;
-use gsk_panel::emulator::{Condition, Emulator};
-use gsk_panel::script::{Effect, Progress, Runner, Script, ScriptError};
+use gsk_panel::emulator::{Emulator, WaitCondition};
+use gsk_panel::script::{Effect, Runner, Script, ScriptError, ScriptProgress};
 
 use super::watch;
 
@@ -33,11 +33,11 @@ pub(super) fn run(input: &[u8]) {
     let mut runner = Runner::new(script);
     for _ in 0..TICKS {
         match watch::unit(|| runner.advance(&mut emulator, 1)) {
-            Progress::Effect(Effect::Load(name)) => {
+            ScriptProgress::Effect(Effect::Load(name)) => {
                 let _ = emulator.load_program(&name, FILE);
             }
-            Progress::Running | Progress::Effect(_) => {}
-            Progress::Failed(_) | Progress::Finished => break,
+            ScriptProgress::Running | ScriptProgress::Effect(_) => {}
+            ScriptProgress::Failed(_) | ScriptProgress::Finished => break,
         }
     }
     let screen = watch::unit(|| emulator.screen().text());
@@ -64,6 +64,6 @@ fn without_errors(text: &str, errors: &[ScriptError]) -> String {
 
 fn ready_emulator() -> Emulator {
     let mut emulator = Emulator::new(Setup::default());
-    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
     emulator
 }

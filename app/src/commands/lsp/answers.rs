@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use gsk_language::{
-    ReferenceTarget, CompletionKind, Position, ReadingContext, Structure, Symbol, SymbolKind, TextDocument, complete,
-    definition, folds, format, hover, lenses, references, renamable, rename, symbols,
-    without_markup,
+    CompletionKind, Position, ReadingContext, ReferenceTarget, Structure, Symbol, SymbolKind,
+    TextDocument, complete, definition, folds, format, hover, lenses, references, renamable,
+    rename, symbols, without_markup,
 };
 use gsk_messages::{Message, say};
 use lsp_server::{ErrorCode, Request, Response};

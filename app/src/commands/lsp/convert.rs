@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use gsk_language::{TextChange, TextRange, Position, TextDocument};
+use gsk_language::{Position, TextChange, TextDocument, TextRange};
 use lsp_types::{PositionEncodingKind, Range, TextEdit, Uri};
 
 /// How columns are counted.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
-use gsk_language::{ReferenceTarget, Analysis, TextChange, Structure, TextDocument};
+use gsk_language::{Analysis, ReferenceTarget, Structure, TextChange, TextDocument};
 use lsp_server::RequestId;
 use lsp_types::{TextDocumentContentChangeEvent, Uri};
 

@@ -10,7 +10,9 @@ use crossbeam::channel::{Receiver, Sender, unbounded};
 use gsk_core::command::ProgramId;
 use gsk_core::preview::{End, WorkBudget};
 use gsk_core::program::Program;
-use gsk_language::{Analysis, ProgramFinding, Severity, LineTimes, Structure, TextDocument, analyse, analyse_mill};
+use gsk_language::{
+    Analysis, LineTimes, ProgramFinding, Severity, Structure, TextDocument, analyse, analyse_mill,
+};
 use gsk_messages::{Language, Message, say};
 use lsp_types::Uri;
 
@@ -108,13 +110,15 @@ fn look(control: &Control, job: &Job, language: Language) -> Analysis {
     let full_width = external.and_then(Program::full_width_line);
     let full_width = full_width.map(|line| say::file_full_width(short(&path), line));
     let notices = notices.into_iter().chain(full_width);
-    analysis.findings.extend(notices.map(|notice| ProgramFinding {
-        program: ProgramId::External,
-        at: None,
-        severity: Severity::Warning,
-        code: notice.id().name().to_owned(),
-        text: notice.text(language),
-    }));
+    analysis
+        .findings
+        .extend(notices.map(|notice| ProgramFinding {
+            program: ProgramId::External,
+            at: None,
+            severity: Severity::Warning,
+            code: notice.id().name().to_owned(),
+            text: notice.text(language),
+        }));
     analysis
 }
 

@@ -1,7 +1,9 @@
 //! Diagnostics of a document: what a look found, each at its place.
 
 use gsk_core::command::ProgramId;
-use gsk_language::{ReferenceTarget, Analysis, ProgramFinding, Severity, TextRange, Structure, TextDocument};
+use gsk_language::{
+    Analysis, ProgramFinding, ReferenceTarget, Severity, Structure, TextDocument, TextRange,
+};
 use gsk_messages::{Language, say};
 use lsp_types::{
     Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, Location, NumberOrString, Range,

@@ -9,7 +9,7 @@ use gsk_core::cnc::Request;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_messages::{Message, say};
-use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
 
 use web_time::Instant;
@@ -46,7 +46,7 @@ pub(super) fn control(args: &TransferControlArgs) -> Result<u8, CommandError> {
     if let Some(restored) = &restored {
         restored.restore_panel(&mut emulator);
     }
-    emulator.run_until(&Condition::SelfTestOver, SELF_TEST);
+    emulator.run_until(&WaitCondition::SelfTestOver, SELF_TEST);
     if args.parameter_switch {
         for request in [
             Request::SetParameterSwitch(true),
@@ -56,7 +56,7 @@ pub(super) fn control(args: &TransferControlArgs) -> Result<u8, CommandError> {
             let _ = emulator.simulation.cnc.request(request);
         }
     }
-    emulator.panel.connect_line();
+    emulator.panel.connect_port();
     let ending = Ending::heard()?;
     let line = SerialLine::open(End::of(&args.port), args.text.map(TextEnd::line_end));
     let line = line.map_err(CommandError::Gone)?;

@@ -3,7 +3,7 @@
 use egui::{RichText, Ui};
 use gsk_core::command::ProgramId;
 use gsk_messages::{Language, say};
-use gsk_panel::occurrences::Occurrence;
+use gsk_panel::alarm_log::AlarmRecord;
 
 use super::Asked;
 use crate::window::alarm_line;
@@ -13,8 +13,8 @@ const LISTED: usize = 5;
 
 /// The last occurrences of an alarm, the newest first; nothing where there was none.
 /// `number`: the first one of its row in the table.
-pub fn of(ui: &mut Ui, number: u16, raised: &[Occurrence], language: Language) -> Option<Asked> {
-    let is_it = |it: &&Occurrence| it.alarm.row().map(|row| row.number) == Some(number);
+pub fn of(ui: &mut Ui, number: u16, raised: &[AlarmRecord], language: Language) -> Option<Asked> {
+    let is_it = |it: &&AlarmRecord| it.alarm.row().map(|row| row.number) == Some(number);
     let mut of_it = raised.iter().filter(is_it).take(LISTED).peekable();
     of_it.peek()?;
     ui.add_space(4.0);
@@ -42,8 +42,8 @@ pub fn of(ui: &mut Ui, number: u16, raised: &[Occurrence], language: Language) -
 }
 
 /// `2024-02-29 23:59:58, 0:12:03 after power-on`.
-fn moment(occurrence: &Occurrence, language: Language) -> String {
-    let Occurrence {
+fn moment(occurrence: &AlarmRecord, language: Language) -> String {
+    let AlarmRecord {
         date, time, at_ms, ..
     } = occurrence;
     let (date, time) = (

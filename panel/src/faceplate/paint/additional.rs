@@ -4,14 +4,14 @@ use tiny_skia::PathBuilder;
 
 use super::{Painter, circle, faint, lighter, radial};
 use crate::faceplate::text::opaque;
-use crate::faceplate::{Colour, Part};
+use crate::faceplate::{PanelColour, PanelPart};
 
 /// Graduations of the handwheel.
 pub(super) const GRADUATIONS: i32 = 100;
 
 impl Painter {
     /// The emergency stop: a red mushroom on a yellow plate.
-    pub(super) fn mushroom(&mut self, part: &Part, latched: bool) {
+    pub(super) fn mushroom(&mut self, part: &PanelPart, latched: bool) {
         let (x, y) = part.rect.center();
         let radius = part.rect.w / 2.0;
         let layers = [
@@ -75,7 +75,7 @@ impl Painter {
         }
     }
 
-    pub(super) fn round_button(&mut self, part: &Part, down: bool) {
+    pub(super) fn round_button(&mut self, part: &PanelPart, down: bool) {
         let (x, y) = part.rect.center();
         let radius = part.rect.w / 2.0;
         for (radius, colour) in [(radius, [150, 160, 170]), (radius * 0.84, [24, 28, 34])] {
@@ -100,7 +100,7 @@ impl Painter {
         }
     }
 
-    pub(super) fn handwheel(&mut self, part: &Part, wheel: i32) {
+    pub(super) fn handwheel(&mut self, part: &PanelPart, wheel: i32) {
         let (x, y) = part.rect.center();
         let radius = part.rect.w / 2.0;
         if let Some(path) = circle(x, y, radius) {
@@ -163,7 +163,7 @@ impl Painter {
         pointer.line_to(x, part.rect.y + 2.0);
         pointer.close();
         if let Some(path) = pointer.finish() {
-            self.fill_flat(&path, opaque(Colour::Hold.rgb()));
+            self.fill_flat(&path, opaque(PanelColour::Hold.rgb()));
         }
     }
 }

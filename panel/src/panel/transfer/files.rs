@@ -17,7 +17,7 @@ pub(super) const PITCH: &str = "Wcomp.wmp";
 pub(super) const PARAMETERS: &str = "ParaW.par";
 
 /// Returns the files to send.
-pub(super) fn of(wanted: Wanted, cnc: &Cnc) -> Vec<SerialFile> {
+pub(super) fn files_to_send(wanted: Wanted, cnc: &Cnc) -> Vec<SerialFile> {
     let file = |name: &str, text: String| SerialFile {
         name: name.to_owned(),
         text,
@@ -43,14 +43,14 @@ pub(super) fn of(wanted: Wanted, cnc: &Cnc) -> Vec<SerialFile> {
 }
 
 /// Returns the file of a program or of data. `None` for a missing program.
-pub(super) fn one(id: FileId, cnc: &Cnc) -> Option<SerialFile> {
+pub(super) fn file_of(id: FileId, cnc: &Cnc) -> Option<SerialFile> {
     let wanted = match id {
         FileId::Program(number) => Wanted::Program(number),
         FileId::Offsets => Wanted::Offsets,
         FileId::Pitch => Wanted::Pitch,
         FileId::Parameters => Wanted::Parameters,
     };
-    of(wanted, cnc).pop()
+    files_to_send(wanted, cnc).pop()
 }
 
 fn program_file(number: u16, program: &Program) -> SerialFile {
@@ -96,7 +96,7 @@ fn parameters(cnc: &Cnc) -> String {
 /// The reason why a line of a file is invalid, with its number from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", self.message())]
-pub enum LineError {
+pub enum DataLineError {
     /// The line does not have the form `NUMBER=VALUE`.
     Form(usize),
     /// The line has no valid number.
@@ -114,7 +114,7 @@ pub enum LineError {
     Pitch(usize, PitchError),
 }
 
-impl LineError {
+impl DataLineError {
     /// Returns the message with the line.
     pub fn message(&self) -> Message {
         match self {
@@ -132,7 +132,7 @@ impl LineError {
 /// # Errors
 ///
 /// Returns the first invalid line.
-pub(super) fn read(file: &SerialFile) -> Result<Received, LineError> {
+pub(super) fn read(file: &SerialFile) -> Result<Received, DataLineError> {
     let extension = file.name.rsplit('.').next().unwrap_or_default();
     match extension.to_ascii_lowercase().as_str() {
         "ofs" => read_offsets(&file.text).map(Received::Offsets),
@@ -148,7 +148,7 @@ pub(super) fn number_of(text: &str) -> u16 {
 }
 
 /// The lines `NUMBER=VALUE` with their line number.
-fn lines(text: &str) -> impl Iterator<Item = Result<(usize, u16, &str), LineError>> {
+fn lines(text: &str) -> impl Iterator<Item = Result<(usize, u16, &str), DataLineError>> {
     let lines = text
         .lines()
         .enumerate()
@@ -156,28 +156,28 @@ fn lines(text: &str) -> impl Iterator<Item = Result<(usize, u16, &str), LineErro
     lines
         .filter(|(_, line)| !line.is_empty())
         .map(|(at, line)| {
-            let (number, value) = line.split_once('=').ok_or(LineError::Form(at))?;
+            let (number, value) = line.split_once('=').ok_or(DataLineError::Form(at))?;
             let number = number.trim().parse();
-            let number = number.map_err(|_| LineError::NoNumber(at, line.to_owned()))?;
+            let number = number.map_err(|_| DataLineError::NoNumber(at, line.to_owned()))?;
             Ok((at, number, value.trim()))
         })
 }
 
-fn wrong(at: usize, value: &str) -> LineError {
-    LineError::NoValue(at, value.to_owned())
+fn invalid_value(at: usize, value: &str) -> DataLineError {
+    DataLineError::NoValue(at, value.to_owned())
 }
 
-fn read_offsets(text: &str) -> Result<Offsets, LineError> {
+fn read_offsets(text: &str) -> Result<Offsets, DataLineError> {
     let mut offsets = Offsets::default();
     for line in lines(text) {
         let (at, number, value) = line?;
-        let offset = offset(value).ok_or_else(|| wrong(at, value))?;
+        let offset = offset(value).ok_or_else(|| invalid_value(at, value))?;
         if number == 0 && offset == ToolOffset::default() {
             continue;
         }
-        let number = u8::try_from(number).map_err(|_| wrong(at, value))?;
+        let number = u8::try_from(number).map_err(|_| invalid_value(at, value))?;
         let set = offsets.set(number, offset);
-        set.map_err(|alarm| LineError::Offset {
+        set.map_err(|alarm| DataLineError::Offset {
             line: at,
             alarm: Box::new(alarm),
         })?;
@@ -194,22 +194,27 @@ fn offset(value: &str) -> Option<ToolOffset> {
     values.next().is_none().then_some(offset)
 }
 
-fn read_pitch(text: &str) -> Result<PitchTable, LineError> {
+fn read_pitch(text: &str) -> Result<PitchTable, DataLineError> {
     let mut table = PitchTable::default();
     for line in lines(text) {
         let (at, number, value) = line?;
-        let point = u8::try_from(number).map_err(|_| wrong(at, value))?;
-        let (x, z) = value.split_once(',').ok_or_else(|| wrong(at, value))?;
+        let point = u8::try_from(number).map_err(|_| invalid_value(at, value))?;
+        let (x, z) = value
+            .split_once(',')
+            .ok_or_else(|| invalid_value(at, value))?;
         for (axis, digits) in [(Axis::X, x), (Axis::Z, z)] {
-            let micrometres = digits.trim().parse().map_err(|_| wrong(at, value))?;
+            let micrometres = digits
+                .trim()
+                .parse()
+                .map_err(|_| invalid_value(at, value))?;
             let set = table.set(axis, point, micrometres);
-            set.map_err(|error| LineError::Pitch(at, error))?;
+            set.map_err(|error| DataLineError::Pitch(at, error))?;
         }
     }
     Ok(table)
 }
 
-fn read_parameters(text: &str) -> Result<Vec<(u16, i32)>, LineError> {
+fn read_parameters(text: &str) -> Result<Vec<(u16, i32)>, DataLineError> {
     let states: Vec<u16> = pages::state_numbers().collect();
     let mut values = Vec::new();
     for line in lines(text) {
@@ -219,7 +224,7 @@ fn read_parameters(text: &str) -> Result<Vec<(u16, i32)>, LineError> {
         } else {
             value.parse().ok()
         };
-        values.push((number, read.ok_or_else(|| wrong(at, value))?));
+        values.push((number, read.ok_or_else(|| invalid_value(at, value))?));
     }
     Ok(values)
 }
@@ -237,7 +242,7 @@ mod tests {
 
     #[test]
     fn bad_lines_are_named() {
-        for (name, text, said) in [
+        for (name, text, words) in [
             ("a.ofs", "001=1,2,3,4\n033=0,0,0,0\n", "line 2: "),
             ("a.ofs", "1=1,2,3\n", "line 1: 1,2,3 is no value here"),
             ("a.ofs", "1=1,2,nan,0\n", "line 1: "),
@@ -251,14 +256,14 @@ mod tests {
             let read = read(&file(name, text));
             assert!(
                 read.as_ref()
-                    .is_err_and(|error| error.to_string().contains(said)),
+                    .is_err_and(|error| error.to_string().contains(words)),
                 "{text}: {read:?}"
             );
         }
     }
 
     #[test]
-    fn names_tell_what_a_file_is() {
+    fn names_determine_the_kind_of_a_file() {
         assert!(matches!(
             read(&file("TOFS.OFS", "")),
             Ok(Received::Offsets(_))

@@ -6,7 +6,7 @@ use gsk_core::cnc::{Cnc, Received, Request, SerialPort};
 use gsk_core::memory::Refusal;
 use gsk_messages::{Message, say};
 
-use super::{LineError, Panel, Partner, SerialFile, files, reason};
+use super::{DataLineError, Panel, Partner, SerialFile, files, reason};
 use crate::pages::Communication;
 
 /// A file of the control.
@@ -61,7 +61,7 @@ pub enum FileRefusal {
     /// Data files cannot be renamed or deleted.
     OnlyPrograms,
     /// The content is invalid.
-    Unreadable(LineError),
+    Unreadable(DataLineError),
     /// The control raises an alarm.
     Alarm(Box<Alarm>),
 }
@@ -80,7 +80,7 @@ impl FileRefusal {
     }
 
     /// Returns whether the memory is full.
-    pub fn is_for_room(&self) -> bool {
+    pub fn is_memory_full(&self) -> bool {
         match self {
             Self::Alarm(alarm) => {
                 [number::MEMORY_FULL, number::TOO_MANY_PROGRAMS].contains(&alarm.number)
@@ -95,13 +95,13 @@ impl FileRefusal {
 /// # Errors
 ///
 /// Returns the first invalid line.
-pub fn read_data(file: &SerialFile) -> Result<Received, LineError> {
+pub fn read_data(file: &SerialFile) -> Result<Received, DataLineError> {
     files::read(file)
 }
 
 /// Returns a file of the memory. `None` for a missing program.
 pub fn file_of(id: FileId, cnc: &Cnc) -> Option<SerialFile> {
-    files::one(id, cnc)
+    files::file_of(id, cnc)
 }
 
 /// Returns the program number in the name of a file (`O0001`, `o12.nc`).
@@ -120,31 +120,31 @@ impl From<Refusal> for FileRefusal {
 }
 
 impl Panel {
-    /// Connects a port of the computer as the partner. [`Self::take_for_line`] takes the files
+    /// Connects a port of the computer as the partner. [`Self::take_port_files`] takes the files
     /// to send.
-    pub const fn connect_line(&mut self) {
+    pub const fn connect_port(&mut self) {
         self.transfer.partner = Partner::Line;
     }
 
     /// Takes the files that 输出 sends through a port of the computer.
-    pub fn take_for_line(&mut self) -> Vec<SerialFile> {
+    pub fn take_port_files(&mut self) -> Vec<SerialFile> {
         core::mem::take(&mut self.transfer.for_line)
     }
 
     /// Returns whether 复位 has aborted the port's transfer since the last call.
-    pub const fn take_broken_off(&mut self) -> bool {
+    pub const fn take_aborted(&mut self) -> bool {
         core::mem::replace(&mut self.transfer.broken_off, false)
     }
 
     /// Returns the control's baud rate, bit/s. `None` while the control or its port (002.5) is
     /// off.
-    pub fn line_rate(&self, cnc: &Cnc) -> Option<u32> {
-        let on = self.awake() && cnc.parameters().has_serial_port();
+    pub fn baud_rate(&self, cnc: &Cnc) -> Option<u32> {
+        let on = self.is_awake() && cnc.parameters().has_serial_port();
         on.then(|| cnc.parameters().baud())
     }
 
     /// Sets the state of the serial port: the word on the LCD, and F213.
-    pub fn show_line(&mut self, shown: Communication, requests: &mut Vec<Request>) {
+    pub fn show_port_state(&mut self, shown: Communication, requests: &mut Vec<Request>) {
         let port = match shown {
             Communication::Sending => SerialPort::Sending,
             Communication::Receiving => SerialPort::Receiving,
@@ -154,7 +154,7 @@ impl Panel {
     }
 
     /// Returns whether a port of the computer is sending or receiving.
-    pub(super) fn line_is_busy(&self) -> bool {
+    pub(super) fn client_port_is_busy(&self) -> bool {
         self.transfer.partner == Partner::Line
             && self.transfer.incoming.is_none()
             && matches!(

@@ -2,7 +2,7 @@
 
 use gsk_core::battery::Memory;
 use gsk_core::memory::{Parameters, PitchTable, Refusal, Variables};
-use gsk_panel::pages::Display;
+use gsk_panel::pages::CoordinateFormat;
 
 use crate::kernel::monitor::{MachineView, OffsetTable, VariableTable};
 
@@ -76,7 +76,7 @@ impl Tables {
         Self {
             offsets: OffsetTable {
                 rows: memory.offsets.clone(),
-                display: Display {
+                display: CoordinateFormat {
                     diameter: !memory.parameters.radius_programming(),
                     inch: memory.parameters.inch_machine(),
                 },

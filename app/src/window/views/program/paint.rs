@@ -40,7 +40,11 @@ pub fn line(job: &mut LayoutJob, text: &str, font: &FontId, wrong: &[Range<usize
             format.background = GROUND_OF_WRONG;
         }
         if last < span.range.start {
-            job.append(&text[last..span.range.start], 0.0, plain(color(SpanKind::Axis)));
+            job.append(
+                &text[last..span.range.start],
+                0.0,
+                plain(color(SpanKind::Axis)),
+            );
         }
         job.append(&text[span.range.clone()], 0.0, format);
         last = span.range.end;

@@ -34,7 +34,9 @@ impl Target {
     /// Where a word of a line leads to (manual I-2.4, I-3.3, I-5).
     pub fn of(line: &str, word: &Span) -> Option<Self> {
         match reference_target(line, &spans(line), word)?.0 {
-            ReferenceTarget::Block(number) | ReferenceTarget::Caller(number) => Some(Self::Sequence(number)),
+            ReferenceTarget::Block(number) | ReferenceTarget::Caller(number) => {
+                Some(Self::Sequence(number))
+            }
             ReferenceTarget::Program(number) => Some(Self::Program(number)),
             ReferenceTarget::Computed => None,
         }

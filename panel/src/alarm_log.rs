@@ -7,11 +7,11 @@ use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Cnc;
 
 /// Greatest number of records. The oldest is removed first.
-pub const KEPT: usize = 100;
+pub const MAX_RECORDS: usize = 100;
 
 /// An alarm that was raised.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Occurrence {
+pub struct AlarmRecord {
     /// The alarm with its program, line and rule.
     pub alarm: Alarm,
     /// The text of the block that raised it at that moment, or empty if no block did.
@@ -26,50 +26,50 @@ pub struct Occurrence {
 
 /// The alarms since the control was opened, the newest first.
 #[derive(Clone, Debug, Default)]
-pub struct Occurrences {
-    kept: VecDeque<Occurrence>,
+pub struct AlarmLog {
+    records: VecDeque<AlarmRecord>,
     /// Numbers that were active at the last update.
-    standing: Vec<u16>,
+    active: Vec<u16>,
 }
 
-impl Occurrences {
+impl AlarmLog {
     /// Returns the records, the newest first.
-    pub fn newest_first(&self) -> impl Iterator<Item = &Occurrence> {
-        self.kept.iter()
+    pub fn newest_first(&self) -> impl Iterator<Item = &AlarmRecord> {
+        self.records.iter()
     }
 
     /// Records new alarms and ladder messages. Call it every tick. Returns whether there is a
     /// new one.
-    pub fn look(&mut self, cnc: &Cnc) -> bool {
+    pub fn update(&mut self, cnc: &Cnc) -> bool {
         let message = cnc.standing_message();
-        let standing = || cnc.alarms().iter().chain(&message);
-        let same = standing()
+        let active = || cnc.alarms().iter().chain(&message);
+        let same = active()
             .map(|alarm| alarm.number)
-            .eq(self.standing.iter().copied());
+            .eq(self.active.iter().copied());
         if same {
             return false;
         }
-        let new: Vec<&Alarm> = standing()
-            .filter(|alarm| !self.standing.contains(&alarm.number))
+        let new: Vec<&Alarm> = active()
+            .filter(|alarm| !self.active.contains(&alarm.number))
             .collect();
         // The newest is at the front.
         for alarm in new.iter().rev() {
-            self.kept.push_front(occurrence(alarm, cnc));
+            self.records.push_front(new_record(alarm, cnc));
         }
-        self.kept.truncate(KEPT);
+        self.records.truncate(MAX_RECORDS);
         let raised = !new.is_empty();
-        self.standing = standing().map(|alarm| alarm.number).collect();
+        self.active = active().map(|alarm| alarm.number).collect();
         raised
     }
 }
 
-fn occurrence(alarm: &Alarm, cnc: &Cnc) -> Occurrence {
+fn new_record(alarm: &Alarm, cnc: &Cnc) -> AlarmRecord {
     let block = alarm.source.and_then(|source| {
         let program = cnc.programs().get(source.program)?;
         Some(program.line(source.line).trim().to_owned())
     });
     let (date, time) = cnc.date_and_time();
-    Occurrence {
+    AlarmRecord {
         alarm: alarm.clone(),
         block: block.unwrap_or_default(),
         at_ms: cnc.ticks(),
@@ -85,13 +85,13 @@ mod tests {
     use gsk_core::setup::Setup;
 
     use super::*;
-    use crate::emulator::{Condition, Emulator};
+    use crate::emulator::{Emulator, WaitCondition};
     use crate::keys::Key;
 
-    fn run(emulator: &mut Emulator, record: &mut Occurrences, ms: u64) {
+    fn run(emulator: &mut Emulator, record: &mut AlarmLog, ms: u64) {
         for _ in 0..ms {
             emulator.tick();
-            record.look(&emulator.simulation.cnc);
+            record.update(&emulator.simulation.cnc);
         }
     }
 
@@ -108,8 +108,8 @@ mod tests {
         assert_eq!(stored, Ok(7));
         setup.memory.programs.select(ProgramId::Stored(7));
         let mut emulator = Emulator::new(setup);
-        emulator.run_until(&Condition::SelfTestOver, 10_000);
-        let mut record = Occurrences::default();
+        emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
+        let mut record = AlarmLog::default();
         emulator.press(Key::Auto);
         for round in 1..=2 {
             emulator.key_down(Key::CycleStart);
@@ -137,9 +137,9 @@ mod tests {
     #[test]
     fn the_record_is_bounded() {
         let mut emulator = Emulator::new(Setup::default());
-        emulator.run_until(&Condition::SelfTestOver, 10_000);
-        let mut record = Occurrences::default();
-        for _ in 0..KEPT + 5 {
+        emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
+        let mut record = AlarmLog::default();
+        for _ in 0..MAX_RECORDS + 5 {
             emulator.key_down(Key::EmergencyStop);
             run(&mut emulator, &mut record, 60);
             emulator.key_up(Key::EmergencyStop);
@@ -149,7 +149,7 @@ mod tests {
             emulator.press(Key::Reset);
             run(&mut emulator, &mut record, 1);
         }
-        assert_eq!(record.newest_first().count(), KEPT);
+        assert_eq!(record.newest_first().count(), MAX_RECORDS);
         assert!(
             record
                 .newest_first()
