@@ -9,28 +9,27 @@
 //!   ─ · ─ ┴ · ─ · ─ · ─ · ─ · ─ · ─ · ─ · ┴ ─> Z     goes through
 //! ```
 
+mod fit;
 mod tools;
 mod uses;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
-use gsk_core::command::{ExecutedMove, ProgramId, Source};
+use gsk_core::command::ExecutedMove;
 use gsk_core::memory::Offsets;
 use gsk_core::preview::{Progress, preview_while};
 use gsk_core::setup::Setup;
 use gsk_core::units::Diameter;
-use gsk_workpiece::collision::{Obstacle, Toucher};
-use gsk_workpiece::grid::{GridPoint, grid, mm};
-use gsk_workpiece::job::{Job, Place};
-use gsk_workpiece::motion::Kind;
-use gsk_workpiece::region::{Bounds, Region};
-use gsk_workpiece::scene::{Cutter, Scene};
+use gsk_workpiece::grid::{GridPoint, grid};
+use gsk_workpiece::job::{DiameterPoint, Job};
+use gsk_workpiece::motion::MotionKind;
+use gsk_workpiece::region::{GridBounds, Region};
+use gsk_workpiece::scene::{LatheScene, SceneTool};
 use gsk_workpiece::stock::{Form, Stock};
-use gsk_workpiece::tool::{Shape, Tool};
+use gsk_workpiece::tool::{Tool, ToolShape};
 
-use super::Machining;
 use crate::curves::RapidRates;
-use tools::{Known, Pose, SLIMMEST};
+use tools::{Known, Pose};
 use uses::{Step, Use, Work, steps, uses};
 
 /// Moves that a guess looks at: the first of a program.
@@ -67,7 +66,7 @@ const BETTER: f64 = 0.5;
 /// tool stands before the bar at power-on, and no offset is right, so that the tools
 /// must be set by trial cuts.
 pub fn practice() -> Job {
-    let length = |x: f64, z: f64| Place { x: Diameter(x), z };
+    let length = |x: f64, z: f64| DiameterPoint { x: Diameter(x), z };
     let tools = [
         (1, Tool::turning(), length(0.0, 0.0)),
         (2, Tool::grooving(3.0), length(6.4, -2.7)),
@@ -179,7 +178,7 @@ struct Intruded {
     /// In a rapid; else by what does not cut.
     rapid: bool,
     region: Region,
-    bounds: Bounds,
+    bounds: GridBounds,
 }
 
 impl Guess<'_> {
@@ -289,11 +288,11 @@ impl Guess<'_> {
         let radius = self.radii.first().copied().unwrap_or(THINNEST);
         let front = self.fronts.first().copied().unwrap_or(0.0);
         let tools = self.tools(radius, front, &self.slim);
-        let cutters: BTreeMap<u8, Cutter> = tools
+        let cutters: BTreeMap<u8, SceneTool> = tools
             .iter()
-            .map(|(number, tool)| (*number, Cutter::new(Shape::of(tool))))
+            .map(|(number, tool)| (*number, SceneTool::new(ToolShape::from_tool(tool))))
             .collect();
-        let mut scene = Scene::new(&self.stock(radius, front));
+        let mut scene = LatheScene::new(&self.stock(radius, front));
         let mut intrusions = Vec::new();
         for step in self.tried {
             let Some(cutter) = cutters.get(&step.tool) else {
@@ -304,7 +303,7 @@ impl Guess<'_> {
                 if let Some(bounds) = region.bounds() {
                     intrusions.push(Intruded {
                         tool: step.tool,
-                        rapid: rapid || matches!(step.motion.kind, Kind::Rapid),
+                        rapid: rapid || matches!(step.motion.kind, MotionKind::Rapid),
                         region,
                         bounds,
                     });
@@ -366,14 +365,17 @@ impl Guess<'_> {
     /// What is tried when a tool goes through stock: its pose with edges that suit
     /// shoulders, steps and narrow places, then the other poses with them all.
     fn other_poses(&self, used: &Use) -> Vec<(Pose, u8)> {
-        let mut poses = self.known(0.0, 0.0).poses(used);
+        let all = self.known(0.0, 0.0).poses(used);
+        let mut poses = all.clone();
         // An inside that is nowhere wider than where it is entered is not cut.
         let bores = used
             .nearest
             .is_some_and(|nearest| nearest < used.farthest_cut);
         poses.retain(|pose| bores || !pose.internal);
+        let first = all.first().map(|pose| (*pose, pose.levels()[0]));
         let levels = |pose: Pose| pose.levels().map(|slim| (pose, slim));
-        poses.into_iter().flat_map(levels).skip(1).collect()
+        let tried = poses.into_iter().flat_map(levels);
+        tried.filter(|pose| Some(*pose) != first).collect()
     }
 
     /// Radius and front of the largest bar that is cut and that nothing goes through; if
@@ -395,7 +397,8 @@ impl Guess<'_> {
                     continue;
                 };
                 let through = |it: &&Intruded| {
-                    it.bounds.meets(&bounds) && is_thick(&it.region.common(bar.contours()))
+                    it.bounds.intersects(&bounds)
+                        && is_thick(&it.region.intersection(bar.contours()))
                 };
                 let rapids = intrusions.iter().filter(|it| it.rapid).filter(through);
                 let bodies = || {
@@ -427,115 +430,11 @@ impl Guess<'_> {
             cuts && used.deepest < front
         })
     }
-
-    /// The job with a bar, its tools as slim as the program needs them.
-    fn fitted(&self, radius: f64, front: f64) -> Job {
-        let mut slim = BTreeMap::new();
-        let mut job = Job::new(self.stock(radius, front));
-        job.tools = self.tools(radius, front, &slim);
-        let mut hits = self.hits(&job);
-        if hits.jaws {
-            self.clear_jaws(&mut job);
-            hits = self.hits(&job);
-        }
-        // The fewest hits of each tool, and how slim it is then.
-        let mut fewest: BTreeMap<u8, (usize, u8)> = BTreeMap::new();
-        for level in 1..=SLIMMEST {
-            if hits.of_tools.is_empty() {
-                break;
-            }
-            for (tool, count) in &hits.of_tools {
-                fewest.entry(*tool).or_insert((*count, 0));
-                slim.insert(*tool, level);
-            }
-            let tried: BTreeSet<u8> = hits.of_tools.keys().copied().collect();
-            job.tools = self.tools(radius, front, &slim);
-            hits = self.hits(&job);
-            for tool in tried {
-                let count = hits.of_tools.get(&tool).copied().unwrap_or(0);
-                let known = fewest.entry(tool).or_insert((count, level));
-                if count < known.0 {
-                    *known = (count, level);
-                }
-            }
-        }
-        slim.extend(fewest.iter().map(|(tool, (_, level))| (*tool, *level)));
-        job.tools = self.tools(radius, front, &slim);
-        job
-    }
-
-    /// Makes the bar stand out as far as tools reach that cut it.
-    fn clear_jaws(&self, job: &mut Job) {
-        let reach = |tool: &Tool| {
-            let shape = Shape::of(tool);
-            let body = shape.body.iter().flat_map(|(_, contour)| contour);
-            let least = shape.cutting.iter().chain(body).map(|point| point.x).min();
-            least.map_or(0.0, mm)
-        };
-        let reach: BTreeMap<u8, f64> = job
-            .tools
-            .iter()
-            .map(|(number, tool)| (*number, reach(tool)))
-            .collect();
-        let cuts = self.tried.iter().filter(|step| step.is_cut());
-        let least = cuts.filter_map(|step| {
-            let reach = reach.get(&step.tool)?;
-            Some(step.motion.from.z.min(step.motion.to.z) + reach)
-        });
-        let Some(least) = least.reduce(f64::min) else {
-            return;
-        };
-        let stock = &mut job.stock;
-        let overhang = (stock.face - least + TO_JAWS).min(FARTHEST);
-        if overhang > stock.overhang {
-            stock.length += overhang - stock.overhang;
-            stock.overhang = overhang;
-        }
-    }
-
-    fn hits(&self, job: &Job) -> Hits {
-        let mut machining = Machining::new(job.clone());
-        for (line, step) in (1..).zip(self.tried) {
-            // Each motion is counted by itself.
-            let source = Source {
-                program: ProgramId::External,
-                line,
-                sequence: None,
-            };
-            machining.carry_out(Some(source), step.tool, &step.motion);
-        }
-        let mut hits = Hits::default();
-        for finding in machining.findings() {
-            let collision = finding.collision;
-            match (collision.toucher, collision.obstacle) {
-                (Toucher::RapidInsert, Obstacle::Stock) => hits.count(finding.tool),
-                (Toucher::RapidInsert | Toucher::StandingInsert, _) => {}
-                (_, Obstacle::Jaws | Obstacle::Chuck) => hits.jaws = true,
-                (Toucher::Body(_), _) => hits.count(finding.tool),
-                (Toucher::Insert, _) => {}
-            }
-        }
-        hits
-    }
 }
 
 /// What is wrong with a bar, the worst first: rapids through it, cuts along that are wider,
 /// whether a body goes through it.
 type Misfit = (usize, bool, bool);
-
-/// What guessed tools hit.
-#[derive(Default)]
-struct Hits {
-    jaws: bool,
-    /// Findings by tool: its body anywhere, its insert in a rapid in the stock.
-    of_tools: BTreeMap<u8, usize>,
-}
-
-impl Hits {
-    fn count(&mut self, tool: u8) {
-        *self.of_tools.entry(tool).or_default() += 1;
-    }
-}
 
 /// No bar is longer, mm.
 const FARTHEST: f64 = 2_000.0;
