@@ -262,11 +262,15 @@ impl Kernel {
         }
         let simulated = self.drive.is_none();
         let simulation = &mut self.emulator.simulation;
-        if let Some(finding) = self.part.ticked(simulation, simulated) {
+        if let Some((finding, stops)) = self.part.ticked(simulation, simulated) {
             let collision = finding.collision;
             let (x, z) = (collision.tip.diameter().0, collision.tip.z);
             let what = collision.message();
-            self.say(Notice::Collided(say::window_collision(what, x, z)));
+            let message = match stops {
+                true => say::window_crash(what, x, z),
+                false => say::window_collision(what, x, z),
+            };
+            self.say(Notice::Collided(message));
         }
     }
 
@@ -418,6 +422,7 @@ impl Kernel {
                 self.say(Notice::FreshStock);
             }
             Command::CrashStops(stops) => self.part.set_crash_stops(stops),
+            Command::ShowPart(visible) => self.part.set_visible(visible),
             Command::PowerCycle => self.emulator.power_cycle(),
             Command::ForceInput(address, state) => {
                 self.emulator.simulation.lathe.force_input(address, state);
@@ -431,6 +436,11 @@ impl Kernel {
             Command::Lesson(order) => self.order_lesson(order),
             Command::Speed(speed) => self.speed = speed,
             Command::Mend => self.emulator.simulation.lathe.mend(),
+            Command::FreeLathe => {
+                part::end_crash_faults(&mut self.emulator.simulation);
+                self.keys.push(Edge::Tap(Key::Reset));
+                self.say(Notice::Said(say::window_lathe_is_free()));
+            }
             Command::Link(order) => self.order(order),
             Command::Translate(on) => self.translates = on,
             Command::Listen(on) => self.listens = on,

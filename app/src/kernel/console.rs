@@ -87,6 +87,8 @@ pub enum Command {
     FreeBits,
     /// Mend every fault and give every input back to its sensor.
     Mend,
+    /// End the faults of a crash and press RESET.
+    FreeLathe,
     /// Run programs at this speed from now on, while no board moves real slides.
     Speed(Speed),
     /// Do something with lessons.
@@ -111,6 +113,8 @@ pub enum Command {
     FreshStock,
     /// Whether the simulated lathe stops where a tool hits something.
     CrashStops(bool),
+    /// Hand out the part with the pictures, or no more; it is cut in either case.
+    ShowPart(bool),
     /// The window is alive; held keys may stay down.
     Alive,
     /// Let go of every key.

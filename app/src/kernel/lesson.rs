@@ -175,8 +175,7 @@ impl Kernel {
         self.let_go_of_keys();
         if let Some(lesson) = self.lesson.take() {
             self.emulator = *lesson.own;
-            self.part = lesson.own_part;
-            self.part.show_again();
+            self.part = lesson.own_part.with_switches_of(&self.part);
             self.opened = lesson.own_opened;
             self.raised = lesson.own_raised;
             self.refusals = Refusals::default();

@@ -1,5 +1,5 @@
-//! The part in the simulated lathe: it is cut as the slides move, and a crash may stop
-//! the lathe.
+//! The part in the simulated lathe: it is cut as the slides move, whether a view shows it
+//! or not, and a crash may stop the lathe.
 
 use std::sync::Arc;
 
@@ -52,6 +52,16 @@ pub struct PartView {
     pub block: Option<Source>,
 }
 
+/// The faults that a crash causes.
+const CRASH_FAULTS: [Fault; 3] = [Fault::DriveX, Fault::DriveZ, Fault::SpindleBlocked];
+
+/// Ends the faults of a crash. Faults of another kind stay.
+pub(super) fn end_crash_faults(simulation: &mut Simulation) {
+    for fault in CRASH_FAULTS {
+        simulation.lathe.set_fault(fault, false);
+    }
+}
+
 /// The kernel's side of the part.
 #[derive(Debug)]
 pub(super) struct PartSide {
@@ -59,6 +69,8 @@ pub(super) struct PartSide {
     job: Arc<Job>,
     guessed: bool,
     crash_stops: bool,
+    /// A view shows the part.
+    visible: bool,
     /// The power chuck has held the stock.
     gripped: bool,
     section: Arc<Region>,
@@ -75,7 +87,8 @@ impl PartSide {
             live: None,
             job: Arc::new(Job::new(gsk_workpiece::stock::Stock::bar(50.0, 0.0, 60.0))),
             guessed: true,
-            crash_stops: false,
+            crash_stops: true,
+            visible: false,
             gripped: false,
             section: Arc::default(),
             shown: None,
@@ -86,7 +99,15 @@ impl PartSide {
 
     /// Another one without a part yet, for the same window.
     pub(super) fn beside(&self) -> Self {
-        Self::new(Arc::clone(&self.views))
+        Self::new(Arc::clone(&self.views)).with_switches_of(self)
+    }
+
+    /// The same part with the switches of another one: they belong to the window.
+    pub(super) fn with_switches_of(mut self, other: &Self) -> Self {
+        self.crash_stops = other.crash_stops;
+        self.visible = other.visible;
+        self.show_again();
+        self
     }
 
     /// It is shown again although nothing has changed.
@@ -94,7 +115,7 @@ impl PartSide {
         self.last = None;
     }
 
-    /// Another job, on fresh stock; none: nobody looks at the part any more.
+    /// Another job, on fresh stock. None: the program cuts nothing.
     pub(super) fn set(&mut self, chosen: Option<Chosen>) {
         self.shown = None;
         self.last = None;
@@ -118,16 +139,24 @@ impl PartSide {
         self.crash_stops = stops;
     }
 
-    /// After a tick: cuts the part; returns the first collision that was met in it. With
-    /// a crash the spindle of a simulated lathe stalls and the drive that ran into it
-    /// trips; a real one is not stopped by what is believed of its part.
+    /// Whether a view shows the part: only then is its section handed out.
+    pub(super) fn set_visible(&mut self, visible: bool) {
+        self.visible = visible;
+        self.show_again();
+    }
+
+    /// After a tick: cuts the part; returns the first collision that was met in it, and
+    /// whether it stops the lathe. With a crash the spindle of a simulated lathe stalls and
+    /// the drive that ran into it trips; a real one is not stopped by what is believed of
+    /// its part.
     pub(super) fn ticked(
         &mut self,
         simulation: &mut Simulation,
         simulated: bool,
-    ) -> Option<Finding> {
+    ) -> Option<(Finding, bool)> {
         let finding = *self.live.as_mut()?.ticked(simulation).first()?;
-        if self.crash_stops && simulated {
+        let stops = self.crash_stops && simulated;
+        if stops {
             let left = simulation.cnc.distance_to_go();
             let drive = match left.x.abs() > left.z.abs() {
                 true => Fault::DriveX,
@@ -136,12 +165,12 @@ impl PartSide {
             simulation.lathe.set_fault(drive, true);
             simulation.lathe.set_fault(Fault::SpindleBlocked, true);
         }
-        Some(finding)
+        Some((finding, stops))
     }
 
-    /// Puts out the part if it has changed since the last time.
+    /// Puts out the part if a view shows it and it has changed since the last time.
     pub(super) fn show(&mut self, simulation: &Simulation) -> bool {
-        let Some(live) = &self.live else {
+        let Some(live) = self.live.as_ref().filter(|_| self.visible) else {
             return false;
         };
         let part = live.machining().scene().part();

@@ -280,7 +280,7 @@ impl Window {
         self.views.project().set_why_not(why_not);
         let only_docks = ui.ctx().embed_viewports();
         self.settings.layouts.set_only_docks(only_docks);
-        self.views.follow(&self.settings.layouts);
+        self.views.follow(ui.ctx(), &self.settings.layouts);
         self.take_files(ui);
         zoom::follow(ui.ctx(), &self.settings);
         let language = self.settings.language;

@@ -19,7 +19,10 @@ impl Window {
             let alarm = before.and_then(|it| it.alarm.as_ref());
             let alarms = picture.alarm.is_some() && picture.alarm.as_ref() != alarm;
             let was_known = before.is_some_and(|it| !it.place_unknown);
-            if alarms || (picture.place_unknown && was_known) {
+            // The alarm of a crash says less than the crash.
+            let crashed = picture.imposed.faults > 0
+                && matches!(self.message, Some(Message::Collided(_)));
+            if (alarms && !crashed) || (picture.place_unknown && was_known) {
                 // The newest word stands on the line.
                 self.message = None;
             }

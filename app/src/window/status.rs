@@ -6,6 +6,7 @@ use gsk_panel::keys::Key;
 
 use super::message::Message;
 use super::{Window, alarm_line, focus, key_label, top_bar};
+use crate::kernel::Command;
 
 impl Window {
     /// Draws the line.
@@ -14,6 +15,15 @@ impl Window {
         if let Some(key) = self.held.kept() {
             let text = say::window_key_is_kept_hint(key_label(key)).text(language);
             return top_bar::status(ui, Some(&text), true, "");
+        }
+        let faults = self.picture.as_ref().map_or(0, |it| it.imposed.faults);
+        if let Some(crash @ Message::Collided(_)) = &self.message
+            && faults > 0
+        {
+            if top_bar::crash(ui, &crash.text(language), language) {
+                self.console.send(Command::FreeLathe);
+            }
+            return;
         }
         let speed = self
             .picture

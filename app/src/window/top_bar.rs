@@ -297,6 +297,20 @@ pub fn status(ui: &mut Ui, message: Option<&str>, warning: bool, hint: &str) {
     });
 }
 
+/// Draws a crash that has stopped the lathe, with the way out of it before the words, where
+/// no length of theirs hides it. Returns whether it is chosen.
+pub fn crash(ui: &mut Ui, text: &str, language: Language) -> bool {
+    ui.horizontal_centered(|ui| {
+        let words = RichText::new(say::window_free_lathe().text(language)).color(Color32::BLACK);
+        let button = ui.add(egui::Button::new(words).fill(IMPOSED));
+        let hint = say::window_free_lathe_hint().text(language);
+        let label = egui::Label::new(RichText::new(text).color(ALARM)).truncate();
+        ui.add(label).on_hover_text(text);
+        button.on_hover_text(hint).clicked()
+    })
+    .inner
+}
+
 /// Draws the alarm that stands on the line of messages. Cause and way out are shown
 /// upon the LCD: no key of the panel lies under them.
 pub fn alarm(ui: &mut Ui, alarm: &Alarm, language: Language, lcd: Option<Rect>) {

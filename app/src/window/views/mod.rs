@@ -104,7 +104,8 @@ impl Views {
     }
 
     /// Opens and closes what the layouts say, and takes what the kernel has sent.
-    pub fn follow(&mut self, layouts: &Layouts) {
+    pub fn follow(&mut self, context: &Context, layouts: &Layouts) {
+        self.lathe.receive(context);
         let before = self.monitors();
         for row in &VIEWS {
             let view = row.view;
@@ -123,13 +124,13 @@ impl Views {
                 (View::Ladder, false) => self.ladder.close(),
                 (View::Link, true) => self.link.open(),
                 (View::Link, false) => self.link.close(),
+                (View::Machine, true) => self.lathe.open(),
                 (View::Machine, false) => self.lathe.close(),
                 (View::Transfer, false) => self.transfer.close(),
                 (
                     View::Bench
                     | View::Ladder
                     | View::Program
-                    | View::Machine
                     | View::Lesson
                     | View::Transfer
                     | View::Commission
@@ -292,7 +293,7 @@ impl Views {
         lcd: Option<Rect>,
         layouts: &mut Layouts,
     ) -> Typed {
-        self.follow(layouts);
+        self.follow(context, layouts);
         let mut typed = Typed::default();
         let floating = layouts.floating();
         self.opened.retain(|(view, ..)| floating.contains(view));

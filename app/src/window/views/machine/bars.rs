@@ -188,7 +188,8 @@ impl LatheView {
                 let name = say::lathe_collisions(findings.len()).text(language);
                 let count = findings.len();
                 let list = focus::List::begin(ui, "collisions", &name, count, None);
-                for (at, finding) in findings.iter().enumerate() {
+                // The newest one first.
+                for (at, finding) in findings.iter().rev().enumerate() {
                     let collision = &finding.collision;
                     let (x, z) = (collision.tip.diameter().0, collision.tip.z);
                     let block = finding.source.map(block_of);

@@ -25,7 +25,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use egui::{
-    Color32, Panel, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo, pos2,
+    Color32, Context, Panel, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo, pos2,
     vec2,
 };
 use gsk_core::command::{ProgramId, Source};
@@ -110,8 +110,10 @@ pub enum Wish {
 /// The machine view.
 pub struct LatheView {
     console: Console,
-    /// Only while the view is open.
+    /// From the first frame on: the part is cut without the view, too.
     worker: Option<Worker>,
+    /// The view is open.
+    is_open: bool,
     made: Made,
     part: Option<PartView>,
     text: Text,
@@ -151,11 +153,12 @@ struct Instruments {
 }
 
 impl LatheView {
-    /// Closed: nothing is cut. `solid`: the part is shown as a solid.
+    /// Closed. `solid`: the part is shown as a solid.
     pub fn new(console: Console, solid: bool) -> Self {
         Self {
             console,
             worker: None,
+            is_open: false,
             made: Made::default(),
             part: None,
             text: Text::default(),
@@ -167,7 +170,7 @@ impl LatheView {
                 solid,
                 ..Sight::default()
             },
-            crash_stops: false,
+            crash_stops: true,
             chosen: None,
             pointer: None,
             instruments: Instruments::default(),
@@ -190,12 +193,23 @@ impl LatheView {
         self.sight.solid
     }
 
-    /// The part costs nothing any more.
+    /// Shows the part from now on.
+    pub fn open(&mut self) {
+        self.set_open(true);
+    }
+
+    /// Shows nothing any more; the part is cut on.
     pub fn close(&mut self) {
-        self.worker = None;
         self.part = None;
-        self.made = Made::default();
-        self.console.send(Command::Job(None));
+        self.set_open(false);
+    }
+
+    fn set_open(&mut self, is_open: bool) {
+        self.is_open = is_open;
+        if let Some(worker) = &self.worker {
+            worker.shared.visible.store(is_open, Ordering::Relaxed);
+        }
+        self.console.send(Command::ShowPart(is_open));
     }
 
     /// A program was opened in the window: its job may lie beside its file.
@@ -214,14 +228,15 @@ impl LatheView {
     /// The file of the program and its machine time, s, once the preview is complete.
     pub fn program_time(&self) -> Option<(&std::path::Path, f64)> {
         let made = &self.made;
-        let complete = !made.path.partial && made.alarm.is_none() && !made.tried;
+        let complete =
+            self.is_open && !made.path.partial && made.alarm.is_none() && !made.tried;
         let file = made.file.as_deref().filter(|_| complete)?;
         Some((file, made.times.spent().whole()))
     }
 
     /// Draws it and takes its input.
     pub fn show(&mut self, ui: &mut Ui, language: Language) {
-        self.receive(ui);
+        self.receive_part(ui);
         let tools = Panel::top("lathe bar").frame(bar_frame());
         tools.show(ui, |ui| self.toolbar(ui, language));
         let state = Panel::bottom("lathe state").frame(side_frame());
@@ -266,9 +281,12 @@ impl LatheView {
         }
     }
 
-    fn receive(&mut self, ui: &Ui) {
+    /// Takes what the worker has found; called in every frame, so that a program has its
+    /// job and its part before the view is opened.
+    pub fn receive(&mut self, context: &Context) {
         let worker = self.worker.get_or_insert_with(|| {
-            let worker = Worker::start(&self.console, ui.ctx(), &self.changed);
+            let worker = Worker::start(&self.console, context, &self.changed);
+            worker.shared.visible.store(self.is_open, Ordering::Relaxed);
             if let Some(trial) = &self.text.trial {
                 worker.try_out(Some(trial.program()));
             }
@@ -299,9 +317,14 @@ impl LatheView {
             }
             self.made = made;
         }
+    }
+
+    /// Takes the part, and hands it to the instrument in hand.
+    fn receive_part(&mut self, ui: &Ui) {
         if let Some(part) = self.console.part.pop() {
             self.part = Some(part);
         }
+        let Some(worker) = &self.worker else { return };
         let running = self.part.as_ref().is_some_and(|part| part.block.is_some());
         worker.shared.running.store(running, Ordering::Relaxed);
         if let Some(compared) = worker.compared() {
@@ -510,7 +533,8 @@ impl LatheView {
             Some(trial) if trial.id == id => Some(&trial.own),
             _ => programs.get(id),
         };
-        let Some(own) = own.filter(|_| programs.current() == Some(id)).cloned() else {
+        let own = own.filter(|_| self.is_open && programs.current() == Some(id));
+        let Some(own) = own.cloned() else {
             return;
         };
         let tried = document.program();

@@ -68,6 +68,8 @@ pub struct Made {
 /// What the window says to the worker.
 #[derive(Debug)]
 pub struct Shared {
+    /// The view is open: not only the job of a program is wanted, but its path.
+    pub visible: AtomicBool,
     /// A program runs: what it writes makes no other path.
     pub running: AtomicBool,
     /// What is in work is old.
@@ -102,6 +104,7 @@ impl Worker {
         let results = Arc::new(ArrayQueue::new(1));
         let compared = Arc::new(ArrayQueue::new(1));
         let shared = Arc::new(Shared {
+            visible: AtomicBool::new(false),
             running: AtomicBool::new(false),
             newer: AtomicU64::new(0),
         });
@@ -116,6 +119,7 @@ impl Worker {
             tried: None,
             changed: Arc::clone(changed),
             last: None,
+            job_owner: None,
             serial: 0,
         };
         // Without a thread for it there is no path to be seen, and no more is wrong.
@@ -192,9 +196,15 @@ struct Work {
     tried: Option<(ProgramId, Program)>,
     /// Jobs that a person changed, by their programs.
     changed: Changed,
+    /// What the path was made of that was handed over last.
     last: Option<Basis>,
+    /// The program and the file whose job the kernel has.
+    job_owner: Option<ProgramAndFile>,
     serial: u64,
 }
+
+/// A program and the file it was opened from.
+type ProgramAndFile = (Option<(ProgramId, Program)>, Option<PathBuf>);
 
 /// Whose job it is: a program, and its file.
 type Owner = (Option<ProgramId>, Option<PathBuf>);
@@ -253,14 +263,21 @@ impl Work {
         if self.last.as_ref() == Some(&basis) {
             return;
         }
-        let last = self.last.as_ref();
-        let another =
-            last.is_none_or(|last| last.program != basis.program || last.file != basis.file);
+        let job_owner = (basis.program.clone(), basis.file.clone());
+        let another = self.job_owner.as_ref() != Some(&job_owner);
+        let visible = self.shared.visible.load(Ordering::Relaxed);
+        if !another && !visible {
+            return;
+        }
         if another {
             self.serial += 1;
         }
         self.put_in(&mut setup);
-        if self.carry_out(&setup, &basis, another) {
+        if !visible && let (Some(chosen), _) = job_of_basis(&basis) {
+            self.send(Some(chosen));
+            self.job_owner = Some(job_owner);
+        } else if self.carry_out(&setup, &basis, another) {
+            self.job_owner = Some(job_owner);
             self.last = Some(basis);
         }
     }
@@ -269,9 +286,7 @@ impl Work {
     fn carry_out(&self, setup: &Setup, basis: &Basis, another: bool) -> bool {
         let begun = self.shared.newer.load(Ordering::Relaxed);
         let is_newest = || self.shared.newer.load(Ordering::Relaxed) == begun;
-        let (read, trouble) = read_job(basis);
-        let changed = basis.changed.clone().map(|job| changed_job(job, basis));
-        let mut chosen = changed.or(read);
+        let (mut chosen, trouble) = job_of_basis(basis);
         let machining = chosen.as_ref().map(Chosen::machining);
         if another && let Some(chosen) = &chosen {
             self.send(Some(chosen.clone()));
@@ -355,6 +370,7 @@ impl Work {
     }
 
     fn clamp(&mut self, job: Job) {
+        // Only the open view clamps, and it has been handed a path.
         let Some(last) = &self.last else { return };
         let owner: Owner = (last.program.as_ref().map(|(id, _)| *id), last.file.clone());
         let chosen = changed_job(job, last);
@@ -390,7 +406,6 @@ impl Work {
     }
 
     fn send(&self, chosen: Option<Chosen>) {
-        // Who closed the view has said that there is no job.
         self.console.send(Command::Job(chosen.map(Box::new)));
     }
 }
@@ -444,6 +459,14 @@ fn changed_job(job: Job, basis: &Basis) -> Chosen {
         job,
         file: file.filter(|path| path.exists()),
     }
+}
+
+/// The job as a person changed it, else the one of the file beside the program, and what
+/// is wrong with that file.
+fn job_of_basis(basis: &Basis) -> (Option<Chosen>, Option<Message>) {
+    let (read, trouble) = read_job(basis);
+    let changed = basis.changed.clone().map(|job| changed_job(job, basis));
+    (changed.or(read), trouble)
 }
 
 /// The job of the file beside the program, and what is wrong with it.
