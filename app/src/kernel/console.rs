@@ -57,6 +57,9 @@ pub enum Command {
     Turn(i32),
     /// Open a program that was read from a file.
     Open(Box<Opened>),
+    /// Open a program and press [自动] and cycle start: a person wants to see it cut. With a
+    /// pulse board it is opened only.
+    OpenAndStart(Box<Opened>),
     /// A file comes in through the serial port.
     Receive(Box<SerialFile>),
     /// The partner could not take what the control sent.

@@ -19,19 +19,21 @@ pub(super) struct LastOpened {
 }
 
 impl Kernel {
-    pub(super) fn open(&mut self, opened: Opened) {
+    /// Opens a program; returns whether it is selected now.
+    pub(super) fn open(&mut self, opened: Opened) -> bool {
         let run_state = self.emulator.simulation.cnc.run_state();
         if matches!(run_state, RunState::Run | RunState::Hold) {
             let why = say::program_opened_after_reset(&opened.name);
             self.say(Notice::Said(why));
-            return;
+            return false;
         }
         let program = numbered(&opened);
         let taken = program
             .number()
             .filter(|number| self.is_anothers(*number, &program, &opened.name));
         if let (Some(number), Storing::Ask) = (taken, opened.storing) {
-            return self.say(Notice::NumberTaken(Box::new(opened), number));
+            self.say(Notice::NumberTaken(Box::new(opened), number));
+            return false;
         }
         for program in &opened.subprograms {
             self.store_subprogram(program);
@@ -44,7 +46,8 @@ impl Kernel {
             Ok(number) => Place::Stored(number),
             Err(why) => {
                 if let Err(alarm) = self.emulator.load_external(opened.program) {
-                    return self.say(Notice::Refused(alarm));
+                    self.say(Notice::Refused(alarm));
+                    return false;
                 }
                 Place::OnlyRun(why)
             }
@@ -57,6 +60,7 @@ impl Kernel {
         });
         info!(file = name, place = ?place, "program opened");
         self.say(Notice::Opened { name, path, place });
+        true
     }
 
     /// Whether the memory has a program of this number that is not the file's, nor

@@ -4,6 +4,7 @@ use egui::Ui;
 use gsk_core::operation::RunState;
 use gsk_messages::say;
 
+use super::samples::SampleRequest;
 use super::view::View;
 use super::{Window, surroundings, top_bar};
 use crate::kernel::{Command, LessonOrder};
@@ -36,7 +37,11 @@ impl Window {
                 self.opener.choose(self.settings.language, ui.ctx());
             }
             top_bar::Asked::Open(path) => self.open(ui.ctx(), path),
-            top_bar::Asked::Sample(sample) => self.opener.open_sample(sample, ui.ctx()),
+            top_bar::Asked::Sample(sample) => {
+                let starts = false;
+                let request = SampleRequest { sample, starts };
+                self.opener.open_sample(request, ui.ctx());
+            }
             // A page has no folders, and need not have what reads them.
             top_bar::Asked::Project(_) if !platform::has_folders() => {}
             top_bar::Asked::Project(command) => {

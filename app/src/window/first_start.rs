@@ -52,8 +52,8 @@ static PURPOSES: [PurposeRow; 3] = [
         purpose: Purpose::Learning,
         name: say::first_learning,
         shows: say::first_learning_shows,
-        layout: Layout::Panel,
-        view: Some(View::Lesson),
+        layout: Layout::Learner,
+        view: None,
     },
     PurposeRow {
         purpose: Purpose::Checking,

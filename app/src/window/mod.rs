@@ -280,6 +280,10 @@ impl Window {
         self.views.project().set_why_not(why_not);
         let only_docks = ui.ctx().embed_viewports();
         self.settings.layouts.set_only_docks(only_docks);
+        if self.views.lessons().take_begun() && !self.settings.layouts.is_open(View::Machine) {
+            // The learner sees what his keys do to the part.
+            self.settings.layouts.dock_beside(View::Machine);
+        }
         self.views.follow(ui.ctx(), &self.settings.layouts);
         self.take_files(ui);
         zoom::follow(ui.ctx(), &self.settings);
@@ -358,6 +362,9 @@ impl Window {
             self.axis_key_in_list();
         }
         self.typed(&typed.events);
+        if let Some(request) = self.views.take_sample() {
+            self.opener.open_sample(request, ui.ctx());
+        }
         focus::leave_keys(ui.ctx());
         let focused = typed.focused || beside.focused || ui.input(|input| input.focused);
         if !focused {

@@ -16,7 +16,7 @@ use gsk_runner::words::clock;
 use web_time::{Duration, Instant};
 
 use super::files::{self, Wanted};
-use super::samples::Sample;
+use super::samples::SampleRequest;
 use crate::kernel::{Command, Console, Notice, Opened, Storing};
 use crate::loading::LoadError;
 use crate::work_limit::WorkLimit;
@@ -66,20 +66,24 @@ impl Opener {
         });
     }
 
-    /// Opens a sample.
-    pub fn open_sample(&self, sample: &'static Sample, context: &egui::Context) {
+    /// Opens a sample, and starts it if that is asked for.
+    pub fn open_sample(&self, request: SampleRequest, context: &egui::Context) {
         let opener = self.clone();
         files::beside(context, &self.console.say, move || {
-            opener.hand_over(sample.opened());
+            let opened = request.sample.opened();
+            match request.starts {
+                true => opener.hand_over(opened, Command::OpenAndStart),
+                false => opener.hand_over(opened, Command::Open),
+            }
             None
         });
     }
 
-    /// Hands a program to the control; meanwhile it is looked through.
-    fn hand_over(&self, opened: Opened) {
+    /// Hands a program to the control; meanwhile it is previewed.
+    fn hand_over(&self, opened: Opened, command: fn(Box<Opened>) -> Command) {
         let shown = opened.clone();
         // The queue has room for a program; the kernel empties it all the time.
-        let _ = self.console.commands.send(Command::Open(Box::new(opened)));
+        let _ = self.console.commands.send(command(Box::new(opened)));
         self.look_through(&shown);
     }
 
@@ -96,7 +100,7 @@ impl Opener {
         let model = self.console.setup().unwrap_or_default().memory.model;
         match read(path, &model) {
             Ok((opened, notices)) => {
-                self.hand_over(opened);
+                self.hand_over(opened, Command::Open);
                 for notice in notices {
                     let _ = self.console.say.try_send(Notice::Said(notice));
                 }

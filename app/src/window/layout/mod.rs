@@ -51,6 +51,8 @@ pub enum Layout {
     Programmer,
     /// Panel, machine, scope and fault bench: for whoever teaches.
     Instructor,
+    /// Panel and lessons beside the machine: for the operator in training.
+    Learner,
 }
 
 /// A row of the table of layouts.
@@ -67,7 +69,7 @@ pub struct LayoutRow {
 }
 
 /// The layouts in the order of the menu.
-pub static LAYOUTS: [LayoutRow; 4] = [
+pub static LAYOUTS: [LayoutRow; 5] = [
     LayoutRow {
         layout: Layout::Panel,
         name: say::window_layout_panel,
@@ -102,6 +104,17 @@ pub static LAYOUTS: [LayoutRow; 4] = [
             panel_at_most: 0.5,
             column: None,
             below: 2,
+        },
+    },
+    LayoutRow {
+        layout: Layout::Learner,
+        name: say::window_layout_learner,
+        key: Key::F12,
+        docked: &[View::Machine, View::Lesson],
+        proportions: Proportions {
+            panel_at_most: 0.58,
+            column: None,
+            below: 1,
         },
     },
 ];
@@ -243,6 +256,13 @@ impl Layouts {
         self.set_docked(docked);
         self.home(view).docks = true;
         self.front = Some(view);
+    }
+
+    /// Docks a view without bringing it to the front.
+    pub fn dock_beside(&mut self, view: View) {
+        let front = self.front;
+        self.dock(view);
+        self.front = front;
     }
 
     /// Says whether the system has one window only: views then open in panes, where they

@@ -11,6 +11,7 @@ use gsk_runner::lesson::{Lesson, Remark, Step, built_in, demonstration_named};
 
 use crate::kernel::{Command, Console, LessonOrder, LessonState, Snapshot};
 use crate::window::focus;
+use crate::window::samples::{SampleRequest, good_samples};
 
 /// Seconds without progress after which the hint is shown by itself.
 const HINT_AFTER: f64 = 40.0;
@@ -36,6 +37,10 @@ pub struct LessonView {
     /// picture.
     since: Option<f64>,
     hint: bool,
+    /// A sample was chosen.
+    sample: Option<SampleRequest>,
+    /// A lesson has begun since the last frame.
+    has_begun: bool,
 }
 
 impl LessonView {
@@ -49,7 +54,19 @@ impl LessonView {
             state: None,
             since: None,
             hint: false,
+            sample: None,
+            has_begun: false,
         }
+    }
+
+    /// The sample that was chosen since the last frame.
+    pub const fn take_sample(&mut self) -> Option<SampleRequest> {
+        self.sample.take()
+    }
+
+    /// Whether a lesson has begun since the last frame.
+    pub const fn take_begun(&mut self) -> bool {
+        core::mem::replace(&mut self.has_begun, false)
     }
 
     /// Other lessons than those of the program, and what is wrong with others.
@@ -73,6 +90,8 @@ impl LessonView {
             self.since = None;
             self.hint = false;
         }
+        let name = |state: &Option<LessonState>| state.as_ref().map(|state| state.name.clone());
+        self.has_begun |= picture.lesson.is_some() && name(&self.state) != name(&picture.lesson);
         self.state.clone_from(&picture.lesson);
         if let Some((lesson, state)) = self.under_way()
             && state.view.step == lesson.steps.len()
@@ -131,7 +150,19 @@ impl LessonView {
             });
     }
 
-    fn list(&self, ui: &mut Ui, language: Language) {
+    fn list(&mut self, ui: &mut Ui, language: Language) {
+        ui.label(RichText::new(say::lesson_samples().text(language)).size(15.0));
+        ui.horizontal_wrapped(|ui| {
+            for sample in good_samples() {
+                let button = ui.button(sample.shows(language));
+                let hint = say::lesson_sample_hint().text(language);
+                if button.on_hover_text(hint).clicked() {
+                    let starts = true;
+                    self.sample = Some(SampleRequest { sample, starts });
+                }
+            }
+        });
+        ui.add_space(8.0);
         ui.label(say::lesson_intro().text(language));
         ui.add_space(8.0);
         for lesson in &self.lessons {

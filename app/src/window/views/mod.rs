@@ -35,6 +35,7 @@ use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use crate::pc::Remembered;
 use crate::platform;
+use crate::window::samples::SampleRequest;
 use crate::window::{focus, keyboard};
 use bench::Bench;
 use commission::CommissionView;
@@ -148,6 +149,11 @@ impl Views {
         if let Some(machine) = self.console.machine.pop() {
             self.machine = Some(Arc::new(machine));
         }
+    }
+
+    /// The sample that was chosen among the lessons.
+    pub const fn take_sample(&mut self) -> Option<SampleRequest> {
+        self.lessons.take_sample()
     }
 
     /// The program view.
