@@ -389,7 +389,9 @@ impl Kernel {
             Command::Tap(key) => self.keys.push(Edge::Tap(key)),
             Command::Type(character) => self.keys.push(Edge::Type(character)),
             Command::Turn(detents) => self.turn(detents),
-            Command::Open(opened) => drop(self.open(*opened)),
+            Command::Open(opened) => {
+                self.open(*opened);
+            }
             Command::OpenAndStart(opened) => {
                 let is_selected = self.open(*opened);
                 if is_selected && self.drive.is_none() {

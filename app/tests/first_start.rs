@@ -6,6 +6,7 @@ use egui_kittest::kittest::Queryable;
 use gsk_app::window::layout::Layout;
 use gsk_app::window::view::View;
 use gsk_core::model::ModelId;
+use gsk_core::operation::RunState;
 use gsk_messages::Language;
 
 fn asked() -> Bench {
@@ -26,7 +27,11 @@ fn click(bench: &mut Bench, label: &str) {
 #[test]
 fn each_purpose_opens_its_screen() {
     for (purpose, layout, views) in [
-        ("I am learning", Layout::Panel, &[View::Lesson][..]),
+        (
+            "I am learning",
+            Layout::Learner,
+            &[View::Machine, View::Lesson][..],
+        ),
         (
             "I check programs",
             Layout::Programmer,
@@ -55,6 +60,23 @@ fn each_purpose_opens_its_screen() {
         }
         assert_eq!(window.take_model(), None, "the control stays as it is");
     }
+}
+
+#[test]
+fn three_clicks_lead_from_the_first_start_to_a_cut() {
+    let mut bench = asked();
+    let clicks = ["I am learning", "Begin", "stepped shaft"];
+    clicks.map(|label| click(&mut bench, label));
+    // Facing begins at X58 in a bar of 54 mm.
+    let cuts = (0..600).any(|_| {
+        std::thread::sleep(core::time::Duration::from_millis(5));
+        bench.run(100);
+        let cnc = &bench.kernel.emulator().simulation.cnc;
+        let position = cnc.position_machine() - cnc.frame().zero;
+        cnc.run_state() == RunState::Run && position.x < 27.0 && position.z < 2.0
+    });
+    assert!(cuts, "{}", bench.lcd_of_kernel());
+    assert!(bench.harness.query_by_label("Machine picture").is_some());
 }
 
 #[test]

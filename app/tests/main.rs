@@ -11,6 +11,7 @@ mod acceptance;
 mod command_line;
 mod common;
 
+mod crash;
 mod data_view;
 mod first_start;
 mod focus;

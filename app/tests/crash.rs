@@ -1,0 +1,76 @@
+//! A crash without the machine view, and the way out of it.
+
+use std::time::Duration;
+
+use crate::common::Bench;
+use egui_kittest::kittest::Queryable;
+use gsk_app::kernel::{Command, Opened, Storing};
+use gsk_app::window::layout::{Layout, Layouts};
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_panel::keys::Key;
+
+/// A rapid through the bar, after a turned step that shows how thick the bar is.
+const TEXT: &str = "O0007\nG50 X100 Z100\nT0101 M03 S800\nG00 X42 Z2\n\
+    G90 X36 Z-30 F300\nG00 X20 Z-20\nM30\n";
+
+/// Runs until words are seen.
+fn comes(bench: &mut Bench, words: &str) -> bool {
+    (0..500).any(|_| {
+        std::thread::sleep(Duration::from_millis(5));
+        bench.run(100);
+        let mut seen = bench.harness.query_all_by_label_contains(words);
+        seen.next().is_some()
+    })
+}
+
+/// A program under way in a window with the panel alone.
+fn started() -> Bench {
+    let size = egui::vec2(1280.0, 806.0);
+    let mut bench = Bench::sized(Setup::default(), Layouts::of(Layout::Panel), size);
+    bench.console.send(Command::Open(Box::new(Opened {
+        name: "O7.CNC".to_owned(),
+        path: None,
+        storing: Storing::RunOnly,
+        program: Program::new(TEXT),
+        subprograms: Vec::new(),
+    })));
+    // Its job is guessed beside the window.
+    for _ in 0..100 {
+        std::thread::sleep(Duration::from_millis(5));
+        bench.run(10);
+    }
+    for key in [Key::Auto, Key::CycleStart] {
+        bench.console.send(Command::Tap(key));
+        bench.run(200);
+    }
+    bench
+}
+
+#[test]
+fn a_crash_stops_the_lathe_with_the_machine_view_closed_and_one_button_leads_out() {
+    let mut bench = started();
+    assert!(comes(&mut bench, "CRASH"), "the rapid went through the bar");
+    bench.run(500);
+    let emulator = bench.kernel.emulator();
+    assert!(!emulator.simulation.cnc.is_moving(), "the lathe goes on");
+    assert!(!emulator.simulation.cnc.alarms().is_empty());
+    // The crash stays on the line: its alarm says less.
+    assert!(bench.harness.query_by_label_contains("CRASH").is_some());
+    bench.click("Free the lathe");
+    bench.run(1000);
+    assert!(bench.harness.query_by_label_contains("The lathe is free").is_some());
+    assert!(bench.harness.query_by_label("Free the lathe").is_none());
+    let simulation = &bench.kernel.emulator().simulation;
+    assert_eq!(simulation.lathe.faults(), 0);
+    assert_eq!(simulation.cnc.alarms(), []);
+}
+
+#[test]
+fn a_crash_goes_through_where_it_is_not_to_stop_the_lathe() {
+    let mut bench = started();
+    bench.console.send(Command::CrashStops(false));
+    assert!(comes(&mut bench, "COLLISION"));
+    assert!(bench.harness.query_by_label("Free the lathe").is_none());
+    assert_eq!(bench.kernel.emulator().simulation.lathe.faults(), 0);
+}
