@@ -64,7 +64,7 @@ fn machine_keys_reach_their_contact_and_light_their_lamp() {
         bench.lcd_shows(mode);
     }
     let lamp = Key::from_id("SBK").and_then(|key| key.row().lamp).unwrap();
-    let lit = |bench: &Bench| lamp.of(&bench.kernel.emulator().lamps());
+    let lit = |bench: &Bench| lamp.is_set_in(&bench.kernel.emulator().lamps());
     assert!(!lit(&bench));
     bench.click("Single block");
     assert!(lit(&bench));

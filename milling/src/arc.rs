@@ -91,7 +91,7 @@ mod tests {
             assert!((found.second - second).abs() < 1e-9, "{radius} {clockwise}");
             assert!((found.first - 5.0).abs() < 1e-9);
         }
-        assert!(by_radius(5.0, true).second.abs() < 1e-9);
+        assert!(center_by_radius(5.0, true).second.abs() < 1e-9);
     }
 
     #[test]
