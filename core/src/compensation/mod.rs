@@ -7,7 +7,7 @@
 //!        tip        open      |  held          Off    commands pass unchanged
 //!        vectors of the move  |  commands      On     a move waits for the next
 //!        the last   without   |  after it             one, which gives its end
-//!        corner     an end    |  (`OpenMove`)
+//!        corner     an end    |  (`Moving`)
 //! ```
 //!
 //! A move is released as soon as the next one is known. While it runs, the move after that
