@@ -99,7 +99,7 @@ pub struct Preview {
     pub further: Further,
     /// Estimated machine time, s: motion, M, S, T and dwell.
     pub time_s: f64,
-    /// Part of it spent cutting, s.
+    /// Part of [`Self::time_s`] spent in cutting moves, s.
     pub cutting_s: f64,
     /// Number of executed blocks.
     pub blocks: u64,

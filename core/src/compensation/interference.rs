@@ -57,7 +57,7 @@ impl Way {
 pub(super) struct Trail {
     surface: Curve,
     path: Curve,
-    /// Whether the path keeps the nose clear of its own surface.
+    /// Whether the path keeps the nose clear of the surface of the same move.
     parallel: bool,
     /// Distance of the nose centre to the left of the move, mm.
     pub(super) rho: f64,

@@ -72,7 +72,7 @@ impl Moving {
     }
 
     /// The command of the move with another action: a straight line, or an arc about the
-    /// centre of its own arc.
+    /// centre of the programmed one.
     pub(super) fn give_out(&self, action: Action) -> Command {
         let programmed_x = || Box::new(self.programmed_x(&action));
         Command {

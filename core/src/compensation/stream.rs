@@ -34,15 +34,19 @@ pub(crate) struct Compensation {
     pub(super) on: bool,
     /// Programmed end of the last command, machine coordinates without the tool offset, mm.
     pub(super) machine: Point,
+    #[serde(rename = "at")]
     at: Point,
     offset: Point,
+    #[serde(rename = "stand")]
     pub(super) stand: Stand,
     /// Boxed: it is passed on more often than it is read.
+    #[serde(rename = "moving")]
     pub(super) moving: Option<Box<Moving>>,
     #[serde(skip)]
     pub(super) spare: Spare,
     /// The compensated moves before the open one, while the corners between them were
     /// regular.
+    #[serde(rename = "before")]
     pub(super) before: Trails,
     pub(super) held: VecDeque<Held>,
     pub(super) ready: VecDeque<Command>,

@@ -190,7 +190,7 @@ impl Parameters {
     /// Writes one bit of a state parameter; unused bits too.
     ///
     /// # Errors
-    /// A number that is no state parameter, or a bit above 7.
+    /// A number that is not a state parameter, or a bit above 7.
     pub fn set_bit(&mut self, number: u16, bit: u8, on: bool) -> Result<(), ParameterError> {
         let state = table::row(number, None).is_some_and(|row| row.state);
         if !state || bit > 7 {

@@ -172,6 +172,7 @@ pub(crate) enum LadderOutput {
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 pub struct MFunction {
     /// The meaning of the code.
+    #[serde(rename = "does")]
     pub does: MCode,
     /// Numbers of the outputs that the code switches on.
     #[serde(default)]
