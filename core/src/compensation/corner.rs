@@ -126,8 +126,8 @@ enum Angle {
     OuterSharp,
 }
 
-/// Classifies the angle between two directions of travel. The nose is on the left for `rho`
-/// > 0, else on the right.
+/// Classifies the angle between two directions of travel. The nose is on the left for a
+/// positive `rho`, else on the right.
 fn angle(exit: Point, entry: Point, rho: f64) -> Angle {
     let turned = (exit - entry) * rho;
     if turned.dot(turned) <= ONE_VECTOR * ONE_VECTOR {

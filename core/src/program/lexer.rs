@@ -47,9 +47,9 @@ impl<'a> Lexer<'a> {
         Self { at, ..*self }
     }
 
-    /// The character at the position and its length in bytes; `
-    /// ` with length 0 at the end of the text. A lone carriage return is an end of line like
-    /// LF (the EOB of EIA).
+    /// The character at the position and its length in bytes; `\n` with
+    /// length 0 at the end of the text. A lone carriage return is an end of line like LF (the
+    /// EOB of EIA).
     #[inline]
     pub(super) fn peek(&self) -> (u8, usize) {
         match self.bytes.get(self.at) {
