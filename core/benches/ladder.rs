@@ -1,9 +1,9 @@
-//! Cost of the ladder: the longest one there can be, scanned undivided, and what
-//! its slots do to the ticks.
+//! Cost of the ladder: the longest possible ladder, scanned undivided, and the effect of its
+//! slots on the ticks.
 //!
-//! `cargo bench -p gsk980td-core --bench ladder` prints the scan of 5000 steps,
-//! then the ticks of a cutting control with three ladders: none to speak of, the
-//! standard one, and the longest one with level 2 undivided.
+//! `cargo bench -p gsk980td-core --bench ladder` prints the scan of 5000 steps, then the
+//! ticks of a cutting control with three ladders: a minimal one, the standard one, and the
+//! longest one with level 2 undivided.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -19,8 +19,8 @@ use gsk_core::simulation::{Simulation, Until};
 const ENDLESS: &str = "O0001\nM03 S800\nG98\nN10 G00 X40 Z2\nG01 X40 Z-30 F300\n\
     G02 X60 Z-40 R10 F200\nG01 X80 Z-50 F400\nG00 X100 Z50\nM99 P10\n";
 
-/// The standard ladder and, up to 5000 steps, rungs as a machine builder writes
-/// them: contacts, branches, coils, and a function instruction in every fifth.
+/// The standard ladder, extended to 5000 steps by rungs as a machine builder writes them:
+/// contacts, branches, coils, and a function instruction in each fifth rung.
 fn longest() -> Arc<Ladder> {
     let mut filler = String::new();
     let mut longest = standard_ladder();
@@ -86,7 +86,7 @@ fn scan(ladder: &Arc<Ladder>) {
     );
 }
 
-/// Ticks with a slot of the PLC, and ticks without.
+/// Measures ticks with a slot of the PLC, and ticks without.
 fn ticks(name: &str, ladder: &Arc<Ladder>) {
     let mut simulation = Simulation::new(Setup {
         ladder: Arc::clone(ladder).into(),

@@ -1,7 +1,7 @@
 //! Cost of loading a program and interpreting it to its end, as `check` does.
 //!
-//! `cargo bench -p gsk980td-core --bench language` prints the memory of a loaded
-//! block, then criterion's figures; an element is a block, for roughing a move.
+//! `cargo bench -p gsk980td-core --bench language` prints the memory of a loaded block, then
+//! criterion's figures. An element is a block; for roughing it is a move.
 
 mod shapes;
 
@@ -15,10 +15,10 @@ use gsk_core::preview::{End, Preview, preview};
 use gsk_core::program::{Program, split};
 use gsk_core::setup::Setup;
 
-/// What 1 000 000 short blocks take in memory.
+/// Number of short blocks for the memory measurement.
 const BLOCKS: u32 = 1_000_000;
 
-/// Setup with nose radius compensation and a tool for it.
+/// A setup with nose radius compensation and a tool for it.
 fn setup() -> Setup {
     let mut setup = Setup::default();
     assert_eq!(setup.memory.parameters.set_bit(2, 1, true), Ok(()));
@@ -47,7 +47,7 @@ fn check(setup: &Setup, text: &str) -> Preview {
     })
 }
 
-/// Resident memory of this process, bytes; `None` where the system does not say.
+/// Resident memory of this process, bytes; `None` if the system does not report it.
 fn resident() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmRSS:"))?;

@@ -1,9 +1,8 @@
 //! Cost of one millisecond of control, PLC and lathe.
 //!
-//! `cargo bench -p gsk980td-core --bench tick` prints mean, p99 and worst of a
-//! million ticks while a program cuts, plain and with everything that an axis can
-//! have, and how much faster than machine time the samples run; then criterion's
-//! figures.
+//! `cargo bench -p gsk980td-core --bench tick` prints mean, p99 and worst of a million ticks
+//! while a program cuts, once plain and once with all axis features. It also prints how much
+//! faster than machine time the samples run, then criterion's figures.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -17,7 +16,7 @@ use gsk_core::setup::Setup;
 use gsk_core::simulation::{Simulation, Until};
 use gsk_core::units::Axis;
 
-/// A program that never ends: cuts, an arc, rapids, back to the top.
+/// An endless program: cuts, an arc, rapids, back to the beginning.
 const ENDLESS: &str = "O0001\nM03 S800\nG98\nN10 G00 X40 Z2\nG01 X40 Z-30 F300\n\
     G02 X60 Z-40 R10 F200\nG01 X80 Z-50 F400\nG00 X100 Z50\nM99 P10\n";
 
@@ -36,11 +35,11 @@ const SAMPLES: [(&str, &str); 3] = [
         include_str!("../../assets/programs/03-grooved-pin.CNC"),
     ),
 ];
-/// The subprogram that they call.
+/// The subprogram of the sample parts.
 const SUBPROGRAM: &str = include_str!("../../assets/programs/O1031.CNC");
 
-/// Backlash, pitch errors, a gear, corners that go over into each other, servos and
-/// screws with play.
+/// A setup with backlash, pitch errors, a gear ratio, blended corners, servo lag and screws
+/// with play.
 fn everything() -> Setup {
     let mut setup = Setup::default();
     for (number, value) in [
@@ -108,7 +107,7 @@ fn distribution(name: &str, setup: Setup) {
     );
 }
 
-/// The samples from start to end, as fast as the kernel can.
+/// Runs the samples from start to end at full speed.
 fn samples() {
     for (name, text) in SAMPLES {
         let mut setup = everything();
@@ -121,7 +120,7 @@ fn samples() {
             ticks += 1;
             match simulation.cnc.run_state() {
                 RunState::Run => {}
-                // M00: the operator goes on.
+                // M00: the operator presses cycle start.
                 RunState::Stop if simulation.cnc.alarms().is_empty() => {
                     simulation.start_automatic();
                 }

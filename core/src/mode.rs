@@ -5,34 +5,34 @@ use serde::{Deserialize, Serialize};
 /// The operating mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mode {
-    /// 编辑: program editing.
+    /// 编辑: programs are edited.
     Edit,
-    /// 自动: execution of a stored program.
+    /// 自动: a stored program is executed.
     Auto,
-    /// 录入: execution of a block keyed in (MDI).
+    /// 录入: a typed block is executed (MDI).
     Mdi,
-    /// 单步: fixed increments (001.3 = 0).
+    /// 单步: the axes move in fixed increments (001.3 = 0).
     Step,
-    /// 手轮: handwheel (001.3 = 1).
+    /// 手轮: the handwheel moves the axes (001.3 = 1).
     Handwheel,
-    /// 手动: jog.
+    /// 手动: the axes jog.
     Jog,
     /// 机械回零: return to the machine zero.
     MachineZero,
-    /// 程序回零: return to the program zero point.
+    /// 程序回零: return to the program zero.
     ProgramZero,
-    /// DNC: execution of a program that comes in through the serial line.
+    /// DNC: executes a program that arrives through the serial port.
     Dnc,
-    /// 手动示教: jog, and positions are taken into the program.
+    /// 手动示教: jog; positions are stored in the program.
     TeachJog,
-    /// 单步示教: steps, and positions are taken into the program (001.3 = 0).
+    /// 单步示教: steps; positions are stored in the program (001.3 = 0).
     TeachStep,
-    /// 手轮示教: handwheel, and positions are taken into the program (001.3 = 1).
+    /// 手轮示教: handwheel; positions are stored in the program (001.3 = 1).
     TeachHandwheel,
 }
 
 impl Mode {
-    /// Every mode.
+    /// Every operating mode.
     pub const ALL: [Self; 12] = [
         Self::Edit,
         Self::Auto,
@@ -48,8 +48,8 @@ impl Mode {
         Self::TeachHandwheel,
     ];
 
-    /// The mode that G43 commands (manual PLC-II 3.6), or `None` for a code without
-    /// one: the mode then stays as it is.
+    /// The mode that G43 commands (manual PLC-II 3.6). `None` for an unused code: the mode
+    /// then does not change.
     pub(crate) const fn from_code(g43: u8, handwheel_fitted: bool) -> Option<Self> {
         Some(match g43 & 0b1010_0111 {
             0 => Self::Mdi,
@@ -91,7 +91,7 @@ impl Mode {
         matches!(self, Self::Auto | Self::Mdi | Self::Dnc)
     }
 
-    /// Whether the axes are moved by hand in this mode; selecting one holds a
+    /// Whether the operator moves the axes in this mode. Selecting such a mode holds a
     /// running program (PLC signal *SP).
     pub const fn is_manual(self) -> bool {
         matches!(
@@ -107,7 +107,8 @@ impl Mode {
         )
     }
 
-    /// How the axes move: a teach-in mode moves them as the one it is named after.
+    /// The mode whose motion this mode has: a teach-in mode moves the axes like the mode it
+    /// is named after.
     pub const fn motion(self) -> Self {
         match self {
             Self::TeachJog => Self::Jog,
@@ -117,7 +118,7 @@ impl Mode {
         }
     }
 
-    /// Whether positions are taken into the program.
+    /// Whether positions are stored in the program.
     pub const fn teaches(self) -> bool {
         matches!(
             self,

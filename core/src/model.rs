@@ -1,7 +1,7 @@
-//! Control models: the GSK980TD and the systems that are related to it or stand beside
-//! it in a shop. What a model is stands in its record (`assets/models/`): which number
-//! means which code, and the parameters that only it has. What a code does is written
-//! once, for all models that have it.
+//! Control models: the GSK980TD, and related systems or other controls of the same shop. The
+//! record of a model (`assets/models/`) lists which number means which code, and the
+//! parameters that only this model has. The effect of a code is implemented once for all
+//! models that have it.
 
 mod calls;
 mod conventions;
@@ -23,7 +23,7 @@ pub use record::{ModelParameter, Record};
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
 pub enum ModelId {
-    /// GSK980TD: the lathe control this program is.
+    /// GSK980TD: the lathe control that this program implements.
     #[default]
     Gsk980td,
     /// GSK980MDi, a mill.
@@ -35,10 +35,10 @@ pub enum ModelId {
 }
 
 impl ModelId {
-    /// All of them.
+    /// All control models.
     pub const ALL: [Self; 4] = [Self::Gsk980td, Self::Gsk980mdi, Self::Hx31, Self::Ncb08];
 
-    /// Its word on the command line and the name of its folder.
+    /// The word of the model on the command line, and the name of its folder.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Gsk980td => "gsk980td",
@@ -48,7 +48,7 @@ impl ModelId {
         }
     }
 
-    /// Its name.
+    /// The name of the model for the operator.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Gsk980td => "GSK980TD",
@@ -58,38 +58,38 @@ impl ModelId {
         }
     }
 
-    /// The model of a word.
+    /// The model with a word of the command line; `None` for an unknown word.
     pub fn from_word(word: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|it| it.word() == word)
     }
 
-    /// What it is.
+    /// The record of the model from `assets/models/`.
     pub fn record(self) -> &'static Record {
         Record::of(self)
     }
 
-    /// Whether it is the GSK980TD.
+    /// Whether the model is the GSK980TD.
     pub const fn is_main(&self) -> bool {
         matches!(self, Self::Gsk980td)
     }
 
-    /// Whether it is a mill: its programs are checked and drawn, and not run.
+    /// Whether the model is a mill: its programs are checked and drawn, but not run.
     pub const fn is_mill(self) -> bool {
         matches!(self, Self::Gsk980mdi)
     }
 }
 
-/// The model that a control is, with the values of the parameters that only it has.
+/// The model of a control, with the values of the parameters that only this model has.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ControlModel {
     id: ModelId,
-    /// Those that were changed.
+    /// The changed parameters; the others have their delivered values.
     parameters: BTreeMap<u16, i32>,
 }
 
 impl ControlModel {
-    /// A model as delivered.
+    /// A control of a model with all parameters as delivered.
     pub const fn new(id: ModelId) -> Self {
         Self {
             id,
@@ -97,27 +97,27 @@ impl ControlModel {
         }
     }
 
-    /// Which one.
+    /// The identifier of the model.
     pub const fn id(&self) -> ModelId {
         self.id
     }
 
-    /// What it is.
+    /// The record of the model.
     pub fn record(&self) -> &'static Record {
         self.id.record()
     }
 
-    /// Whether it is the GSK980TD.
+    /// Whether the model is the GSK980TD.
     pub const fn is_main(&self) -> bool {
         self.id.is_main()
     }
 
-    /// Whether it is the GSK980TD as delivered.
+    /// Whether the model is the GSK980TD with all parameters as delivered.
     pub(crate) fn is_delivered_main(&self) -> bool {
         self.is_main() && self.parameters.is_empty()
     }
 
-    /// The value of one of its own parameters; 0 of one that it does not have.
+    /// The value of a parameter that only this model has; 0 for a number it does not have.
     pub fn parameter(&self, number: u16) -> i32 {
         let delivered = || self.record().parameters.get(&number).map(|it| it.delivered);
         self.parameters
@@ -127,10 +127,10 @@ impl ControlModel {
             .unwrap_or(0)
     }
 
-    /// Changes one of its own parameters.
+    /// Changes a parameter that only this model has.
     ///
     /// # Errors
-    /// A number that it does not have, a value outside its range.
+    /// A number that the model does not have, or a value outside its range.
     pub fn set_parameter(&mut self, number: u16, value: i32) -> Result<(), Message> {
         let record = self.record();
         let Some(parameter) = record.parameters.get(&number) else {
@@ -145,42 +145,42 @@ impl ControlModel {
     }
 }
 
-/// Parameters of macro B: the codes that call a program.
+/// Parameters of macro B that assign programs to codes, and the numbers of those programs.
 pub(crate) mod code_calls {
-    /// Ten G codes that call as G65 does.
+    /// First of ten parameters: G codes that call a program like G65.
     pub(crate) const G: u16 = 220;
-    /// Ten M codes that call as G65 does.
+    /// First of ten parameters: M codes that call a program like G65.
     pub(crate) const M: u16 = 230;
-    /// Three M codes that call as M98 does.
+    /// First of three parameters: M codes that call a program like M98.
     pub(crate) const PLAIN_M: u16 = 240;
-    /// T calls as M98 does.
+    /// Parameter: each T word calls a program like M98.
     pub(crate) const T: u16 = 243;
-    /// The same of the GSK980MDi: a bit.
+    /// The same for the GSK980MDi: a bit parameter.
     pub(crate) const T_OF_MILL: u16 = 40;
-    /// That bit.
+    /// The bit in [`T_OF_MILL`].
     pub(crate) const T_BIT: u8 = 5;
-    /// What the first code of each kind calls.
+    /// The program that the first code of each kind calls.
     pub(crate) const OF_G: u16 = 9010;
     pub(crate) const OF_M: u16 = 9020;
     pub(crate) const OF_PLAIN_M: u16 = 9001;
     pub(crate) const OF_T: u16 = 9000;
 }
 
-/// Numbers of the Huaxing lathes.
+/// Numbers of Huaxing lathes.
 pub(crate) mod hx31 {
-    /// Parameter: how long M71 to M85 switch their output on, ms.
+    /// Parameter: time that M71 to M85 switch their output on, ms.
     pub(crate) const PULSE_TIME: u16 = 71;
-    /// M71 switches the first output.
+    /// The M code that switches the first output.
     pub(crate) const FIRST_PULSE: u8 = 71;
 }
 
 /// Numbers of the parameters that only the NC-B08 has.
 pub(crate) mod ncb08 {
-    /// Rapid rate at most, mm/min.
+    /// Limit of the rapid rate, mm/min.
     pub(crate) const RAPID_LIMIT: u16 = 17;
-    /// Time of M21, ms.
+    /// Duration of M21, ms.
     pub(crate) const CLAMP_TIME: u16 = 41;
-    /// Reference point, 0.001 mm, X a diameter.
+    /// Reference point, 0.001 mm; X is a diameter.
     pub(crate) const REFERENCE_X: u16 = 108;
     /// Reference point, 0.001 mm.
     pub(crate) const REFERENCE_Z: u16 = 109;

@@ -1,5 +1,5 @@
-//! The path of `check`: a whole program interpreted without ticks. It streams:
-//! moves go to a callback, what is kept does not grow with the program.
+//! Interprets a whole program without ticks, for `check` and the plotted path. Moves go to a
+//! callback; the memory needed does not grow with the program.
 
 mod bounds;
 mod carry_out;
@@ -47,114 +47,115 @@ pub use spindle::Turning;
 use travel::Shown;
 pub use work_budget::WorkBudget;
 
-/// Blocks without motion after which [`preview`] gives up.
+/// Blocks without motion after which [`preview`] stops.
 const MOTIONLESS_BLOCKS: u64 = 1_500_000;
 
-/// Commands between two questions whether a preview is to go on.
+/// Number of commands between two calls of the progress callback.
 const COMMANDS_A_LOOK: u32 = 4096;
 
-/// Machine time after which a preview gives up, s: 1000 hours.
+/// Machine time after which a preview stops, s: 1000 hours.
 const LONGEST_S: f64 = 3.6e6;
 
-/// How a preview ended.
+/// The way in which a preview ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// M30.
+    /// At M30.
     M30,
-    /// M02, on models that have it.
+    /// At M02, on models that have it.
     M02,
-    /// M99 of the main program.
+    /// At M99 of the main program.
     M99,
-    /// The end of the text without either.
+    /// At the end of the text without M30 or M99.
     Text,
-    /// An alarm.
+    /// At an alarm.
     Alarm,
-    /// No end within 1000 hours of machine time, or whoever watched it gave it up.
+    /// At 1000 hours of machine time without an end, or when the caller cancelled.
     Limit,
 }
 
-/// Path lengths, mm; a rapid counts as its chord.
+/// Lengths of the path by kind of move, mm; a rapid counts as its chord.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lengths {
-    /// Rapids.
+    /// Length of all rapids, mm.
     pub rapid: f64,
-    /// Straight cuts.
+    /// Length of all straight cuts, mm.
     pub feed: f64,
-    /// Clockwise arcs.
+    /// Length of all clockwise arcs, mm.
     pub clockwise: f64,
-    /// Counter-clockwise arcs.
+    /// Length of all counter-clockwise arcs, mm.
     pub counter_clockwise: f64,
-    /// Threads with their run-outs, and taps.
+    /// Length of all threads with their run-outs, and of all taps, mm.
     pub thread: f64,
 }
 
-/// What a program does. Points have a radius X.
+/// The result of a preview. X of points is a radius, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preview {
-    /// How it ended.
+    /// How the program ended.
     pub end: End,
-    /// The alarm that ended it.
+    /// The alarm that ended the program.
     pub alarm: Option<Alarm>,
-    /// What else is wrong; all other fields say what was up to the alarm.
+    /// Further errors after that alarm. All other fields describe the run up to it.
     pub further: Further,
     /// Estimated machine time, s: motion, M, S, T and dwell.
     pub time_s: f64,
-    /// Part of it spent cutting, s.
+    /// Part of [`Self::time_s`] spent in cutting moves, s.
     pub cutting_s: f64,
-    /// Blocks carried out.
+    /// Number of executed blocks.
     pub blocks: u64,
-    /// Moves and dwells, without those of no length.
+    /// Number of moves and dwells, without those of zero length.
     pub moves: u64,
-    /// M00 met.
+    /// Number of executed M00.
     pub stops: u32,
-    /// Parts finished.
+    /// Number of finished parts.
     pub parts: u32,
-    /// Tools called, with their offset numbers, in order, each pair once.
+    /// Tools that were called, with their offset numbers, in order; each pair once.
     pub tools: Vec<(u8, u8)>,
-    /// Box around the path in work coordinates.
+    /// Bounding box of the path in work coordinates; `None` without motion.
     pub bounds: Option<Bounds>,
-    /// What is no alarm and yet likely a slip, each kind where it was met first.
+    /// Probable mistakes that raise no alarm. Most kinds are listed at their first
+    /// occurrence only.
     pub cautions: Vec<Caution>,
-    /// Path lengths by kind.
+    /// Path lengths by kind of move.
     pub lengths: Lengths,
-    /// Final absolute position.
+    /// Absolute position at the end, mm.
     pub absolute: Point,
-    /// Final machine position.
+    /// Machine position at the end, mm.
     pub machine: Point,
-    /// Final relative position.
+    /// Relative position at the end, mm.
     pub relative: Point,
-    /// Frame at the end.
+    /// Coordinate frame at the end.
     pub frame: Frame,
     /// Modal state at the end.
     pub modal: Modal,
-    /// Whether and how the spindle turns at the end.
+    /// Direction of the spindle at the end.
     pub spindle: Turning,
     /// Whether coolant is on at the end.
     pub coolant: bool,
-    /// Parameters at the end; cycles may have written some.
+    /// Parameters at the end; cycles may have written some of them.
     pub parameters: Parameters,
 }
 
-/// How far a preview has come.
+/// Progress of a running preview.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// Line of the block in work, from 1.
+    /// Line of the current block, from 1.
     pub line: u32,
-    /// Blocks carried out.
+    /// Number of executed blocks.
     pub blocks: u64,
-    /// Moves so far.
+    /// Number of moves.
     pub moves: u64,
-    /// Blocks read so far, those of loops and subprograms each time, and one more for each
-    /// 64 bytes of their texts.
+    /// Number of blocks read, repeated for loops and subprograms, plus one for each 64 bytes
+    /// of their text.
     pub work: u64,
-    /// Commands since the last move.
+    /// Number of commands since the last move.
     pub motionless: u64,
-    /// Machine time so far, s.
+    /// Machine time, s.
     pub time_s: f64,
 }
 
-/// Interprets the selected program from its first line to its end, at most 1.5
-/// million blocks without motion. `on_move` gets every move in order.
+/// Interprets the selected program from its first line to its end, at most 1.5 million
+/// blocks without motion. `on_move` receives all moves in order.
 pub fn preview(
     setup: &Setup,
     programs: &ProgramMemory,
@@ -165,8 +166,8 @@ pub fn preview(
     })
 }
 
-/// As [`preview`], as long as `go_on` says so: it is asked every few thousand
-/// commands. When it says no the preview ends with [`End::Limit`].
+/// Like [`preview`], while `go_on` returns true: it is called every few thousand commands.
+/// When it returns false, the preview ends with [`End::Limit`].
 pub fn preview_while(
     setup: &Setup,
     programs: &ProgramMemory,
@@ -177,7 +178,7 @@ pub fn preview_while(
     interpret(setup, programs, &mut |it, _| on_move(it), go_on, wanted)
 }
 
-/// As [`preview_while`]; `on_move` also gets why a move of a cycle is where it is.
+/// Like [`preview_while`]; `on_move` also receives the explanation of a move of a cycle.
 pub fn preview_explained(
     setup: &Setup,
     programs: &ProgramMemory,
@@ -191,7 +192,7 @@ pub fn preview_explained(
     interpret(setup, programs, on_move, go_on, wanted)
 }
 
-/// As [`preview_while`]; behind an alarm it looks on for [`Further`] ones.
+/// Like [`preview_while`]; after an alarm it continues and collects [`Further`] ones.
 pub fn preview_beyond_alarms(
     setup: &Setup,
     programs: &ProgramMemory,
@@ -205,12 +206,12 @@ pub fn preview_beyond_alarms(
     interpret(setup, programs, &mut |it, _| on_move(it), go_on, wanted)
 }
 
-/// What costs time and is not always wanted.
+/// Optional outputs that cost time.
 #[derive(Clone, Copy, Default)]
 struct Wanted {
-    /// A look at what follows an alarm.
+    /// Continue after an alarm.
     beyond_alarms: bool,
-    /// Why the moves of cycles are where they are.
+    /// Explain the position of moves of cycles.
     explanations: bool,
 }
 
@@ -234,8 +235,8 @@ fn interpret(
         outputs: 0,
         programs,
         position: setup.start.unwrap_or_default(),
-        // The work is drawn where the machine coordinates put it, whether the real
-        // reference point has been sought or not.
+        // The machine coordinates determine where the work is drawn, whether the real
+        // reference point is known or not.
         referenced: PerAxis::new(true, true),
         block_skip: false,
     };
@@ -268,7 +269,7 @@ fn interpret(
     let mut preview = walk.result(&host.parameters);
     preview.modal = *interpreter.modal();
     if matches!(preview.end, End::M30 | End::M02 | End::Text) {
-        // The end of a program is a reset.
+        // The end of a program resets the control.
         preview.modal.nose_compensation = 40;
     }
     if let (Some(met), true) = (met, wanted.beyond_alarms) {
@@ -283,7 +284,7 @@ fn interpret(
     preview
 }
 
-/// Where the work zero lies before the first block.
+/// The work zero before the first block.
 fn frame_at_start(setup: &Setup) -> Frame {
     let start = setup.start.unwrap_or_default();
     Frame {
@@ -294,7 +295,7 @@ fn frame_at_start(setup: &Setup) -> Frame {
     }
 }
 
-/// What the ladder gives to macros while the lathe stands idle.
+/// The ladder's inputs to macros while the lathe is idle.
 fn idle_inputs(setup: &Setup) -> u16 {
     const SETTLED_TICKS: u32 = 500;
     let mut simulation = Simulation::new(setup.clone());
@@ -305,10 +306,10 @@ fn idle_inputs(setup: &Setup) -> u16 {
     u16::from_le_bytes([memory.g(54), memory.g(55)])
 }
 
-/// Takes the moves, each with why it is where it is.
+/// Callback for the moves, each with its explanation.
 type OnMove<'a> = dyn FnMut(&ExecutedMove, Option<&Explanation>) + 'a;
 
-/// The walk over the commands.
+/// State of the preview while it executes commands.
 struct Walk<'a> {
     limits: MotionLimits,
     clock: Clock,
@@ -316,28 +317,28 @@ struct Walk<'a> {
     messages: Messages,
     relative_zero: Point,
     motionless: u64,
-    /// Block of the command carried out last.
+    /// Block of the last executed command.
     source: Option<Source>,
-    /// The program has come to its end.
+    /// The program has reached its end.
     ended: bool,
     programs: &'a ProgramMemory,
     set_place: SetPlace,
-    /// The look behind an alarm.
+    /// State of the preview after the first alarm.
     behind: Option<Behind>,
-    /// Slowing down at the end of the last thread, s.
+    /// Deceleration time at the end of the last thread, s. It is added to the clock later.
     owed: f64,
-    /// Cuts that go over into each other (007.3 = 0), and the last of them, whose
-    /// time is known when the next command is.
+    /// Cuts that blend into each other (007.3 = 0), and the last of them. Its duration is
+    /// known at the next command.
     sequel: Sequel,
     unsettled: Option<(ExecutedMove, Option<Explanation>)>,
-    /// A rapid that may lead to a machine zero, until the next command says so.
+    /// A rapid that may lead to a machine zero: the next command decides.
     returning: Option<(ExecutedMove, Option<Explanation>)>,
     shown: Option<Shown>,
-    /// Time the spindle needs for a new speed, s.
+    /// Time in which the spindle reaches a new speed, s.
     settle_s: f64,
     so_far: Preview,
     on_move: &'a mut OnMove<'a>,
-    /// Whether explanations are worked out, and that of the command in work.
+    /// Whether moves are explained, and the explanation of the current command.
     explains: bool,
     explanation: Option<Explanation>,
 }
@@ -397,7 +398,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Up to the end or an alarm.
+    /// Executes commands to the end of the program or to an alarm.
     fn run(
         &mut self,
         interpreter: &mut Interpreter,
@@ -460,7 +461,7 @@ impl<'a> Walk<'a> {
         self.so_far.alarm = Some(alarm);
     }
 
-    /// What was so far.
+    /// The result up to here.
     fn result(&mut self, parameters: &Parameters) -> Preview {
         self.settle(false);
         self.so_far.time_s = self.clock.now() + self.owed;
@@ -477,8 +478,8 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// Without the noise in the last bits that a change of frame leaves: end points
-/// are multiples of 0.0005 mm, centres good to a billionth of one.
+/// Rounds off the errors in the last bits that a change of frame causes. End points are
+/// multiples of 0.0005 mm, centres are accurate to 1e-9 mm.
 fn snapped(point: Point) -> Point {
     const FINE: f64 = 1e9;
     Point::new(round(point.x * FINE) / FINE, round(point.z * FINE) / FINE)

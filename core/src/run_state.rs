@@ -1,16 +1,16 @@
-//! The states of a run: STL, SPL and OP stand for them.
+//! The states of automatic operation.
 
 use serde::{Deserialize, Serialize};
 
-/// States of automatic operation (STL, SPL, OP).
+/// States of automatic operation; the signals STL, SPL and OP report them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RunState {
     /// After power-on, RESET and M30: the next cycle start begins at the cursor.
     Reset,
-    /// At the end of a block: cycle start goes on with the next one.
+    /// At the end of a block: cycle start continues with the next one.
     Stop,
-    /// Running.
+    /// A block is running.
     Run,
-    /// Feed hold.
+    /// Feed hold: motion has stopped within a block.
     Hold,
 }

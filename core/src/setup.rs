@@ -1,4 +1,4 @@
-//! What a control starts from.
+//! The initial state of a control and its simulated lathe.
 
 mod ladder;
 
@@ -13,46 +13,47 @@ use crate::machine::{LatheConfig, SlideEnds};
 use crate::memory::{DayTime, Parameters};
 use crate::units::{Axis, PerAxis, Point};
 
-/// K12: the tool in position, kept by the ladder.
+/// K12: the ladder stores the tool in position here.
 pub(crate) const TOOL_IN_POSITION: u16 = 12;
 
-/// Everything a control and its simulated lathe start from.
+/// The initial state of a control and its simulated lathe.
 #[derive(Clone, Debug)]
 pub struct Setup {
-    /// What the battery keeps.
+    /// Battery-backed memory: parameters, offsets, programs and other data.
     pub memory: Memory,
-    /// The machine's ladder.
+    /// The ladder of the machine.
     pub ladder: MachineLadder,
-    /// What the PLC kept over power-off; `None`: its initial values.
+    /// Retained memory of the PLC; `None`: its initial values.
     pub plc_retained: Option<RetainedMemory>,
-    /// The simulated lathe.
+    /// Configuration of the simulated lathe.
     pub lathe: LatheConfig,
-    /// The parameters it was wired for; `None`: those found now.
+    /// The parameters that the lathe was wired for; `None`: those in `memory`.
     pub wired: Option<Parameters>,
-    /// The tool's machine position; without `absolute` the work zero is the machine zero.
+    /// Machine position of the tool (X as a radius), mm; `None`: unset. Without `absolute`
+    /// the work zero is the machine zero.
     pub start: Option<Point>,
-    /// Where the slides really stand, mm from the reference point (X in radius), where
-    /// that is not `start`: before the zero return the control does not know it.
+    /// True position of the slides from the reference point (X as a radius), mm; `None`:
+    /// that of `start`. Before the reference return the control does not know it.
     pub slides: Option<Point>,
-    /// The absolute coordinates at power-off; with 004.7 ABOT = 0 they stay. A preview
-    /// takes them as they are: `start - absolute` is the work zero.
+    /// Absolute coordinates at power-off (X as a radius), mm; with 004.7 ABOT = 0 they are
+    /// kept. A preview always uses them: `start - absolute` is the work zero.
     pub absolute: Option<Point>,
-    /// What was found wrong with the memory: alarms of the power-on.
+    /// Alarms raised at power-on by errors in the stored data.
     pub alarms: Vec<Alarm>,
-    /// Whether both axes already have their reference.
+    /// Whether both axes are already referenced.
     pub referenced: bool,
     /// Axes whose machine zero was set by hand and is kept (method A).
     pub zero_kept: PerAxis<bool>,
-    /// Speed of a spindle that already turns forward, r/min.
+    /// Speed of a spindle that already turns forward, r/min; `None`: it is stopped.
     pub spindle_rpm: Option<f64>,
-    /// Date and time of day, from which the control counts on by its ticks.
+    /// Local date and time of day at power-on.
     pub day_time: DayTime,
-    /// Machine inputs held at a value.
+    /// Machine inputs that are forced to a level.
     pub forced_inputs: Vec<(BitAddress, bool)>,
 }
 
 impl Setup {
-    /// The tool in position at power-on: 075, or what the ladder kept in K12.
+    /// The tool in position at power-on: 075, or the value that the ladder stored in K12.
     pub(crate) fn tool_in_position(&self) -> u8 {
         match self.memory.parameters.tool_in_position() {
             0 => {}
@@ -68,15 +69,15 @@ impl Setup {
         }
     }
 
-    /// Whether an axis has its reference at power-on: a zero that no switch tells
-    /// (014 ZRS = 0) is kept.
+    /// Whether an axis is referenced at power-on. A zero without a switch (014 ZRS = 0) is
+    /// kept.
     pub(crate) fn is_referenced(&self, axis: Axis) -> bool {
         let kept = *self.zero_kept.get(axis) && !self.memory.parameters.has_zero_switch(axis);
         self.referenced || kept
     }
 
-    /// The training lathe as it is delivered: factory parameters but for the analog
-    /// spindle it has, dogs and limit switches, no reference yet.
+    /// The training lathe as delivered: factory parameters except for its analog spindle,
+    /// dogs and limit switches, not referenced.
     pub fn delivered() -> Self {
         Self {
             lathe: LatheConfig::default(),
@@ -86,8 +87,8 @@ impl Setup {
         }
     }
 
-    /// What an operator script that names no machine starts from: a dry run's, but for
-    /// the lathe. Its slides have switches and ends, since scripts move them by hand.
+    /// The initial state for an operator script without a machine file: that of a dry run
+    /// with another lathe. Its slides have switches and ends, since scripts jog them.
     pub fn at_the_panel() -> Self {
         Self {
             lathe: LatheConfig::roomy(),
@@ -95,15 +96,15 @@ impl Setup {
         }
     }
 
-    /// The same with the power chuck of the training lathe in use: M12 and M13 act
-    /// (164.0 SLQP = 1), and the spindle starts without it, too (164.1 SLSP = 1).
+    /// Enables the power chuck of the training lathe: M12 and M13 act (164.0 SLQP = 1), and
+    /// the spindle also starts without clamping (164.1 SLSP = 1).
     #[must_use]
     pub fn with_chuck(mut self) -> Self {
         self.memory.parameters.fit_chuck();
         self
     }
 
-    /// The axes that stand beyond the ends of their slides.
+    /// The axes whose start position is beyond the ends of their slides, with those ends.
     pub fn beyond_ends(&self) -> Vec<(Axis, SlideEnds)> {
         let Some(start) = self.start else {
             return Vec::new();
@@ -119,8 +120,8 @@ impl Setup {
 }
 
 impl Default for Setup {
-    /// What a dry run starts from: factory parameters with an analog spindle, both
-    /// axes referenced, the tool at X300 Z300, no dogs and no limit switches.
+    /// The initial state for a dry run: factory parameters with an analog spindle, both axes
+    /// referenced, the tool at X300 Z300, no dogs and no limit switches.
     fn default() -> Self {
         let mut parameters = Parameters::default();
         parameters.fit_analog_spindle();

@@ -1,4 +1,4 @@
-//! A control and a simulated lathe, wired.
+//! Connects a control to a simulated lathe.
 
 use gsk_plc::address::{Area, BitAddress};
 use serde::{Deserialize, Serialize};
@@ -22,10 +22,10 @@ const CYCLE_START_KEY: BitAddress = BitAddress {
     byte: 25,
     bit: 0,
 };
-/// How long a finger presses, and rests, ticks.
+/// Time that a finger presses a key, and then releases it, ticks.
 const KEY_TICKS: u32 = 100;
 
-/// A [`Cnc`] with the simulated lathe that hangs on it.
+/// A [`Cnc`] connected to a simulated lathe.
 ///
 /// ```
 /// use gsk_core::simulation::{Outcome, Simulation, Until};
@@ -35,36 +35,36 @@ const KEY_TICKS: u32 = 100;
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Simulation {
-    /// The control.
+    /// The simulated control.
     pub cnc: Cnc,
-    /// The lathe.
+    /// The simulated lathe.
     pub lathe: Lathe,
     inputs: Inputs,
-    /// What the last tick wants of a pulse board.
+    /// Orders of the last tick to a pulse board.
     #[serde(skip)]
     board_orders: Option<Box<BoardOrders>>,
 }
 
-/// What [`Simulation::run_until`] waits for.
+/// The condition that [`Simulation::run_until`] waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Until {
-    /// No program runs (reset, block end or alarm) and the axes stand.
+    /// No program is running (reset, block end or alarm) and the axes are stationary.
     Stopped,
     /// A block has ended or the run has stopped.
     BlockEnd,
 }
 
-/// How [`Simulation::run_until`] ended.
+/// The result of [`Simulation::run_until`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// The condition came true.
+    /// The condition became true within the time limit.
     Reached,
-    /// The time limit came first.
+    /// The time limit expired first.
     TimedOut,
 }
 
 impl Simulation {
-    /// Wires a control to its lathe, at power-on.
+    /// Connects a control to its lathe and switches both on.
     pub fn new(setup: Setup) -> Self {
         let wired = setup.wired.as_ref().unwrap_or(&setup.memory.parameters);
         let mut lathe = Lathe::new(setup.lathe.clone(), wired);
@@ -88,7 +88,7 @@ impl Simulation {
         }
     }
 
-    /// One millisecond.
+    /// Simulates one tick of 1 ms.
     pub fn tick(&mut self) {
         let outputs = self.cnc.tick(&self.inputs);
         self.lathe.tick(&outputs, &mut self.inputs);
@@ -98,14 +98,15 @@ impl Simulation {
         self.board_orders = outputs.board;
     }
 
-    /// The slides are real from now on, and nobody knows where they stand.
+    /// Disconnects the simulated slides: a board moves the real ones, whose position is
+    /// unknown.
     pub(crate) fn attach_board(&mut self) {
         self.lathe.set_real_slides(true);
         self.cnc.attach_board();
         self.board_orders = None;
     }
 
-    /// The slides are simulated again.
+    /// Connects the simulated slides again.
     pub(crate) fn detach_board(&mut self) {
         self.inputs.board = None;
         self.board_orders = None;
@@ -113,26 +114,26 @@ impl Simulation {
         self.lathe.set_real_slides(false);
     }
 
-    /// What a pulse board says to the control in the next tick.
+    /// Sets the reports of a pulse board for the next tick.
     pub(crate) fn set_board(&mut self, board: BoardInputs) {
         self.inputs.board = Some(Box::new(board));
     }
 
-    /// What the last tick wants of the board; before the first one, what the control
-    /// stands for.
+    /// Orders of the last tick to the board. Before the first tick, the orders for the
+    /// current state of the control.
     pub(crate) fn board_orders(&self) -> BoardOrders {
         self.board_orders
             .as_deref()
             .map_or_else(|| self.cnc.board_orders(), |orders| *orders)
     }
 
-    /// The contacts that a pulse board has wired, over the simulated ones.
+    /// Replaces simulated contacts by those that a pulse board has wired.
     pub(crate) fn add_board_contacts(&mut self, board: &BoardContacts) {
         self.lathe.add_board_contacts(&mut self.inputs, board);
     }
 
-    /// Ticks until the condition holds, at most `limit_ms` of machine time. The
-    /// condition is looked at after each tick.
+    /// Runs ticks until the condition is true, at most for `limit_ms` of machine time. The
+    /// condition is checked after each tick.
     pub fn run_until(&mut self, until: Until, limit_ms: u64) -> Outcome {
         let block = self.cnc.cursor();
         for _ in 0..limit_ms / u64::from(TICK_MS) {
@@ -149,7 +150,7 @@ impl Simulation {
         Outcome::TimedOut
     }
 
-    /// Selects AUTO and presses cycle start, as fingers do: down 100 ms, up.
+    /// Selects AUTO and presses cycle start; each key is down for 100 ms.
     pub fn start_automatic(&mut self) {
         for key in [AUTO_KEY, CYCLE_START_KEY] {
             for down in [true, false] {
@@ -161,8 +162,8 @@ impl Simulation {
         }
     }
 
-    /// Switches the control off and on again: retained memory is kept, the lathe
-    /// stays where it stands. Its spindle is driven as 001.4 says then.
+    /// Switches the control off and on. Retained memory is kept and the lathe does not move.
+    /// The spindle drive is then the one that 001.4 selects.
     pub fn power_cycle(&mut self) {
         self.cnc.power_cycle();
         self.lathe.fit_spindle(self.cnc.parameters());

@@ -1,4 +1,4 @@
-//! Programs of the shapes that occur, of any length.
+//! Programs of the usual shapes, of any length.
 
 use std::fmt::Write as _;
 
@@ -14,14 +14,15 @@ impl Random {
     }
 }
 
-/// A program text with the tool's place in thousandths, X as a diameter.
+/// A program text with the position of the tool in thousandths of a millimetre, X as a
+/// diameter.
 struct Writer {
     text: String,
     x: i32,
     z: i32,
 }
 
-/// Thousandths as a word's number.
+/// Formats thousandths of a millimetre as the number of a word.
 fn mm(thousandths: i32) -> String {
     let sign = if thousandths < 0 { "-" } else { "" };
     let size = thousandths.unsigned_abs();
@@ -29,7 +30,7 @@ fn mm(thousandths: i32) -> String {
 }
 
 impl Writer {
-    /// A program that stands at the start of its contour and is to cut.
+    /// A program at the start of its contour, ready to cut.
     fn new(head: &str, x: i32, z: i32) -> Self {
         let text = format!(
             "O0001;\nG98 G97 G40;\n{head}M03 S600;\nG00 X{} Z{};\nG01 F200;\n",
@@ -44,7 +45,7 @@ impl Writer {
         self.text.push_str(";\n");
     }
 
-    /// Goes on by so much, under these words.
+    /// Adds a block with a relative move, in thousandths of a millimetre.
     fn cut(&mut self, code: &str, x: i32, z: i32, tail: &str) {
         self.x += x;
         self.z += z;
@@ -61,7 +62,7 @@ impl Writer {
     }
 }
 
-/// Every shape with its name.
+/// All shapes with their names.
 pub fn all() -> [(&'static str, String); 6] {
     let [lines, arcs, calls, contour] = long(100_000);
     [
@@ -74,7 +75,7 @@ pub fn all() -> [(&'static str, String); 6] {
     ]
 }
 
-/// The shapes that can be of any length, with so many moves.
+/// The shapes of any length, with this number of moves.
 pub fn long(moves: u32) -> [(&'static str, String); 4] {
     [
         ("short lines", short_lines(moves)),
@@ -84,7 +85,7 @@ pub fn long(moves: u32) -> [(&'static str, String); 4] {
     ]
 }
 
-/// A rippled cylinder of lines of some hundredths of a millimetre, there and back.
+/// A rippled cylinder of lines of some hundredths of a millimetre, back and forth.
 pub fn short_lines(blocks: u32) -> String {
     let mut random = Random(980);
     let mut writer = Writer::new("", 40_000, 0);
@@ -100,7 +101,7 @@ pub fn short_lines(blocks: u32) -> String {
     writer.end()
 }
 
-/// Steps of a line, a quarter by I and K and a quarter by R, there and back.
+/// Steps of a line, a quarter arc with I and K and a quarter arc with R, back and forth.
 fn mixed_arcs(blocks: u32) -> String {
     let mut random = Random(981);
     let mut writer = Writer::new("", 60_000, -1000);
@@ -114,7 +115,7 @@ fn mixed_arcs(blocks: u32) -> String {
         let outward = if writer.x < 60_000 { 1 } else { -1 };
         let radius = random.between(1, 9) * 100;
         writer.cut("G01 ", outward * 2 * radius, along * 700, "");
-        // Round a centre beside the tool in Z, then round one beside it in X.
+        // About a centre beside the tool in Z, then about one beside it in X.
         let turn = if outward == along { "G02 " } else { "G03 " };
         let center = format!(" I0. K{}", mm(along * radius));
         writer.cut(turn, outward * 2 * radius, along * radius, &center);
@@ -158,11 +159,11 @@ fn roughing(elements: u32) -> String {
     writer.end()
 }
 
-/// A long shaft under G42: slopes, and a bump of an arc now and then.
+/// A long shaft under G42: slopes, and sometimes a bump of an arc.
 fn compensated_contour(blocks: u32) -> String {
     let mut random = Random(982);
     let mut writer = Writer::new("T0101;\n", 60_000, 5000);
-    // Passes of 200 blocks from the right to the left, each with its own run-up.
+    // Passes of 200 blocks from right to left, each with a separate approach.
     for _ in 0..blocks / 200 {
         writer.line("G42 G00 X40. Z2.");
         writer.line("G01 Z1. F200");

@@ -1,5 +1,5 @@
-//! How near two curves come to each other: the path of the nose centre and the
-//! surface it cuts. Nearer than the nose radius, the nose cuts into the part.
+//! Distance between two curves: the path of the nose centre and a surface. If they are
+//! closer than the nose radius, the nose cuts into the part.
 //!
 //! ```text
 //!    nose path  ________________        the nearest points are
@@ -17,20 +17,20 @@ use super::piece::{Circle, Piece};
 use super::plane::sweep;
 use crate::units::Point;
 
-/// What the nose may come too near by rounding and joined corners, mm.
+/// How much closer rounding and joined corners may bring the nose, mm.
 pub(super) const ROUNDING: f64 = 0.0003;
-/// Shorter than this, an arc of at most half a turn counts as its chord, mm.
+/// A shorter arc of at most half a turn counts as its chord, mm.
 const SHORT: f64 = 1e-6;
-/// Changes of radius below this are not looked at, mm.
+/// Smaller changes of radius are ignored, mm.
 const ROUND: f64 = 0.0001;
 
-/// A line, or an arc of at most a full turn, whose radius may change evenly.
+/// A line, or an arc of at most a full turn whose radius may change linearly.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Curve {
     from: Point,
     pub(super) to: Point,
     arc: Option<Arc>,
-    /// The corners of a box about it, or about more than that.
+    /// Corners of a box that contains the curve; it may be larger than the curve.
     low: Point,
     high: Point,
 }
@@ -38,9 +38,9 @@ pub(super) struct Curve {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Arc {
     center: Point,
-    /// In the middle.
+    /// Radius at the middle of the arc, mm.
     radius: f64,
-    /// From the start to the end.
+    /// Radius at the end minus radius at the start, mm.
     growth: f64,
     turn: f64,
 }
@@ -68,7 +68,8 @@ impl Curve {
         curve
     }
 
-    /// The arc about the centre of `circle`, beside the one of a move.
+    /// The arc from `from` to `to` about the centre of `circle`, parallel to the arc of a
+    /// move.
     pub(super) fn arc(from: Point, to: Point, circle: &Circle, piece: &Piece) -> Self {
         if (to - from).length() < SHORT && piece.sweep() <= PI {
             return Self::line(from, to);
@@ -98,12 +99,12 @@ impl Curve {
         self.arc.is_none()
     }
 
-    /// What its points may lie off the arc with the radius of its middle.
+    /// The greatest distance of the curve from the arc with its middle radius, mm.
     pub(super) fn loose(&self) -> f64 {
         self.arc.as_ref().map_or(0.0, Arc::loose)
     }
 
-    /// Whether a direction from the centre of its arc lies within that.
+    /// Whether a direction from the centre of the arc lies within its sweep.
     ///
     /// ```text
     ///     last .    direction       up to half a turn: after the first arm and before
@@ -115,7 +116,7 @@ impl Curve {
         let (first, last) = (self.from - arc.center, self.to - arc.center);
         let turned = after(first, last);
         let (behind, before) = (after(first, direction), after(direction, last));
-        // The same direction again is a full turn.
+        // The same direction again means a full turn.
         let wide = turned < 0.0 || turned == 0.0 && first.dot(last) > 0.0;
         match wide {
             true => behind >= 0.0 || before >= 0.0,
@@ -123,8 +124,8 @@ impl Curve {
         }
     }
 
-    /// The least and the greatest coordinate in a direction, in which `along` is what a
-    /// point has.
+    /// The least and the greatest coordinate along `direction`. `along` computes the
+    /// coordinate of a point in that direction.
     fn reaches(&self, direction: Point, along: impl Fn(Point) -> f64) -> (f64, f64) {
         let (from, to) = (along(self.from), along(self.to));
         let (mut least, mut most) = ordered(from, to);
@@ -155,7 +156,7 @@ impl Curve {
         };
         let (sine, cosine) = libm::sincos(whole / 2.0 * arc.turn);
         let turned = Point::new(arm.x * cosine + arm.z * sine, arm.z * cosine - arm.x * sine);
-        // From the centre itself every direction is as good.
+        // A point at the centre has no direction: any one will do.
         let arm = turned.unit().unwrap_or_default() * arc.radius;
         let middle = arc.center + arm;
         let half = |from, to, quarter: f64| {
@@ -171,14 +172,14 @@ impl Curve {
 }
 
 impl Arc {
-    /// What its points may lie off the arc with the radius of its middle.
+    /// The greatest distance of the curve from the arc with its middle radius, mm.
     const fn loose(&self) -> f64 {
         self.growth.abs() / 2.0
     }
 }
 
-/// The smaller of two numbers and the larger one. Neither is NaN: that spares what `min`
-/// and `max` do for it.
+/// The smaller and the larger of two numbers. Neither may be NaN, so that the NaN handling
+/// of `min` and `max` is not needed.
 #[inline]
 const fn ordered(one: f64, other: f64) -> (f64, f64) {
     let smaller = if one < other { one } else { other };
@@ -186,7 +187,7 @@ const fn ordered(one: f64, other: f64) -> (f64, f64) {
     (smaller, larger)
 }
 
-/// Whether a path comes nearer to a surface than this.
+/// Whether a path comes closer to a surface than `least`, mm.
 pub(super) fn cuts(path: &Curve, surface: &Curve, least: f64) -> bool {
     least > 0.0
         && !far_apart(path, surface, least)
@@ -195,8 +196,8 @@ pub(super) fn cuts(path: &Curve, surface: &Curve, least: f64) -> bool {
         && nearer(path, surface, least)
 }
 
-/// Whether two curves come nearer to each other than this. Where the change of a
-/// radius decides, arcs are halved until there is next to none.
+/// Whether two curves come closer to each other than `least`, mm. Where the change of a
+/// radius decides, arcs are halved until the change is negligible.
 fn nearer(a: &Curve, b: &Curve, least: f64) -> bool {
     let loose = a.loose() + b.loose();
     let between = distance(a, b);
@@ -211,7 +212,7 @@ fn nearer(a: &Curve, b: &Curve, least: f64) -> bool {
     })
 }
 
-/// Whether the boxes about two curves are this far from each other already.
+/// Whether the bounding boxes of two curves are already `least` apart.
 fn far_apart(a: &Curve, b: &Curve, least: f64) -> bool {
     let gap = |one: f64, other: f64| ordered(ordered(one, other).1, 0.0).1;
     let x = gap(a.low.x - b.high.x, b.low.x - a.high.x);
@@ -219,9 +220,9 @@ fn far_apart(a: &Curve, b: &Curve, least: f64) -> bool {
     x * x + z * z >= least * least
 }
 
-/// Whether the whole of a curve is this far on one side of a line already. A path and the
-/// surface before it or after it nearly always are: of a corner between two lines, the
-/// path is beside the one surface, or the other surface is beside the path.
+/// Whether all of `other` is at least `least` to one side of a line. A path and the surfaces
+/// before and after it nearly always pass this test: at a corner of two lines, the path is
+/// beside one surface, or the other surface is beside the path.
 ///
 /// ```text
 ///    . . . . . . path           ---. path            the surface ends under
@@ -234,13 +235,13 @@ fn beside(line: &Curve, other: &Curve, least: f64) -> bool {
     }
     let along = line.to - line.from;
     let (right, left) = other.reaches(along.left(), |point| along.cross(point - line.from));
-    // Times the length of the line, like the reaches; squares are compared, without a root.
+    // Scaled by the length of the line, as the extents are. Comparing squares avoids a root.
     let square = least * least * along.dot(along);
     let is_beyond = |reach: f64| reach >= 0.0 && reach * reach >= square;
     is_beyond(right) || is_beyond(-left)
 }
 
-/// The least distance of two curves, arcs with the radius of their middle.
+/// The least distance of two curves, mm. Arcs count with their middle radius.
 pub(super) fn distance(a: &Curve, b: &Curve) -> f64 {
     let between = match (&a.arc, &b.arc) {
         (None, None) => return lines(a, b),
@@ -271,7 +272,7 @@ fn to_point(curve: &Curve, point: Point) -> f64 {
     }
 }
 
-/// The foot of a point on a line, if it lies on it.
+/// The foot of the perpendicular from a point to a line, if it lies within the line.
 fn foot(line: &Curve, point: Point) -> Option<Point> {
     let along = line.to - line.from;
     let square = along.dot(along);
@@ -284,8 +285,8 @@ fn foot(line: &Curve, point: Point) -> Option<Point> {
         .then(|| line.from + along * part)
 }
 
-/// Two lines are nearest at an end, unless they cross. The squares of the distances are
-/// compared: the root of the least one is the least distance.
+/// Two lines are closest at an end unless they cross. The squared distances are compared:
+/// the root of the least one is the least distance.
 fn lines(a: &Curve, b: &Curve) -> f64 {
     if cross(a, b) {
         return 0.0;

@@ -1,5 +1,5 @@
-//! The corner between two moves: the vectors from the programmed point to the
-//! nose centre, one after the other (manual II, C compensation).
+//! Vectors of the corner between two moves: from the programmed point to the nose centre, in
+//! order (manual II, C compensation).
 //!
 //! ```text
 //!  inner (α ≥ 180°)       outer, obtuse (90° ≤ α)      outer, acute (α < 90°)
@@ -11,8 +11,8 @@
 //!     P---------- A                   \   \            B  /    /
 //! ```
 //!
-//! α is the angle on the side of the workpiece. The tool goes straight from one
-//! vector to the next.
+//! α is the angle on the side of the workpiece. The tool moves straight from one vector to
+//! the next.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,50 +22,49 @@ use super::piece::Piece;
 
 use crate::units::Point;
 
-/// Vectors nearer than this are one, mm.
+/// Vectors closer than this count as one, mm.
 const ONE_VECTOR: f64 = 0.001;
-/// Moves whose nose centres are nearer than this at their corner are tangent but
-/// for rounded ends and centres, mm.
+/// Two moves whose nose centres are closer than this at their corner are tangent except for
+/// rounded ends and centres, mm.
 const TANGENT: f64 = 0.004;
-/// The same where one of the moves is so short that rounding turns it more, mm.
+/// The same limit where one of the moves is so short that rounding turns it more, mm.
 const TANGENT_IF_SHORT: f64 = 0.02;
-/// A move shorter than this is turned by more than 0.002 rad when its ends are rounded
-/// to 0.001 mm, mm.
+/// Rounding the ends of a shorter move to 0.001 mm turns it by more than 0.002 rad, mm.
 const SHORT: f64 = 0.35;
-/// Directions whose cross product is less are parallel.
+/// Directions with a smaller cross product are parallel.
 const PARALLEL: f64 = 1e-9;
 /// Cosine of one degree.
 const COS_1_DEGREE: f64 = 0.999_847_695_156_391_3;
 
-/// Where a start-up or a cancel ends and begins: type A has the vector square to
-/// the compensated move only, type B goes round the corner as well.
+/// How a start-up begins and a cancel ends. Type A has one vector perpendicular to the
+/// compensated move; type B goes around the corner too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Type {
-    /// Only for machines that are set so.
+    /// Only for machines set to type A.
     A,
     B,
 }
 
-/// The type this control has.
+/// This control uses type B.
 const START_TYPE: Type = Type::B;
 
-/// What the two moves of a corner are to the compensation.
+/// The role of the two moves of a corner in the compensation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
-    /// The first one starts the compensation.
+    /// The first move starts the compensation.
     StartUp,
-    /// Both are compensated.
+    /// Both moves are compensated.
     Both,
-    /// The second one cancels it.
+    /// The second move cancels the compensation.
     Cancel,
 }
 
-/// The vectors of a corner, in order.
+/// Up to four vectors of a corner, in order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Vectors {
     list: [Point; 4],
     count: u8,
-    /// There is one, to the point where the paths beside both moves meet.
+    /// There is one vector: to the point where the offset paths of both moves meet.
     pub(super) meets: bool,
 }
 
@@ -79,7 +78,7 @@ impl Vectors {
         vectors
     }
 
-    /// The one to the point where the paths beside both moves meet.
+    /// One vector to the point where the offset paths of both moves meet.
     fn meeting(point: Point) -> Self {
         Self {
             meets: true,
@@ -113,10 +112,10 @@ impl Vectors {
     }
 }
 
-/// The kind of a corner.
+/// The geometry of a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Angle {
-    /// No turn worth a second vector.
+    /// The turn is too small for a second vector.
     Straight,
     Inner,
     /// Inner, with less than one degree between the paths.
@@ -127,8 +126,8 @@ enum Angle {
     OuterSharp,
 }
 
-/// The angle between two directions of travel with the nose on the left
-/// (`rho` > 0) or on the right.
+/// Classifies the angle between two directions of travel. The nose is on the left for a
+/// positive `rho`, else on the right.
 fn angle(exit: Point, entry: Point, rho: f64) -> Angle {
     let turned = (exit - entry) * rho;
     if turned.dot(turned) <= ONE_VECTOR * ONE_VECTOR {
@@ -154,8 +153,8 @@ fn angle(exit: Point, entry: Point, rho: f64) -> Angle {
     Angle::Obtuse
 }
 
-/// The vectors at the end of `a`. The nose runs `rho_a` left of it and `rho_b`
-/// left of `b`; right when negative.
+/// The vectors at the end of `a`. The nose runs `rho_a` left of `a` and `rho_b` left of `b`,
+/// mm; negative values mean right.
 pub(super) fn vectors(
     a: &Piece,
     rho_a: f64,
@@ -180,12 +179,12 @@ pub(super) fn vectors(
     }
 }
 
-/// Square to the end of a move.
+/// The vector perpendicular to the end of a move.
 pub(super) fn square_to_end(a: &Piece, rho: f64) -> Point {
     a.exit.left() * rho
 }
 
-/// Square to the start of a move.
+/// The vector perpendicular to the start of a move.
 pub(super) fn square_to_start(b: &Piece, rho: f64) -> Point {
     b.entry.left() * rho
 }
@@ -193,7 +192,7 @@ pub(super) fn square_to_start(b: &Piece, rho: f64) -> Point {
 #[inline(always)]
 fn one_side(a: &Piece, b: &Piece, rho: f64, role: Role) -> Result<Vectors, Fault> {
     let (square_a, square_b) = (square_to_end(a, rho), square_to_start(b, rho));
-    // The compensated move of a start-up or a cancel decides.
+    // The compensated move of a start-up or a cancel determines the vector.
     let kept = match role {
         Role::StartUp | Role::Both => square_b,
         Role::Cancel => square_a,
@@ -239,7 +238,7 @@ fn one_side(a: &Piece, b: &Piece, rho: f64, role: Role) -> Result<Vectors, Fault
     })
 }
 
-/// Where the nose rests at a corner with an inner arc that it fills.
+/// The position where the nose rests at a corner with an inner arc that it fills.
 fn rests(a: &Piece, b: &Piece, rho: f64) -> Option<Vectors> {
     let center = |piece: &Piece| piece.rest(rho).map(|center| center - b.start);
     match (center(a), center(b)) {
@@ -249,10 +248,10 @@ fn rests(a: &Piece, b: &Piece, rho: f64) -> Option<Vectors> {
     }
 }
 
-/// A corner that would be tangent but for rounding. The paths of the nose centre then
-/// meet at a grazing angle: a micrometre moves their meeting by a multiple, past the
-/// end of a short move, or there is none at all. The nose centre stands between the
-/// squares instead: their distance is below what rounding makes of it.
+/// A corner that would be tangent except for rounding. The paths of the nose centre then
+/// meet at a grazing angle. A micrometre moves their meeting point by a multiple, past the
+/// end of a short move, or there is no meeting point. The nose centre goes between the two
+/// perpendicular vectors instead: their distance is below the effect of rounding.
 ///
 /// ```text
 ///   offset of a ----------*---.___        * square to a, + square to b
@@ -268,8 +267,8 @@ fn near_tangent(
     let (square_a, square_b) = (square_to_end(a, rho), square_to_start(b, rho));
     let shorter = a.length_of_chord().min(b.length_of_chord());
     let is_short = shorter < SHORT;
-    // Beside an arc that the nose fills there is no meeting worth its name: what is left of
-    // its path is a circle of rounding.
+    // Beside an arc that the nose fills, the rest of its path is a circle of the size of
+    // rounding: a meeting point means nothing.
     if is_short && let Some(rests) = rests(a, b, rho) {
         return Ok(rests);
     }
@@ -294,7 +293,7 @@ fn near_tangent(
     }
 }
 
-/// Round an acute corner: both paths of the nose centre go on by r.
+/// Goes around an acute corner: both paths of the nose centre continue by r.
 fn bow(a: &Piece, b: &Piece, rho: f64, with_first: bool, with_last: bool) -> Vectors {
     let (square_a, square_b) = (square_to_end(a, rho), square_to_start(b, rho));
     let r = rho.abs();
@@ -308,8 +307,8 @@ fn bow(a: &Piece, b: &Piece, rho: f64, with_first: bool, with_last: bool) -> Vec
     Vectors::of(points.get(from..to).unwrap_or(&[]))
 }
 
-/// From G41 to G42 or back: the intersection if there is one within the moves,
-/// else square to both.
+/// Change between G41 and G42: the intersection if it is within the moves, else one vector
+/// perpendicular to each move.
 ///
 /// ```text
 ///    A -----P            A ------P

@@ -1,88 +1,87 @@
-//! The same compensation for the cutter of a mill: its centre is what a program names, so
-//! that there is no imaginary tip. Moves come in as they lie in the plane of G17 to G19;
-//! what else they are, their blocks among it, is kept by whoever pushes them, under a
-//! number.
+//! Cutter radius compensation of a mill. A program names the centre of the cutter, so there
+//! is no imaginary tip. Moves are passed as they lie in the plane of G17 to G19. The caller
+//! keeps all other data of a move, its block included, under a number.
 
 use super::{Compensation, Nose, Origin};
 use crate::alarm::Alarm;
 use crate::command::{Action, Command, Frame, Modal, ProgramId, Source};
 use crate::units::{Feed, Point};
 
-/// A move in the plane. Of its points `z` lies along the first axis of the plane and `x`
-/// along the second, mm: seen so, clockwise is clockwise.
+/// A move in the plane. In its points `z` is along the first axis of the plane and `x` along
+/// the second, mm; in this view clockwise is clockwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlatMove {
-    /// The number under which the rest of it is kept.
+    /// The number under which the caller keeps the other data of the move.
     pub number: u32,
-    /// The line that alarms name.
+    /// Line number for alarms.
     pub line: u32,
-    /// End point.
+    /// End point, mm.
     pub to: Point,
-    /// Its path.
+    /// Shape of the path.
     pub shape: FlatShape,
 }
 
 /// The path of a move in the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FlatShape {
-    /// To a point, not at a feed.
+    /// A rapid: to a point, without a feed.
     Rapid,
     /// A straight cut.
     Line,
-    /// A round cut.
+    /// A cut along an arc.
     Arc {
-        /// Centre.
+        /// Centre of the arc, mm.
         center: Point,
-        /// Its sense.
+        /// Direction of the arc, seen as the points of [`FlatMove`] are.
         clockwise: bool,
     },
 }
 
-/// On which side of the contour the cutter runs, seen along it.
+/// The side of the contour on which the cutter runs, seen in the direction of the cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// G40.
+    /// G40: on the contour, without compensation.
     On,
-    /// G41.
+    /// G41: left.
     Left,
-    /// G42.
+    /// G42: right.
     Right,
 }
 
-/// What comes out.
+/// One result of the compensation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Compensated {
-    /// A move of the centre. A corner may make several of the move that follows it; only
-    /// the last of them is the move itself.
+    /// A move of the cutter centre. A corner may turn one pushed move into several; only the
+    /// last of them is the move itself, the others lead around the corner before it.
     Move {
-        /// The move.
+        /// The compensated move, with the number of the pushed one.
         flat: FlatMove,
-        /// Whether it is the last one.
+        /// Whether it is the last move with this number.
         last: bool,
     },
-    /// What was pushed without motion in the plane.
+    /// The number of a block that was pushed without motion in the plane.
     Other(u32),
 }
 
-/// Moves of a program in, moves of the centre of the cutter out.
+/// Converts the moves of a program into moves of the cutter centre.
 #[derive(Clone, Debug, Default)]
 pub struct CutterCompensation {
     stream: Compensation,
 }
 
 impl CutterCompensation {
-    /// From the move that starts it to the one that cancels it.
+    /// Whether compensation is active: from the move that starts it to the one that cancels
+    /// it.
     pub const fn is_on(&self) -> bool {
         self.stream.is_on()
     }
 
-    /// Where the centre stands before the first move.
+    /// Sets the position of the cutter centre before the first move, mm.
     pub fn stand_at(&mut self, point: Point) {
         self.stream.stand_at(point, Frame::default());
     }
 
-    /// Takes a move of a block with the side that is in force and the radius of the cutter,
-    /// mm.
+    /// Accepts a move of a block, with the active side and the cutter radius, mm.
     pub fn push(&mut self, flat: FlatMove, side: Side, radius: f64) {
         let feed = Feed::PerMinute(1.0);
         let action = match flat.shape {
@@ -102,13 +101,13 @@ impl CutterCompensation {
         self.give((flat.number, flat.line), action, side, nose, true);
     }
 
-    /// Takes a block without motion in the plane.
+    /// Accepts a block without motion in the plane.
     pub fn push_other(&mut self, number: u32, side: Side) {
         let nose = Nose::default();
         self.give((number, 0), Action::Nothing, side, nose, true);
     }
 
-    /// Takes motion that is not compensated, and ends here.
+    /// Accepts motion that is not compensated and ends at `to`, mm.
     pub fn push_uncompensated(&mut self, number: u32, to: Point, side: Side) {
         let nose = Nose::default();
         self.give((number, 0), Action::Rapid { to }, side, nose, false);
@@ -126,7 +125,7 @@ impl CutterCompensation {
             source: Source {
                 program: ProgramId::External,
                 line,
-                // Here it is the number of the move.
+                // Here the sequence number is the number of the move.
                 sequence: Some(number.into()),
             },
             action,
@@ -136,7 +135,7 @@ impl CutterCompensation {
                     Side::Left => 41,
                     Side::Right => 42,
                 },
-                // Some number: that it is 0 is known to whoever pushes.
+                // Any offset number but 0: the caller knows whether the offset is 0.
                 offset: 1,
                 ..Modal::default()
             },
@@ -151,16 +150,16 @@ impl CutterCompensation {
             offset_by_shift: false,
         };
         self.stream.push(command, origin);
-        // Contours of a mill are closed: their end may run through their begin.
+        // Contours of a mill are closed: the end of a contour may cross its beginning.
         self.stream.before.keep_last();
     }
 
-    /// Nothing more comes: the open move ends square to itself.
+    /// Ends the open move perpendicular to itself: no further move follows.
     pub fn flush(&mut self) {
         self.stream.flush();
     }
 
-    /// What is ready.
+    /// Returns the next result, or `None` until more is pushed.
     ///
     /// # Errors
     /// Alarms of compensation; the sequence number of their source is the number of the

@@ -1,11 +1,11 @@
-//! What compensation C refuses, with its alarm (manual, appendix 3).
+//! Errors of compensation C with their alarms (manual, appendix 3).
 
 use gsk_messages::{Message, say};
 
 use crate::alarm::{Alarm, number};
 use crate::command::Source;
 
-/// A refusal.
+/// The reason why compensation C refuses a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fault {
     StartOnArc,
@@ -66,7 +66,7 @@ impl Fault {
         }
     }
 
-    /// Whether it was found between two moves: then the first one is not begun.
+    /// Whether the fault concerns two moves: then the first one is not started.
     pub(crate) const fn of_two_moves(self) -> bool {
         !matches!(
             self,
@@ -74,13 +74,13 @@ impl Fault {
         )
     }
 
-    /// The alarm, without its place.
+    /// The alarm without a source position.
     pub(crate) fn alarm(self) -> Alarm {
         Alarm::new(self.number()).because(self.reason())
     }
 
-    /// The alarm of a corner: at the block that is not begun, or, when the words
-    /// of the next one are wrong in themselves, at that.
+    /// The alarm of a corner, at the block that is not started. If the words of the next
+    /// block are wrong in themselves, the alarm is at that block.
     pub(super) fn at_corner(self, first: Source, second: Source) -> Alarm {
         let place = match self {
             Self::SamePoint | Self::CenterAtStart | Self::CenterAtEnd | Self::SmallArc => second,

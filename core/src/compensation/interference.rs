@@ -1,5 +1,5 @@
-//! The interference check: a move whose nose path runs against the programmed
-//! one would cut into the part (manual II, C compensation).
+//! Interference check: a move whose nose path runs opposite to the programmed one would cut
+//! into the part (manual II, C compensation).
 //!
 //! ```text
 //!        p .        q
@@ -9,11 +9,11 @@
 //!      '--------------'          the right: alarm 057
 //! ```
 //!
-//! The nose must not cut into the moves about it either: into those just run, and
-//! into the next one, which has been read.
+//! The nose must not cut into neighbouring moves either: the moves just run, and the next
+//! one, which has been read.
 //!
-//! Before the alarm, vectors of corners with several are dropped one by one; an
-//! arc is then run as a straight line.
+//! Before it raises the alarm, the check drops vectors of corners with several vectors one
+//! by one. An arc is then run as a straight line.
 
 use core::f64::consts::{PI, TAU};
 
@@ -26,23 +26,23 @@ use super::piece::{Circle, Piece, too_short};
 use super::plane::sweep;
 use crate::units::Point;
 
-/// So far backwards is rounding, mm.
+/// A smaller motion backwards is rounding, mm.
 const BACKWARDS: f64 = 1e-6;
-/// So much the nose may cut into an arc whose end lies beside its circle, mm: its
-/// path is parallel only as long as the radius changes slowly.
+/// How far the nose may cut into an arc whose end is off its circle, mm: its path is
+/// parallel only while the radius changes slowly.
 const TILTED: f64 = 0.0005;
 
-/// A move that may be run: the vectors left at its ends.
+/// The vectors that remain at both ends of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Way {
     pub(super) start: Vectors,
     pub(super) end: Vectors,
-    /// An arc run as a straight line.
+    /// Whether an arc is run as a straight line.
     pub(super) straight: bool,
 }
 
 impl Way {
-    /// With all vectors, and as an arc if it is one.
+    /// Starts with all vectors; an arc remains an arc.
     pub(super) const fn whole(start: Vectors, end: Vectors) -> Self {
         Self {
             start,
@@ -52,19 +52,19 @@ impl Way {
     }
 }
 
-/// A move that was run: its surface and the path of the nose.
+/// The surface and the nose path of an executed move.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Trail {
     surface: Curve,
     path: Curve,
-    /// The path keeps the nose clear of its own surface.
+    /// Whether the path keeps the nose clear of the surface of the same move.
     parallel: bool,
-    /// The nose ran so far on the left of it.
+    /// Distance of the nose centre to the left of the move, mm.
     pub(super) rho: f64,
 }
 
 impl Trail {
-    /// A place for one.
+    /// An unused entry.
     const EMPTY: Self = {
         let none = Curve::line(Point::new(0.0, 0.0), Point::new(0.0, 0.0));
         Self {
@@ -75,7 +75,7 @@ impl Trail {
         }
     };
 
-    /// Becomes that of a move.
+    /// Overwrites the entry with the data of a move.
     #[inline(always)]
     fn become_that_of(&mut self, piece: &Piece, way: &Way, rho: f64) {
         let (p, q) = (piece.start + way.start.last(), piece.end + way.end.first());
@@ -99,33 +99,32 @@ impl Trail {
     }
 }
 
-/// Moves that the check looks back on.
+/// Number of earlier moves that the check includes.
 const MOVES_BEFORE: usize = 3;
 
-/// The last moves that were run, as long as the corners between them were regular, and the
-/// one that is being checked. It is put together in its place: a copy of it would cost more
-/// than the check.
+/// The last executed moves while the corners between them were regular, and the move that is
+/// being checked. The entry is written in place: copying it would cost more than the check.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Trails {
     kept: Vec<Trail>,
-    /// Where the next one goes: once there are enough, over the oldest.
+    /// Index of the next entry; once the list is full, of the oldest one.
     next: usize,
 }
 
 impl Trails {
-    /// Forgets them.
+    /// Removes all moves.
     pub(super) fn clear(&mut self) {
         self.kept.clear();
         self.next = 0;
     }
 
-    /// The last one.
+    /// The last committed move.
     pub(super) fn last(&self) -> Option<&Trail> {
         let last = (self.next + MOVES_BEFORE) % (MOVES_BEFORE + 1);
         self.kept.get(last)
     }
 
-    /// Forgets all but the last one.
+    /// Removes all moves but the last.
     pub(super) fn keep_last(&mut self) {
         if let Some(last) = self.last().copied() {
             self.clear();
@@ -134,7 +133,7 @@ impl Trails {
         }
     }
 
-    /// Takes the trail of a move that is still to be checked.
+    /// Stages the path of a move that is still to be checked.
     #[inline(always)]
     pub(super) fn lay(&mut self, piece: &Piece, way: &Way, rho: f64) {
         if self.kept.len() == self.next {
@@ -145,7 +144,7 @@ impl Trails {
         }
     }
 
-    /// What was laid, and those before it along which the nose ran as far on the left.
+    /// The staged move, and the earlier ones with the nose at the same distance on the left.
     #[inline(always)]
     pub(super) fn laid(&self) -> Option<(&Trail, Before<'_>)> {
         let (before, from) = self.kept.split_at_checked(self.next)?;
@@ -167,13 +166,13 @@ impl Trails {
         Some((laid, all))
     }
 
-    /// What was laid has been run.
+    /// Commits the staged move: it has been run.
     pub(super) const fn keep(&mut self) {
         self.next = (self.next + 1) % (MOVES_BEFORE + 1);
     }
 }
 
-/// Moves that were run, in no order.
+/// References to earlier moves, in no order.
 #[derive(Clone, Copy)]
 pub(super) struct Before<'a> {
     list: [&'a Trail; MOVES_BEFORE],
@@ -186,10 +185,10 @@ impl<'a> Before<'a> {
     }
 }
 
-/// Whether the nose would cut into the moves about it: on its way round the
-/// corner at the start and along the move, into the moves before, the move itself
-/// and the next one; and whether it has cut into the next one on the moves before,
-/// of which `last` is one.
+/// Whether the nose would cut into neighbouring moves. Around the corner at the start and
+/// along the move, it must keep clear of the earlier moves, the move itself and the next
+/// one. The earlier moves must also have kept clear of the next one. `last` is one of the
+/// earlier moves.
 ///
 /// ```text
 ///              path .-------   inner: the path leaves the line before it on the side of
@@ -201,8 +200,8 @@ impl<'a> Before<'a> {
 ///              `. `. path      path's own line
 /// ```
 ///
-/// Along a line between two points where paths meet, the nose keeps clear of the lines
-/// that it meets there: those are not looked at.
+/// Along a line between two meeting points the nose keeps clear of the lines that meet
+/// there: they are not checked.
 pub(super) fn cuts_into(
     before: &[&Trail],
     last: Option<&Trail>,
@@ -226,8 +225,8 @@ pub(super) fn cuts_into(
         (before.iter()).any(|before| !is_met(before) && cuts(&before.surface))
             || next.is_some_and(cuts)
     };
-    // By what the radius of an arc shrinks on its way, the nose comes nearer to the moves
-    // beside it, and sets off that near on the next one.
+    // Where the radius of an arc shrinks, the nose comes closer to the moves beside it by
+    // that amount, and starts the next move at that distance.
     let loosest = before
         .iter()
         .map(|before| before.surface.loose())
@@ -252,8 +251,8 @@ pub(super) fn cuts_into(
     }) || next.is_some_and(|next| before.iter().any(|before| cuts(&before.path, &next)))
 }
 
-/// Checks a move between the vectors at its start and at its end; drops some of them if
-/// it must.
+/// Checks a move between the vectors at its start and its end. Drops some of them if
+/// necessary.
 #[inline]
 pub(super) fn check(piece: &Piece, way: &mut Way) -> Result<(), Fault> {
     while interferes(piece, way) {
@@ -285,7 +284,8 @@ fn interferes(piece: &Piece, way: &Way) -> bool {
     }
 }
 
-/// Whether the sweep of the nose path differs by more than half a turn.
+/// Whether the sweep of the nose path differs from the programmed one by more than half a
+/// turn.
 fn turns_over(piece: &Piece, circle: &Circle, p: Point, q: Point) -> bool {
     let (first, last) = (p - circle.center, q - circle.center);
     let (start, end) = (piece.start - circle.center, piece.end - circle.center);

@@ -1,5 +1,5 @@
-//! Where the paths of the nose centre along two moves meet, as a displacement
-//! from the programmed corner P.
+//! Intersection of the nose-centre paths along two moves, as a displacement from the
+//! programmed corner P.
 //!
 //! ```text
 //!   line, line            line, arc                  arc, arc
@@ -14,13 +14,13 @@ use super::piece::{Piece, SAME};
 
 use crate::units::Point;
 
-/// Denominators below this divide by zero.
+/// A smaller denominator counts as a division by zero.
 const NO_ANGLE: f64 = 1e-12;
-/// Square roots of so little below zero are those of zero: rounding.
+/// Radicands between this and zero count as zero: rounding.
 const ROOT_OF_ZERO: f64 = -1e-9;
 
-/// The displacement from the end of `a`, which is the start of `b`. The nose
-/// runs `rho_a` left of the one and `rho_b` left of the other.
+/// The displacement from the end of `a`, which is the start of `b`. The nose runs `rho_a`
+/// left of `a` and `rho_b` left of `b`, mm.
 pub(super) fn meet(a: &Piece, rho_a: f64, b: &Piece, rho_b: f64) -> Result<Point, Fault> {
     match (&a.circle, &b.circle) {
         (None, None) => of_lines(a.exit.left(), rho_a, b.entry.left(), rho_b),
@@ -28,12 +28,12 @@ pub(super) fn meet(a: &Piece, rho_a: f64, b: &Piece, rho_b: f64) -> Result<Point
     }
 }
 
-/// The same for moves of any kind.
+/// The same for moves of any shape.
 fn meet_of_sides(a: &Piece, rho_a: f64, b: &Piece, rho_b: f64) -> Result<Point, Fault> {
     let side_a = Side::of(a, a.end, a.exit.left(), rho_a);
     let side_b = Side::of(b, b.start, b.entry.left(), rho_b);
     let meeting = side_a.meet(&side_b)?;
-    // The radius of an arc whose end lies beside its circle changes on the way.
+    // The radius of an arc changes along the arc if its end is off its circle.
     let (there_a, there_b) = (side_a.at(a, meeting), side_b.at(b, meeting));
     if (there_a.radius - side_a.radius).abs() + (there_b.radius - side_b.radius).abs() < SAME {
         return Ok(meeting);
@@ -41,13 +41,13 @@ fn meet_of_sides(a: &Piece, rho_a: f64, b: &Piece, rho_b: f64) -> Result<Point, 
     Ok(there_a.meet(&there_b).unwrap_or(meeting))
 }
 
-/// The path of the nose centre along one of the moves, seen from P.
+/// The path of the nose centre along one of the moves, relative to P.
 #[derive(Clone, Copy, Debug)]
 struct Side {
-    /// To the left of the move at P.
+    /// Unit vector to the left of the move at P.
     normal: Point,
     rho: f64,
-    /// Centre of an arc, and the radius of the path about it.
+    /// Centre of an arc; `radius` is that of the path about it.
     center: Point,
     radius: f64,
     arc: bool,
@@ -73,7 +73,7 @@ impl Side {
         })
     }
 
-    /// With the radius that the arc has beside a displacement from P.
+    /// The same path with the radius that the arc has beside a displacement from P.
     fn at(&self, piece: &Piece, place: Point) -> Self {
         piece.circle.as_ref().map_or(*self, |circle| {
             let radius = piece.radius_toward(circle, place - self.center);
@@ -85,7 +85,7 @@ impl Side {
     }
 
     fn meet(&self, next: &Self) -> Result<Point, Fault> {
-        // Of a left normal, the quarter turn back.
+        // The normal points left: the direction is a quarter turn back from it.
         let along = |side: &Self| side.normal.left() * -1.0;
         match (self.arc, next.arc) {
             (false, false) => of_lines(self.normal, self.rho, next.normal, next.rho),
@@ -98,7 +98,7 @@ impl Side {
     }
 }
 
-/// Two lines with these normals, moved along them.
+/// Intersects two lines through P, each offset along its normal.
 pub(super) fn of_lines(
     normal_a: Point,
     rho_a: f64,
@@ -120,7 +120,7 @@ pub(super) fn of_lines(
     Ok(sum * (1.0 / denominator))
 }
 
-/// A line through P, moved left by `rho`, with a circle.
+/// Intersects a line through P, offset to the left by `rho`, with a circle.
 fn on_line(along: Point, rho: f64, center: Point, radius: f64) -> Option<Point> {
     let beside = along.left() * rho;
     let w = beside - center;
@@ -130,12 +130,12 @@ fn on_line(along: Point, rho: f64, center: Point, radius: f64) -> Option<Point> 
         return None;
     }
     let root = square.max(0.0).sqrt();
-    // The nearer one to P is the one with the shorter way along the line.
+    // The solution closer to P is the one with the shorter distance along the line.
     let way = if b > 0.0 { root - b } else { -b - root };
     Some(beside + along * way)
 }
 
-/// Two circles, their centres seen from P.
+/// Intersects two circles whose centres are relative to P.
 fn of_arcs(center_a: Point, radius_a: f64, center_b: Point, radius_b: f64) -> Result<Point, Fault> {
     let between = center_b - center_a;
     let d = between.length();

@@ -1,5 +1,5 @@
-//! G90 and G94 under G41 or G42: the four legs of the box are moved from the tip
-//! toward the nose centre, whatever the side (manual II, C compensation).
+//! G90 and G94 under G41 or G42: the four legs of the box are offset from the tip towards
+//! the nose centre, on either side (manual II, C compensation).
 //!
 //! ```text
 //!   C . . . . . . . . A        u = from the tip to the centre
@@ -16,10 +16,10 @@ use super::nose::Nose;
 use super::rounded;
 use crate::units::Point;
 
-/// A leg so little inclined to the direction of the tip counts as along it.
+/// A leg with a smaller inclination to the direction of the tip counts as parallel to it.
 const ALONG: f64 = 1e-9;
 
-/// The corners B, C, D that the tip goes to, from A; the last corner is A again.
+/// The corners B, C, D that the tip reaches from A. The last corner is A again.
 pub(crate) fn box_corners(start: Point, corners: [Point; 4], nose: Nose) -> [Point; 4] {
     if nose.radius == 0.0 {
         return corners;
@@ -48,7 +48,7 @@ fn tip_at(from: Point, corner: Point, next: Point, nose: Nose) -> Point {
     rounded(corner + moved + nose.tip())
 }
 
-/// The normal of a leg and how far it moves along it; `None` without a leg.
+/// The normal of a leg and its offset along it, mm; `None` for a leg without length.
 fn shift(leg: Point, nose: Nose) -> Option<(Point, f64)> {
     let normal = leg.unit()?.left();
     let toward = -normal.dot(nose.direction());

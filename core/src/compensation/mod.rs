@@ -1,24 +1,24 @@
-//! Tool-nose radius compensation C: commands with programmed geometry in,
-//! commands for the imaginary tip out (manual II, C compensation).
+//! Tool-nose radius compensation C: converts commands with programmed geometry into commands
+//! for the imaginary tip (manual II, C compensation).
 //!
 //! ```text
 //!  interpreter --Command--> push ... take --Command--> control, preview
 //!                             |
-//!        stand      moving    |  held          Off    everything passes
-//!        corner of  the move  |  commands      On     a move waits for the next
-//!        the move   whose end |  after it             one, which gives its end
-//!        before     is open   |
+//!        tip        open      |  held          Off    commands pass unchanged
+//!        vectors of the move  |  commands      On     a move waits for the next
+//!        the last   without   |  after it             one, which gives its end
+//!        corner     an end    |  (`Moving`)
 //! ```
 //!
-//! A move is given out as soon as the next one is known; while it runs the one
-//! after that is read: three blocks are under way. Two blocks in a row without
-//! motion, or a block that must not be read yet, end the open move square to
-//! itself. Without G41 and G42 no command comes here.
+//! A move is released as soon as the next one is known. While it runs, the move after that
+//! is read: three blocks are active at once. Two consecutive blocks without motion, or a
+//! block that must not be read yet, end the open move perpendicular to itself. Without G41
+//! and G42 no command passes through here.
 //!
-//! `stream` takes the commands, `settle` gives moves their ends, `moves` is
-//! what both handle. The geometry has one file each: `piece` moves, `intersection` where two
-//! paths meet, `corner` the vectors of a corner, `interference` the check with
-//! `clearance` for distances, `legs` the boxes of G90 and G94.
+//! `stream` accepts the commands, `settle` gives moves their ends, `moves` holds the types
+//! of both. Each part of the geometry has a file: `piece` for moves, `intersection` for the
+//! meeting points of two paths, `corner` for the vectors of a corner, `interference` for the
+//! check, `clearance` for distances, `legs` for the boxes of G90 and G94.
 
 mod clearance;
 mod corner;
@@ -45,7 +45,7 @@ pub(crate) use stream::{Compensation, Origin};
 
 use crate::units::{Point, round};
 
-/// The least increment: 0.001 mm in Z and in the diameter X.
+/// Rounds to the least increment: 0.001 mm in Z and in the diameter X.
 fn rounded(point: Point) -> Point {
     Point::new(
         round(point.x * 2000.0) / 2000.0,

@@ -1,4 +1,4 @@
-//! Moves on their way through the compensation, and the commands they become.
+//! Moves within the compensation, and their conversion to commands.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,16 +11,16 @@ use super::rounded;
 use crate::command::{Action, Command, Modal, ProgrammedX, Source};
 use crate::units::{Feed, Point};
 
-/// Where the tip stands, or will when what was given out is done, and which
-/// vectors of that corner are still ahead.
+/// The position of the tip once all released commands have run, and the vectors of that
+/// corner that are still ahead.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Stand {
-    /// Machine point from which the vectors count: the programmed one plus the
-    /// way from the centre to the tip.
+    /// Machine point that the vectors are relative to, mm: the programmed point plus the
+    /// displacement from the nose centre to the tip.
     pub(super) base: Point,
-    /// The first one is reached.
+    /// The tip has reached the first vector.
     pub(super) vectors: Vectors,
-    /// Radius that made the vectors.
+    /// Nose radius for which the vectors were computed, mm.
     pub(super) radius: f64,
     /// The vector is cancelled: the tip is on the programmed point.
     pub(super) cancelled: bool,
@@ -36,14 +36,14 @@ impl Stand {
         }
     }
 
-    /// The tip.
+    /// Machine position of the tip, mm.
     pub(super) fn tip(&self) -> Point {
         let tip = self.base + self.vectors.first();
         if self.cancelled { tip } else { rounded(tip) }
     }
 }
 
-/// A compensated move whose end is still open.
+/// A compensated move whose end is not known yet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Moving {
     pub(super) command: Command,
@@ -51,13 +51,13 @@ pub(super) struct Moving {
     /// +1 left (G41), -1 right (G42).
     pub(super) side: f64,
     pub(super) nose: Nose,
-    /// Tool offset at its end.
+    /// Tool offset at the end of the move, mm.
     pub(super) offset: Point,
-    /// It is the first one.
+    /// The move starts the compensation.
     pub(super) starts: bool,
-    /// It begins on a cancelled vector.
+    /// The move begins on a cancelled vector.
     pub(super) from_point: bool,
-    /// It begins on the vector that ended the move before, square to that.
+    /// The move begins on the vector that ended the move before, perpendicular to that move.
     pub(super) square_start: bool,
 }
 
@@ -66,13 +66,13 @@ impl Moving {
         self.side * self.nose.radius
     }
 
-    /// The machine point that vectors at its end count from.
+    /// The machine point that the vectors at the end of the move are relative to.
     pub(super) fn base(&self) -> Point {
         self.piece.end + self.offset + self.nose.tip()
     }
 
-    /// Its command with another action: straight, or an arc about the centre of
-    /// its own.
+    /// The command of the move with another action: a straight line, or an arc about the
+    /// centre of the programmed one.
     pub(super) fn give_out(&self, action: Action) -> Command {
         let programmed_x = || Box::new(self.programmed_x(&action));
         Command {
@@ -86,7 +86,7 @@ impl Moving {
         }
     }
 
-    /// The programmed X while the tip makes this of it.
+    /// The programmed X while the tip executes `action`.
     fn programmed_x(&self, action: &Action) -> ProgrammedX {
         let to = self.piece.end.x + self.offset.x;
         let from = self.piece.start.x + self.offset.x;
@@ -106,15 +106,15 @@ impl Moving {
         }
     }
 
-    /// A corner move at its head, on which the programmed point stands.
+    /// A corner move at the start of this block. The programmed point does not move.
     pub(super) fn corner_command(&self, to: Point) -> Command {
         let stands = self.piece.start.x + self.offset.x;
         corner_move(&self.command, to, stands)
     }
 }
 
-/// The box of a move that was given out, for the next one: nothing is allocated a block.
-/// It holds nothing that counts, whatever is left in it.
+/// The box of a released move, reused for the next one, so that no block allocates. Its
+/// content has no meaning.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Spare(Option<Box<Moving>>);
 
@@ -129,7 +129,7 @@ impl Spare {
         Self(Some(done))
     }
 
-    /// A box with a move in it.
+    /// Returns a box that holds `moving`.
     pub(super) fn filled(&mut self, moving: Moving) -> Box<Moving> {
         match self.0.take() {
             Some(mut spare) => {
@@ -141,15 +141,15 @@ impl Spare {
     }
 }
 
-/// The move that gives an open one its end.
+/// The move that determines the end of the open one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Next<'a> {
     pub(super) source: Source,
-    /// A compensated move, and how far on its left the nose runs.
+    /// A compensated move, and the distance of the nose centre to its left, mm.
     pub(super) surface: Option<(&'a Piece, f64)>,
 }
 
-/// How an open move ends.
+/// The way in which an open move ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum End<'a> {
     Vectors(&'a Vectors),
@@ -157,12 +157,11 @@ pub(super) enum End<'a> {
     Cancelled,
 }
 
-/// A command after the open move.
+/// A command that waits after the open move.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum Held {
     Plain(Command),
-    /// The tool travels a change of its offset, this far; the programmed point
-    /// stays.
+    /// The tool moves by the change of its offset, mm; the programmed point does not move.
     Travel(Command, Point),
 }
 
@@ -175,7 +174,7 @@ pub(super) fn side(modal: &Modal) -> f64 {
     }
 }
 
-/// Whether it is a move of G00 to G03.
+/// Whether the action is a move of G00 to G03.
 pub(super) const fn cuts(action: &Action) -> bool {
     matches!(
         action,
@@ -183,20 +182,20 @@ pub(super) const fn cuts(action: &Action) -> bool {
     )
 }
 
-/// Where an action takes the axes that stand at `from`.
+/// The end point of an action that starts at `from`; `None` without motion.
 pub(super) fn destination(action: &Action, from: Point) -> Option<Point> {
     match action {
         Action::Rapid { to }
         | Action::Line { to, .. }
         | Action::Arc { to, .. }
         | Action::Thread { to, .. } => Some(*to),
-        // It comes back.
+        // Tapping returns to its start.
         Action::Tap { .. } => Some(from),
         _ => None,
     }
 }
 
-/// A move as geometry, without the tool offset.
+/// The geometry of a move without the tool offset.
 pub(super) fn piece(
     action: &Action,
     start: Point,
@@ -211,7 +210,7 @@ pub(super) fn piece(
     }
 }
 
-/// A straight move to the tip's target, as rapid or at the feed of its block.
+/// A straight move to the target of the tip: a rapid, or at the feed of the block.
 pub(super) fn straight_action(action: &Action, to: Point) -> Action {
     match feed(action) {
         Some(feed) => Action::Line { to, feed },
@@ -226,8 +225,8 @@ pub(super) const fn feed(action: &Action) -> Option<Feed> {
     }
 }
 
-/// A corner move: at the head of the block that follows the corner, while the
-/// programmed X stands.
+/// A corner move at the start of the block after the corner. The programmed X remains at
+/// `stands`, mm.
 pub(super) fn corner_move(command: &Command, to: Point, stands: f64) -> Command {
     with_programmed_x(
         Command {
@@ -243,14 +242,14 @@ pub(super) fn corner_move(command: &Command, to: Point, stands: f64) -> Command 
     )
 }
 
-/// Under G96 a command tells the programmed X, which the speed follows.
+/// Under G96 a command carries the programmed X, which determines the spindle speed.
 pub(super) fn with_programmed_x(mut command: Command, x: impl FnOnce() -> ProgrammedX) -> Command {
     command.programmed_x = command.modal.surface_speed.then(|| Box::new(x()));
     command
 }
 
-/// The arc of the tip: that of the nose centre, moved. `None` for a line, and
-/// for an arc of which too little is left.
+/// The arc of the tip: that of the nose centre, displaced. `None` for a line, and for an arc
+/// that is too short to run.
 pub(super) fn shifted_arc(moving: &Moving, way: &Way, to: Point) -> Option<Action> {
     let piece = &moving.piece;
     let circle = piece.circle.as_ref()?;

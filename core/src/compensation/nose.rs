@@ -1,12 +1,11 @@
-//! The nose of the tool: its radius and where the imaginary tip lies
-//! ([`tip_direction`]).
+//! Radius of the tool nose and direction of its imaginary tip ([`tip_direction`]).
 
 use serde::{Deserialize, Serialize};
 
 use crate::memory::ToolOffset;
 use crate::units::{Point, tip_direction};
 
-/// The nose in force: what the last T took from the offset table.
+/// The active nose, as the last T word took it from the offset table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Nose {
     /// Radius, mm; a negative one exchanges the sides of G41 and G42.
@@ -16,7 +15,7 @@ pub(crate) struct Nose {
 }
 
 impl Nose {
-    /// The nose of a row of the offset table.
+    /// The nose in a row of the offset table.
     pub(crate) const fn of(offset: &ToolOffset) -> Self {
         Self {
             radius: offset.r,
@@ -24,12 +23,12 @@ impl Nose {
         }
     }
 
-    /// The signs of the direction from the centre to the imaginary tip.
+    /// Signs of the direction from the nose centre to the imaginary tip.
     pub(super) const fn direction(self) -> Point {
         tip_direction(self.direction)
     }
 
-    /// From the centre to the imaginary tip, mm. The sign of R has no part in it.
+    /// Displacement from the nose centre to the imaginary tip, mm. The sign of R is ignored.
     pub(super) fn tip(self) -> Point {
         self.direction() * self.radius.abs()
     }

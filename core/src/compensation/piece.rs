@@ -1,4 +1,4 @@
-//! A programmed move as geometry.
+//! Geometry of a programmed move.
 //!
 //! ```text
 //!     line                          arc, turn +1 counter-clockwise
@@ -15,50 +15,50 @@ use super::fault::Fault;
 use super::plane::sweep;
 use crate::units::Point;
 
-/// Nearer than this, two points are one, mm.
+/// Points closer than this are the same, mm.
 pub(super) const SAME: f64 = 1e-7;
-/// Nearer than this, a centre lies on a point of its arc, mm.
+/// A centre closer than this to a point of its arc is on that point, mm.
 const ON_POINT: f64 = 0.0005;
 /// Greatest distance of an end point from the circle of its arc, mm.
 pub(crate) const OFF_CIRCLE: f64 = 0.010;
-/// An end so little beside its circle is on it, mm.
+/// An end closer than this to its circle is on it, mm.
 const EVEN: f64 = 1e-10;
-/// The nose may be larger than an inner arc by what both ends and a centre rounded to
-/// 0.001 mm take from it, mm.
+/// How much larger than an inner arc the nose may be, mm: the effect of rounding both ends
+/// and the centre to 0.001 mm.
 const ROUNDED: f64 = 0.0018;
-/// An inner arc larger than the nose by less than this is filled by it, mm.
+/// The nose fills an inner arc that is larger by less than this, mm.
 const FILLED: f64 = 0.002;
-/// Arcs shorter than this are run straight: rounding could turn them over.
+/// Shorter arcs are run as straight lines, mm: rounding could reverse them.
 const SHORT_ARC: f64 = 0.002;
 
-/// An inner arc wider than this holds no nose larger than it, rad.
+/// A larger nose does not fit into an inner arc with a wider sweep, rad.
 const WIDE: f64 = 0.9 * PI;
 
-/// A move with the directions at its ends.
+/// A line or an arc with the directions of travel at its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Piece {
     pub(super) start: Point,
     pub(super) end: Point,
-    /// Direction of travel at the start.
+    /// Direction of travel at the start, a unit vector.
     pub(super) entry: Point,
-    /// Direction of travel at the end.
+    /// Direction of travel at the end, a unit vector.
     pub(super) exit: Point,
     pub(super) circle: Option<Circle>,
 }
 
-/// What makes an arc of a piece.
+/// The circle of an arc.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Circle {
     pub(super) center: Point,
-    /// At the start. An end beside this circle is reached with an even change.
+    /// Radius at the start, mm. If the end is off this circle, the radius changes linearly.
     pub(super) radius: f64,
-    /// At the end.
+    /// Radius at the end, mm.
     pub(super) last_radius: f64,
     /// +1 counter-clockwise, -1 clockwise.
     pub(super) turn: f64,
 }
 
-/// Whether two points lie so near to each other that they are one.
+/// Whether two points are so close that they count as one.
 #[inline]
 pub(super) fn are_same(one: Point, other: Point) -> bool {
     let between = other - one;
@@ -107,7 +107,7 @@ impl Piece {
         })
     }
 
-    /// The angle of an arc, 0 to a full turn; 0 for a line.
+    /// The sweep of an arc, rad, up to a full turn; 0 for a line.
     pub(super) fn sweep(&self) -> f64 {
         let Some(circle) = &self.circle else {
             return 0.0;
@@ -117,8 +117,8 @@ impl Piece {
         if way <= 0.0 { TAU } else { way }
     }
 
-    /// The radius of an arc in a direction from its centre; beyond its ends that
-    /// of the end.
+    /// The radius of an arc in a direction from its centre, mm. Outside the sweep it is the
+    /// radius of the closer end.
     pub(super) fn radius_toward(&self, circle: &Circle, direction: Point) -> f64 {
         if (circle.last_radius - circle.radius).abs() < EVEN {
             return circle.radius;
@@ -135,8 +135,9 @@ impl Piece {
         circle.radius + (circle.last_radius - circle.radius) * part
     }
 
-    /// Where the centre of a nose rests that fills an inner arc: on that of the arc;
-    /// larger than the arc, so far above its middle that neither end is cut into.
+    /// The centre of a nose that fills an inner arc, `None` if it does not fill it. A nose
+    /// as large as the arc rests on the centre of the arc. A larger one rests above its
+    /// middle, so that it cuts into neither end.
     ///
     /// ```text
     ///   start o    V    o end       the shortage / cos (sweep / 2) from the
@@ -161,18 +162,18 @@ impl Piece {
 }
 
 impl Circle {
-    /// The radius of the path of the nose centre, to the left by `rho`, where the
-    /// arc itself has this radius.
+    /// The radius of the nose-centre path, offset to the left by `rho`, where the arc has
+    /// the radius `radius`, mm.
     pub(super) fn beside(&self, radius: f64, rho: f64) -> f64 {
         (radius - self.turn * rho).max(0.0)
     }
 
-    /// So much larger than an inner arc is the nose that runs to the left by `rho`.
+    /// How much larger the nose is than an inner arc, mm, when it runs to the left by `rho`.
     fn shortage(&self, rho: f64) -> f64 {
         self.turn * rho - self.radius.min(self.last_radius)
     }
 
-    /// Alarm 053 when the nose is too large for an inner arc.
+    /// Refuses a nose that is too large for an inner arc (alarm 053).
     pub(super) fn check_room(&self, rho: f64) -> Result<(), Fault> {
         if self.shortage(rho) > ROUNDED {
             return Err(Fault::SmallArc);
@@ -181,7 +182,7 @@ impl Circle {
     }
 }
 
-/// The arc data of compensation C: distances of the centre from both ends.
+/// Checks the arc data of compensation C: the distances of the centre from both ends, mm.
 pub(crate) fn check_arc(at_start: f64, at_end: f64) -> Result<(), Fault> {
     if at_start <= ON_POINT {
         return Err(Fault::CenterAtStart);
@@ -189,14 +190,14 @@ pub(crate) fn check_arc(at_start: f64, at_end: f64) -> Result<(), Fault> {
     if at_end <= ON_POINT {
         return Err(Fault::CenterAtEnd);
     }
-    // 1e-9: a thousandth more than the tolerance is beyond it, rounding is not.
+    // 1e-9: an excess of 0.001 mm is out of tolerance, rounding is not.
     if (at_end - at_start).abs() > OFF_CIRCLE + 1e-9 {
         return Err(Fault::ArcEnd);
     }
     Ok(())
 }
 
-/// Whether so little is left of an arc from `p` to `q` that it is run straight.
+/// Whether an arc from `p` to `q` is so short that it is run as a straight line.
 pub(super) fn too_short(piece: &Piece, circle: &Circle, p: Point, q: Point) -> bool {
     let (p, q) = (p - circle.center, q - circle.center);
     let short = (q - p).length() < SHORT_ARC;

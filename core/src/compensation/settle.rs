@@ -1,4 +1,4 @@
-//! Moves get their ends: the vectors of the corner, the check, the commands.
+//! Ends moves: computes the vectors of the corner, checks them, and releases the commands.
 
 use super::corner::{self, Role, Vectors};
 use super::fault::Fault;
@@ -15,11 +15,11 @@ use crate::command::{Command, ProgrammedX, Source};
 use crate::units::Point;
 
 impl Compensation {
-    /// The open move gets its end from the next one, which becomes the open one.
+    /// Ends the open move at the next one, which becomes the open move.
     pub(super) fn next_move(&mut self, mut next: Box<Moving>) {
         let source = next.command.source;
         if let Some(moving) = self.moving.take() {
-            // The side cannot change right after the start-up.
+            // The side cannot change immediately after the start-up.
             if moving.starts {
                 next.side = moving.side;
             }
@@ -48,8 +48,8 @@ impl Compensation {
         }
     }
 
-    /// A move after the end of the one before was settled: from the vector that
-    /// stands; an arc begins on its own path.
+    /// Begins a move after the end of the move before has been settled: from the current
+    /// vector. An arc begins on its own path.
     fn begin_from_stand(&mut self, next: &mut Moving) {
         let mut radius = self.stand.radius;
         if self.stand.cancelled {
@@ -78,8 +78,8 @@ impl Compensation {
         }
     }
 
-    /// The move that cancels: from one X to its programmed end; with `None` it has
-    /// no direction.
+    /// Runs the move that cancels the compensation, from `from_x` to its programmed end.
+    /// `piece` is `None` for a move without a direction.
     pub(super) fn cancel(&mut self, command: Command, from_x: f64, piece: Option<&Piece>) {
         let moving = self.moving.take();
         match (moving, piece) {
@@ -121,7 +121,7 @@ impl Compensation {
         self.ready.push_back(with_programmed_x(command, way));
     }
 
-    /// A T without axis words: the tool travels the change of the offset.
+    /// A T word without axis words: the tool moves by the change of the offset.
     pub(super) fn travel(&mut self, command: Command, by: Point) {
         if self.moving.is_some() {
             self.held.push_back(Held::Travel(command, by));
@@ -130,28 +130,27 @@ impl Compensation {
         }
     }
 
-    /// The tip goes along, vector and all.
+    /// The tip moves with its vector.
     fn travel_now(&mut self, mut command: Command, by: Point) {
         self.stand.base = self.stand.base + by;
         command.action = straight_action(&command.action, self.stand.tip());
         self.ready.push_back(command);
     }
 
-    /// Gives a move out, ended square to itself.
+    /// Releases a move that ends perpendicular to itself.
     pub(super) fn end_square(&mut self, moving: Box<Moving>) {
         let square = corner::square_to_end(&moving.piece, moving.rho());
         self.end_move(moving, End::Vectors(&Vectors::of(&[square])), None);
     }
 
-    /// Gives the open move out, ended on its programmed point.
+    /// Releases the open move with its end on the programmed point.
     pub(super) fn end_on_point(&mut self) {
         if let Some(moving) = self.moving.take() {
             self.end_move(moving, End::Cancelled, None);
         }
     }
 
-    /// Gives the move that was the open one out, with this end, and what was held after
-    /// it.
+    /// Releases the open move with this end, then the commands held after it.
     fn end_move(&mut self, moving: Box<Moving>, end: End<'_>, next: Option<Next<'_>>) {
         let cancelled = matches!(end, End::Cancelled);
         let end = match end {
@@ -182,8 +181,8 @@ impl Compensation {
         self.release();
     }
 
-    /// The interference check of a move within offset mode, which leaves of its vectors
-    /// what may be run. Its trail is kept for those that follow.
+    /// Checks a move in offset mode for interference and reduces its vectors to those that
+    /// may be run. Records its path for the checks of later moves.
     fn check(
         &mut self,
         moving: &Moving,
@@ -201,7 +200,7 @@ impl Compensation {
         }
         self.before.lay(&moving.piece, way, rho);
         let same_nose = self.stand.radius == moving.nose.radius;
-        // Neither a vector of another nose nor one of another corner keeps clear.
+        // A vector of another nose or of another corner does not keep clear.
         if same_nose
             && !moving.square_start
             && let Some((trail, before)) = self.before.laid()
@@ -215,7 +214,7 @@ impl Compensation {
                 return Err(Fault::Interference);
             }
         }
-        // After an end square to it the next one may cut in.
+        // The move after a perpendicular end may cut in.
         if next.is_none() || !same_nose {
             self.before.clear();
             return Ok(());
@@ -224,7 +223,7 @@ impl Compensation {
         Ok(())
     }
 
-    /// Round the corner at the start of a move, at its head.
+    /// Moves around the corner at the start of a move, as part of that move's block.
     pub(super) fn corner_moves(&mut self, moving: &Moving, vectors: &Vectors) {
         for vector in vectors.all().iter().skip(1) {
             let to = rounded(self.stand.base + *vector);
@@ -232,7 +231,7 @@ impl Compensation {
         }
     }
 
-    /// The move itself, to the first vector of its end or to the point.
+    /// Releases the move itself, to the first vector of its end or to the programmed point.
     fn main_move(&mut self, moving: &Moving, way: &Way, cancelled: bool) {
         let to = rounded(moving.base() + way.end.first());
         let arc = if way.straight {
@@ -256,7 +255,7 @@ impl Compensation {
         self.ready.push_back(moving.give_out(straight));
     }
 
-    /// What was held after a move follows it.
+    /// Releases the commands held after a move.
     fn release(&mut self) {
         while let Some(held) = self.held.pop_front() {
             match held {
@@ -266,13 +265,14 @@ impl Compensation {
         }
     }
 
-    /// Alarm at the start of a block: everything before it is carried out.
+    /// Raises an alarm at the start of a block, after everything before it has been
+    /// executed.
     pub(super) fn stop_before(&mut self, fault: Fault, source: Source) {
         self.flush();
         self.fault.get_or_insert_with(|| fault.alarm().at(source));
     }
 
-    /// Alarm between the open move and the next: the open one is not begun.
+    /// Raises an alarm between the open move and the next one: the open move is not started.
     pub(super) fn stop_at_corner(&mut self, fault: Fault, next: Source) {
         match self.moving.take() {
             Some(moving) => {
@@ -282,8 +282,8 @@ impl Compensation {
         }
     }
 
-    /// The move that was the open one is not begun, but for what leads round the corner
-    /// before it.
+    /// Refuses the move that was open. The moves around the corner before it are still
+    /// executed.
     pub(super) fn refuse_move(&mut self, moving: &Moving, alarm: Alarm) {
         let vectors = self.stand.vectors;
         self.corner_moves(moving, &vectors);

@@ -1,4 +1,4 @@
-//! The stream of commands through the compensation.
+//! The stream of commands through compensation C.
 
 use std::collections::VecDeque;
 
@@ -13,59 +13,62 @@ use crate::alarm::Alarm;
 use crate::command::{Action, Command, Frame};
 use crate::units::Point;
 
-/// So many blocks without motion after a move end it square to itself.
+/// Blocks without motion after which an open move ends perpendicular to itself.
 const IDLE_BLOCKS: u8 = 2;
 
-/// What the interpreter knows of a command beside it.
+/// Context of a command, supplied by the interpreter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Origin {
-    /// Whether its block moves along a contour (G00 to G03); other motion, that
-    /// of cycles, threads and G28, runs without compensation.
+    /// Whether the block moves along a contour (G00 to G03). Other motion (cycles, threads,
+    /// G28) runs without compensation.
     pub(crate) contour: bool,
-    /// The nose in force.
+    /// The active nose.
     pub(crate) nose: Nose,
     /// 003.4: a T word shifts the coordinates instead of moving the tool.
     pub(crate) offset_by_shift: bool,
 }
 
-/// The compensation between the interpreter and what carries commands out.
+/// The compensation between the interpreter and the executor of the commands.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Compensation {
     pub(super) on: bool,
-    /// Programmed end of what was pushed, machine coordinates and without the
-    /// tool offset.
+    /// Programmed end of the last command, machine coordinates without the tool offset, mm.
     pub(super) machine: Point,
+    #[serde(rename = "at")]
     at: Point,
     offset: Point,
+    #[serde(rename = "stand")]
     pub(super) stand: Stand,
-    /// Boxed: it is handed on more often than it is looked into.
+    /// Boxed: it is passed on more often than it is read.
+    #[serde(rename = "moving")]
     pub(super) moving: Option<Box<Moving>>,
     #[serde(skip)]
     pub(super) spare: Spare,
-    /// The compensated moves before it, the last one at the end, while the
-    /// corners between them were regular.
+    /// The compensated moves before the open one, while the corners between them were
+    /// regular.
+    #[serde(rename = "before")]
     pub(super) before: Trails,
     pub(super) held: VecDeque<Held>,
     pub(super) ready: VecDeque<Command>,
     pub(super) fault: Option<Alarm>,
     /// Blocks without motion since the open move.
     pub(super) idle: u8,
-    /// The block under way has moved.
+    /// The current block has moved.
     moved: bool,
 }
 
 impl Compensation {
-    /// Offset mode: from the start-up move to the move that cancels.
+    /// Whether offset mode is active: from the start-up move to the move that cancels.
     pub(crate) const fn is_on(&self) -> bool {
         self.on
     }
 
-    /// Whether commands came in that have not been given out.
+    /// Whether commands were accepted that have not been released.
     pub(crate) fn holds(&self) -> bool {
         self.moving.is_some() || !self.ready.is_empty()
     }
 
-    /// The next command, or the alarm at which everything ends.
+    /// Returns the next command, or the alarm at which the run ends.
     pub(crate) fn take(&mut self) -> Option<Result<Command, Alarm>> {
         match self.ready.pop_front() {
             Some(command) => Some(Ok(command)),
@@ -73,24 +76,24 @@ impl Compensation {
         }
     }
 
-    /// Whether it has ended with an alarm.
+    /// Whether the compensation has raised an alarm.
     pub(crate) const fn has_failed(&self) -> bool {
         self.fault.is_some()
     }
 
-    /// RESET, a new run: the vector is dropped without motion.
+    /// Drops the vector without motion: at RESET and at the start of a run.
     pub(crate) fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// Where the tool stands before a block, while the compensation is off.
+    /// Sets the machine position of the tool before a block, while the compensation is off.
     pub(crate) fn stand_at(&mut self, machine: Point, frame: Frame) {
         self.machine = machine;
         self.offset = frame.offset;
         self.at = machine - frame.offset;
     }
 
-    /// Takes the next command of the program.
+    /// Accepts the next command of the program.
     pub(crate) fn push(&mut self, command: Command, origin: Origin) {
         if self.fault.is_some() {
             return;
@@ -108,15 +111,15 @@ impl Compensation {
         }
     }
 
-    /// Nothing more can be read before everything is carried out: the open move
-    /// ends square to itself.
+    /// Ends the open move perpendicular to itself: no block may be read before all commands
+    /// have been executed.
     pub(crate) fn flush(&mut self) {
         if let Some(moving) = self.moving.take() {
             self.end_square(moving);
         }
     }
 
-    /// The block after the open move has wrong data: that move is not begun.
+    /// The block after the open move has wrong data: the open move is not started.
     pub(crate) fn refuse(&mut self, alarm: Alarm) {
         if let Some(moving) = self.moving.take() {
             let vectors = self.stand.vectors;
@@ -126,8 +129,8 @@ impl Compensation {
         self.fault = Some(alarm);
     }
 
-    /// The tool was moved aside while the run stood: the vectors are carried
-    /// along. Returns how far.
+    /// Moves the vectors along after the tool was moved while the run was stopped. Returns
+    /// the displacement, mm.
     pub(crate) fn displace(&mut self, machine: Point) -> Point {
         let tip = self.stand.tip();
         if are_same(tip, machine) {
@@ -176,8 +179,8 @@ impl Compensation {
         }
     }
 
-    /// Motion that is not compensated: the vector is cancelled before it and
-    /// comes back with the next move along the contour.
+    /// Passes on motion that is not compensated. The vector is cancelled before it and
+    /// returns with the next move along the contour.
     fn foreign(&mut self, command: Command, to: Point) {
         self.end_on_point();
         self.moved = true;
@@ -207,7 +210,7 @@ impl Compensation {
         self.queue(command);
     }
 
-    /// A move along the contour.
+    /// Accepts a move along the contour.
     fn contour(&mut self, command: Command, to: Point, nose: Nose) {
         let (start, end) = (self.at, to - self.offset);
         let from = core::mem::replace(&mut self.machine, to);

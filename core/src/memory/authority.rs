@@ -8,21 +8,21 @@ use serde::{Deserialize, Serialize};
 pub struct Level(u8);
 
 impl Level {
-    /// Machine builder: programs above O9000 leave the control.
+    /// Machine builder: may send and receive programs above O9000.
     pub(crate) const BUILDER: Self = Self(2);
-    /// Workshop: parameters and all programs; the level of a new control.
+    /// Workshop: parameters and all programs. A new control has this level.
     pub(crate) const WORKSHOP: Self = Self(3);
     /// Operator: programs below O9000 and offsets.
     pub(crate) const OPERATOR: Self = Self(4);
-    /// Logged off: nothing may be changed.
+    /// Logged off: no change is allowed.
     pub const NONE: Self = Self(5);
 
-    /// Its number.
+    /// The number of the level, 0 to 5; a lower number has more rights.
     pub const fn number(self) -> u8 {
         self.0
     }
 
-    /// The level after power-on: those above the workshop's do not outlast it.
+    /// The level after power-on: levels above the workshop's are lost at power-off.
     const fn at_power_on(self) -> Self {
         if self.0 < Self::WORKSHOP.0 {
             Self::WORKSHOP
@@ -31,13 +31,13 @@ impl Level {
         }
     }
 
-    /// Digits of its password.
+    /// Number of digits of the level's password.
     const fn digits(self) -> usize {
         8 - self.0 as usize
     }
 }
 
-/// The level in force and the passwords of levels 0 to 4.
+/// The active level and the passwords of levels 0 to 4.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "Plain", into = "Plain")]
 pub struct Authority {
@@ -63,31 +63,31 @@ impl Default for Authority {
 }
 
 impl Authority {
-    /// The level in force.
+    /// The active level.
     pub const fn level(&self) -> Level {
         self.level
     }
 
-    /// The level that a password opens.
+    /// The level that a password opens; `None` for a wrong one.
     pub fn level_of(&self, password: &str) -> Option<Level> {
         let at = self.passwords.iter().position(|own| own == password)?;
         u8::try_from(at).ok().map(Level)
     }
 
-    /// Goes to the level of a password; `false` for a wrong one.
+    /// Enters the level of a password; returns `false` for a wrong one.
     pub fn enter(&mut self, password: &str) -> bool {
         let level = self.level_of(password);
         self.level = level.unwrap_or(self.level);
         level.is_some()
     }
 
-    /// Gives up every right.
+    /// Logs off: enters [`Level::NONE`].
     pub const fn leave(&mut self) {
         self.level = Level::NONE;
     }
 
-    /// Replaces a password by one as long; `false` when the old one is wrong or
-    /// the new one is no password.
+    /// Replaces a password by one of the same length. Returns `false` if the old one is
+    /// wrong, or the new one has another length or other characters than digits.
     pub fn change(&mut self, old: &str, new: &str) -> bool {
         let digits = new.bytes().all(|byte| byte.is_ascii_digit());
         let place = self.passwords.iter_mut().find(|own| *own == old);
@@ -100,7 +100,7 @@ impl Authority {
         }
     }
 
-    /// What becomes of the level when the power is switched on.
+    /// Lowers a level above the workshop's to the workshop's, as power-on does.
     pub const fn power_on(&mut self) {
         self.level = self.level.at_power_on();
     }

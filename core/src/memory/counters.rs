@@ -1,27 +1,27 @@
-//! Part counter and cutting time.
+//! Part counter, cutting time and the related counters of macro B.
 
 use serde::{Deserialize, Serialize};
 
-/// The part counter has four digits (manual III-2.1.1).
+/// The part counter has four digits, 0 to 9999 (manual III-2.1.1).
 const PARTS: u32 = 10_000;
-/// Parts that may be required, as macro B names them.
+/// Limit of the number of required parts in macro B.
 const REQUIRED: u32 = 10_000;
-/// Hours that the timer of cycle start counts, 1145324.612, as ms.
+/// The timer of cycle start wraps at 1145324.612 h, ms.
 const STARTED_MS: u64 = 4_123_168_603_200;
-/// The cutting time has two digits for the hours.
+/// The cutting time has two digits for hours, ms.
 const CUTTING_MS: u64 = 100 * 60 * 60 * 1000;
 
-/// What the position page counts; kept over power-off.
+/// Counters of the position page; they are kept over power-off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counters {
-    /// Parts made: ends by M30, and M99 of the main program.
+    /// Parts made: counts each M30, and each M99 of the main program.
     pub parts: u32,
-    /// Time in cutting feed, ms.
+    /// Time in cutting feed, ms, below [`Self::CUTTING_MS`].
     pub cutting_ms: u64,
-    /// Parts to be made: #3902 of macro B, which no page shows.
+    /// Number of required parts: #3902 of macro B. No page shows it.
     #[serde(default, skip_serializing_if = "is_zero_u32")]
     pub required: u32,
-    /// Time with the lamp of cycle start on, ms: #3002 of macro B.
+    /// Time with the cycle-start lamp on, ms: #3002 of macro B.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub started_ms: u64,
 }
@@ -42,7 +42,7 @@ const fn is_zero(value: &u64) -> bool {
     *value == 0
 }
 
-/// `ms` more; from `limit` on it begins at 0 again. What was read may be anything.
+/// Adds `ms` and wraps at `limit`. The value read from a file may exceed the limit.
 const fn counted(before: u64, ms: u64, limit: u64) -> u64 {
     let sum = before.saturating_add(ms);
     if sum < limit {
@@ -53,26 +53,26 @@ const fn counted(before: u64, ms: u64, limit: u64) -> u64 {
 }
 
 impl Counters {
-    /// After as many parts the counter is at 0 again.
+    /// The part counter wraps to 0 at this value.
     pub const PARTS: u32 = PARTS;
-    /// After as many milliseconds the cutting time is.
+    /// The cutting time wraps to 0 at this value, ms.
     pub const CUTTING_MS: u64 = CUTTING_MS;
-    /// As many parts and more cannot be required.
+    /// Required parts must be below this value.
     pub const REQUIRED: u32 = REQUIRED;
-    /// After as many milliseconds the time of cycle start is.
+    /// The time of cycle start wraps to 0 at this value, ms.
     pub const STARTED_MS: u64 = STARTED_MS;
 
-    /// One more part; after 9999 comes 0.
+    /// Counts one part; 0 follows 9999.
     pub(crate) const fn count_part(&mut self) {
         self.parts = (self.parts % PARTS + 1) % PARTS;
     }
 
-    /// More time in cutting feed; after 99:59:59 comes 00:00:00.
+    /// Adds time in cutting feed, ms; 00:00:00 follows 99:59:59.
     pub(crate) const fn count_cutting_ms(&mut self, ms: u64) {
         self.cutting_ms = counted(self.cutting_ms, ms, CUTTING_MS);
     }
 
-    /// More time with cycle start on.
+    /// Adds time with cycle start on, ms.
     pub(crate) const fn count_started_ms(&mut self, ms: u64) {
         self.started_ms = counted(self.started_ms, ms, STARTED_MS);
     }

@@ -1,5 +1,5 @@
-//! The electronic disks N0 to N4: sets of parameters, pitch errors and offsets that
-//! can be brought back (manual III-2.5.1).
+//! The electronic disks N0 to N4: sets of parameters, pitch errors and offsets that can be
+//! restored (manual III-2.5.1).
 
 use serde::{Deserialize, Serialize};
 
@@ -9,10 +9,10 @@ use super::pitch::PitchTable;
 use super::table::Disk;
 use crate::model::Record;
 
-/// What a disk holds.
+/// The data on a disk.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DiskContent {
-    /// Status and data parameters.
+    /// State and data parameters.
     pub parameters: Parameters,
     /// Tool offsets.
     pub offsets: Offsets,
@@ -21,7 +21,7 @@ pub struct DiskContent {
 }
 
 impl DiskContent {
-    /// As delivered with a model.
+    /// The factory data of a disk for a control model.
     fn factory(disk: Disk, record: &Record) -> Self {
         let mut parameters = Parameters::factory(disk);
         parameters.take_delivered(record);
@@ -33,7 +33,7 @@ impl DiskContent {
     }
 }
 
-/// The disks; those nothing was saved on are as delivered.
+/// The disks. A disk without saved data has the factory data.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Disks {
     saved: [Option<DiskContent>; 4],
@@ -50,19 +50,20 @@ const fn place(disk: Disk) -> Option<usize> {
 }
 
 impl Disks {
-    /// What is read from a disk of a model.
+    /// The data on a disk; without saved data, the factory data for the control model.
     pub fn load(&self, disk: Disk, record: &Record) -> DiskContent {
         place(disk)
             .and_then(|place| self.saved[place].clone())
             .unwrap_or_else(|| DiskContent::factory(disk, record))
     }
 
-    /// What was saved on a disk; none of one that is as delivered.
+    /// The saved data of a disk; `None` if it has the factory data. N0 always has the
+    /// factory data.
     pub fn saved(&self, disk: Disk) -> Option<&DiskContent> {
         self.saved.get(place(disk)?)?.as_ref()
     }
 
-    /// Saves on a disk; N0 is read-only and stays.
+    /// Saves data on a disk. N0 is read-only: nothing is saved.
     pub fn save(&mut self, disk: Disk, content: DiskContent) {
         if let Some(place) = place(disk) {
             self.saved[place] = Some(content);

@@ -1,4 +1,5 @@
-//! The parameters by function, from `assets/tables/parameter-groups.tsv` (decision DATA-1).
+//! Groups the parameters by function, from `assets/tables/parameter-groups.tsv` (decision
+//! DATA-1).
 
 use std::sync::LazyLock;
 
@@ -8,14 +9,14 @@ use super::table::{ParameterRow, row};
 
 const TABLE: &str = include_str!("../../../assets/tables/parameter-groups.tsv");
 
-/// What parameters are for.
+/// The function of a group of parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ParameterGroup {
     /// Axes, their drives, gear and directions.
     Axes,
     /// Speeds and accelerations.
     Speeds,
-    /// What protects machine and operator.
+    /// Protection of machine and operator: limits, switches, door.
     Safety,
     /// Spindle, gears, encoder.
     Spindle,
@@ -23,7 +24,7 @@ pub enum ParameterGroup {
     Tools,
     /// Threads.
     Threads,
-    /// Codes and cycles of programs.
+    /// Codes and cycles in programs.
     Codes,
     /// Backlash.
     Backlash,
@@ -37,14 +38,14 @@ pub enum ParameterGroup {
     Display,
     /// The serial port.
     Serial,
-    /// How the control is after power-on.
+    /// State of the control after power-on.
     PowerOn,
     /// Numbers without a function.
     Reserved,
 }
 
 impl ParameterGroup {
-    /// All of them, as the table has them.
+    /// All groups, in the order of the table.
     pub const ALL: [Self; 15] = [
         Self::Axes,
         Self::Speeds,
@@ -63,7 +64,7 @@ impl ParameterGroup {
         Self::Reserved,
     ];
 
-    /// How its row of the table begins.
+    /// First field of the group's row in the table.
     const fn key(self) -> &'static str {
         match self {
             Self::Axes => "axes",
@@ -84,7 +85,7 @@ impl ParameterGroup {
         }
     }
 
-    /// Its name.
+    /// Name of the group for the operator.
     pub fn name(self) -> Message {
         match self {
             Self::Axes => say::parameter_group_axes(),
@@ -105,7 +106,7 @@ impl ParameterGroup {
         }
     }
 
-    /// Its data parameters and bits of state parameters, by number.
+    /// Data parameters and bits of state parameters in the group, by number.
     pub fn rows(self) -> &'static [&'static ParameterRow] {
         static GROUPS: LazyLock<Vec<(&str, Vec<&'static ParameterRow>)>> = LazyLock::new(|| {
             let lines = TABLE.lines().skip(1);
@@ -122,7 +123,7 @@ impl ParameterGroup {
     }
 }
 
-/// `022`, `004.3`.
+/// Parses a member such as `022` or `004.3`.
 fn member(written: &str) -> Option<&'static ParameterRow> {
     match written.split_once('.') {
         Some((number, bit)) => row(number.parse().ok()?, Some(bit.parse().ok()?)),
@@ -146,14 +147,14 @@ mod tests {
             );
             grouped.extend(group.rows());
         }
-        // A member that is no parameter would be missing here.
+        // An invalid member would be missing here.
         let members = TABLE.lines().skip(1).flat_map(|line| {
             let (_, members) = line.split_once('\t').unwrap();
             members.split_whitespace()
         });
         assert_eq!(members.count(), grouped.len());
         assert_eq!(TABLE.lines().count() - 1, ParameterGroup::ALL.len());
-        // Of a state parameter with named bits these stand for it.
+        // Named bits of a state parameter are members instead of the parameter.
         let has_bits = |number| {
             rows()
                 .iter()

@@ -1,7 +1,7 @@
-//! What the control remembers: parameters, offsets, variables, counters.
+//! Data that the control stores: parameters, offsets, variables, counters.
 
-/// Numbers of data parameters that the sources pass on, by name, from the `id` column
-/// of `assets/tables/parameters.tsv`; all else asks a method of [`Parameters`].
+/// Numbers of data parameters that other modules pass on, by name, from the `id` column of
+/// `assets/tables/parameters.tsv`. All other parameters have a method of [`Parameters`].
 pub mod parameter {
     include!(concat!(env!("OUT_DIR"), "/parameter_numbers.rs"));
 }

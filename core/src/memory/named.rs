@@ -1,4 +1,4 @@
-//! Parameters by name and in the units of the inside: mm as radius, mm/min, ms.
+//! Parameters by name, converted to internal units: mm as a radius, mm/min, ms.
 
 use core::ops::RangeInclusive;
 
@@ -14,7 +14,7 @@ impl Parameters {
         })
     }
 
-    /// A bit that stands in place 0 for X and in place 1 for Z.
+    /// A bit with position 0 for X and position 1 for Z.
     pub(super) fn axis_bit(&self, number: u16, axis: Axis) -> bool {
         self.bit(
             number,
@@ -25,17 +25,17 @@ impl Parameters {
         )
     }
 
-    /// 001.4: the spindle speed is an analog voltage; otherwise outputs S1–S4.
+    /// 001.4: the spindle speed is an analog voltage; otherwise outputs S1–S4 select it.
     pub fn analog_spindle(&self) -> bool {
         self.bit(1, 4)
     }
 
-    /// 005.2 DRDY: signal level of a drive that is ready.
+    /// 005.2 DRDY: signal level of a ready drive.
     pub(crate) fn drive_ready_level(&self) -> bool {
         self.bit(5, 2)
     }
 
-    /// 009.0, 009.1 ALM: signal level of a drive that has an alarm.
+    /// 009.0, 009.1 ALM: signal level of a drive with an alarm.
     pub(crate) fn drive_alarm_level(&self, axis: Axis) -> bool {
         self.axis_bit(9, axis)
     }
@@ -45,19 +45,19 @@ impl Parameters {
         self.bit(12, 2)
     }
 
-    /// 006.4 OVRI: the code of the feed override is read the wrong way round.
+    /// 006.4 OVRI: the code of the feed-override switch is inverted.
     pub(crate) fn override_code_is_inverted(&self) -> bool {
         self.bit(6, 4)
     }
 
-    /// 004.1 PROD: the relative coordinates are those of the program; otherwise the
-    /// tool offset is part of them.
+    /// 004.1 PROD: the relative coordinates are those of the program; otherwise they include
+    /// the tool offset.
     pub(crate) fn relative_is_programmed(&self) -> bool {
         self.bit(4, 1)
     }
 
-    /// 005.3 EDTB: text is inserted behind the character at the cursor (function A);
-    /// otherwise in front of it (B).
+    /// 005.3 EDTB: text is inserted after the character at the cursor (function A);
+    /// otherwise before it (B).
     pub fn inserts_after_cursor(&self) -> bool {
         self.bit(5, 3)
     }
@@ -67,7 +67,7 @@ impl Parameters {
         self.bit(12, 6)
     }
 
-    /// 001.3: the handwheel key selects the handwheel; otherwise single steps.
+    /// 001.3: the handwheel key selects the handwheel mode; otherwise the step mode.
     pub fn handwheel(&self) -> bool {
         self.bit(1, 3)
     }
@@ -77,7 +77,7 @@ impl Parameters {
         self.bit(1, 2)
     }
 
-    /// 002.1: the control has the nose radius compensation C (option).
+    /// 002.1: the control has nose radius compensation C (option).
     pub(crate) fn has_nose_compensation(&self) -> bool {
         self.bit(2, 1)
     }
@@ -92,22 +92,23 @@ impl Parameters {
         self.bit(4, 4)
     }
 
-    /// 004.3 TOC: RESET keeps the offset in force.
+    /// 004.3 TOC: RESET keeps the active offset.
     pub(crate) fn reset_keeps_offset(&self) -> bool {
         self.bit(4, 3)
     }
 
-    /// 005.4 M30: the cursor goes to the head at once; otherwise at the next start.
+    /// 005.4 M30: the cursor returns to the program head immediately; otherwise at the next
+    /// start.
     pub(crate) fn m30_rewinds(&self) -> bool {
         self.bit(5, 4)
     }
 
-    /// 005.1 PPD: G50 sets the relative coordinates too.
+    /// 005.1 PPD: G50 also sets the relative coordinates.
     pub(crate) fn g50_sets_relative(&self) -> bool {
         self.bit(5, 1)
     }
 
-    /// 013.5 POD: numbers need a decimal point.
+    /// 013.5 POD: numbers in programs need a decimal point.
     pub fn point_required(&self) -> bool {
         self.bit(13, 5)
     }
@@ -127,13 +128,13 @@ impl Parameters {
         self.bit(6, 5)
     }
 
-    /// 004.0 SCW: the least increment is 0.0001 inch; otherwise 0.001 mm. Lengths
-    /// among the parameters count it.
+    /// 004.0 SCW: the least increment is 0.0001 inch; otherwise 0.001 mm. It is the unit of
+    /// lengths among the parameters.
     pub fn inch_machine(&self) -> bool {
         self.bit(4, 0)
     }
 
-    /// The unit of lengths among the parameters, mm: 0.001, or 0.0001 inch (SCW).
+    /// Unit of lengths among the parameters, mm: 0.001, or 0.00254 (0.0001 inch) with SCW.
     pub fn least_increment(&self) -> f64 {
         if self.inch_machine() { 0.00254 } else { 0.001 }
     }
@@ -163,8 +164,8 @@ impl Parameters {
         self.axis_bit(14, axis)
     }
 
-    /// 007.0, 007.1 ZC: one switch serves for deceleration and zero (method C);
-    /// otherwise the zero signal is apart (method B).
+    /// 007.0, 007.1 ZC: one switch serves for deceleration and zero (method C); otherwise
+    /// the zero signal is separate (method B).
     pub fn one_zero_switch(&self, axis: Axis) -> bool {
         self.axis_bit(7, axis)
     }
@@ -180,7 +181,7 @@ impl Parameters {
         self.bit(4, 5)
     }
 
-    /// 113: rate of the approach to the reference point, mm/min; X at half of it.
+    /// 113: rate of the approach to the reference point, mm/min; half of it for X.
     pub(crate) fn zero_approach_rate(&self, axis: Axis) -> f64 {
         let rate = f64::from(self.value(113));
         match axis {
@@ -200,7 +201,7 @@ impl Parameters {
         self.slide_length(axis, self.per_axis(axis, 49, 50))
     }
 
-    /// A coordinate among the parameters as one of the slide (X as a radius), mm.
+    /// Converts a coordinate among the parameters to one of the slide (X as a radius), mm.
     fn slide_length(&self, axis: Axis, value: i32) -> f64 {
         let scale = match axis {
             Axis::X if !self.radius_programming() => 2.0,
@@ -213,29 +214,29 @@ impl Parameters {
         }
     }
 
-    /// 173.1 SINC: no steps of 0.1 mm and more.
+    /// 173.1 SINC: step mode and handwheel offer no steps of 0.1 mm and more.
     pub fn small_steps_only(&self) -> bool {
         self.bit(173, 1)
     }
 
-    /// 164.7 AGER with an analog spindle, unless 005.5 SMAL says that gears are
-    /// changed by hand: M41–M44 change gears.
+    /// 164.7 AGER: M41–M44 change gears. It needs an analog spindle, and 005.5 SMAL must not
+    /// select manual gear change.
     pub(crate) fn automatic_gears(&self) -> bool {
         self.bit(164, 7) && self.analog_spindle() && !self.bit(5, 5)
     }
 
-    /// 172.4 MOT: the soft limits are not watched.
+    /// 172.4 MOT: the soft limits are not monitored.
     pub(crate) fn soft_limits_masked(&self) -> bool {
         self.bit(172, 4)
     }
 
-    /// 172.3 MESP: the emergency-stop contact is not watched.
+    /// 172.3 MESP: the emergency-stop contact is not monitored.
     pub(crate) fn emergency_stop_masked(&self) -> bool {
         self.bit(172, 3)
     }
 
-    /// 015/017, 016/018: pulses a least output increment, as multiplier and
-    /// divisor, both at least 1.
+    /// 015/017, 016/018: pulses per least output increment, as multiplier and divisor, both
+    /// at least 1.
     pub fn gear(&self, axis: Axis) -> (i32, i32) {
         (
             self.per_axis(axis, 15, 16).max(1),
@@ -253,8 +254,8 @@ impl Parameters {
         self.per_axis(axis, 24, 25).into()
     }
 
-    /// 007.3 SMZ: cuts come down to the speed 030 at their end points; otherwise one
-    /// goes over into the next.
+    /// 007.3 SMZ: cuts decelerate to the speed 030 at their end points; otherwise they blend
+    /// into the next one.
     pub(crate) fn exact_corners(&self) -> bool {
         self.bit(7, 3)
     }
@@ -269,7 +270,7 @@ impl Parameters {
         self.value(29).into()
     }
 
-    /// 026: time constant of X leaving a thread, ms.
+    /// 026: time constant of X in the run-out of a thread, ms.
     pub(crate) fn run_out_time(&self) -> f64 {
         self.value(26).into()
     }
@@ -284,23 +285,23 @@ impl Parameters {
         self.bit(175, 4)
     }
 
-    /// 106: greatest change of the spindle speed in a thread, %; 0 = not watched.
+    /// 106: greatest change of the spindle speed in a thread, %; 0: not monitored.
     pub(crate) fn fluctuation_limit(&self) -> f64 {
         self.value(106).into()
     }
 
-    /// 107: speed at which X leaves a thread (Z twice as fast), mm/min; 0 = the
-    /// thread's own.
+    /// 107: speed of X in the run-out of a thread (Z twice as fast), mm/min; 0: the speed of
+    /// the thread.
     pub(crate) fn run_out_rate(&self) -> f64 {
         self.value(107).into()
     }
 
-    /// 175.2 SPFD: cuts stop when the spindle has stopped.
+    /// 175.2 SPFD: cuts stop when the spindle stops.
     pub(crate) fn watches_spindle(&self) -> bool {
         self.bit(175, 2)
     }
 
-    /// 175.6 SAR: cuts wait until the spindle has its speed.
+    /// 175.6 SAR: cuts wait until the spindle has reached its speed.
     pub(crate) fn awaits_speed(&self) -> bool {
         self.bit(175, 6)
     }
@@ -315,7 +316,7 @@ impl Parameters {
         self.value(32).into()
     }
 
-    /// 037–040: spindle speed at 10 V in gear 1–4, r/min; other gears as 1.
+    /// 037–040: spindle speed at 10 V in gear 1–4, r/min; other gears count as gear 1.
     pub(crate) fn gear_maximum(&self, gear: u8) -> f64 {
         let gear = if (1..=4).contains(&gear) { gear } else { 1 };
         self.value(36 + u16::from(gear)).into()
@@ -331,8 +332,8 @@ impl Parameters {
         self.value(43).into()
     }
 
-    /// 045–048: soft limits as machine coordinates of the slide (X as a radius),
-    /// mm: positive and negative end.
+    /// 045–048: soft limits as machine coordinates of the slide (X as a radius), mm:
+    /// positive end, negative end.
     pub fn soft_limits(&self, axis: Axis) -> (f64, f64) {
         let positive = self.per_axis(axis, 45, 46);
         let negative = self.per_axis(axis, 47, 48);
@@ -347,23 +348,23 @@ impl Parameters {
         self.value(70)
     }
 
-    /// 111/110: spindle revolutions in one of the encoder.
+    /// 111/110: spindle revolutions per encoder revolution.
     pub(crate) fn encoder_ratio(&self) -> f64 {
         f64::from(self.value(111).max(1)) / f64::from(self.value(110).max(1))
     }
 
-    /// 071: how long the reset signal stands after its cause has gone, ms.
+    /// 071: duration of the reset signal after its cause has gone, ms.
     pub(crate) fn reset_time_ms(&self) -> u32 {
         self.value(71).clamp(16, 4080).unsigned_abs()
     }
 
-    /// 011.2 ZNIK = 1: one press of an axis key makes a whole return.
+    /// 011.2 ZNIK = 1: one press of an axis key executes a whole reference return.
     pub(crate) fn zero_keys_latch(&self) -> bool {
         self.bit(11, 2)
     }
 
-    /// A time that a timer of the ladder counts, ms: 065 is one of units of 256 ms
-    /// (manual, appendix 1).
+    /// The time of a timer of the ladder, ms. Parameter 065 counts units of 256 ms (manual,
+    /// appendix 1).
     pub fn timer_ms(&self, number: u16) -> i32 {
         let value = self.value(number);
         if number == parameter::GEAR_TIME_1 {
@@ -383,20 +384,21 @@ impl Parameters {
         f64::from(self.per_axis(axis, 34, 35)) * self.least_increment()
     }
 
-    /// 011.7 BDEC: backlash is given out with acceleration (method B); otherwise at
-    /// a steady frequency (A).
+    /// 011.7 BDEC: backlash is compensated with acceleration (method B); otherwise at a
+    /// constant frequency (A).
     pub(crate) fn backlash_accelerates(&self) -> bool {
         self.bit(11, 7)
     }
 
-    /// 010.3–010.0 CPF, 011.6 BD8: pulses a second of backlash by method A.
+    /// 010.3–010.0 CPF, 011.6 BD8: pulse frequency of backlash compensation by method A,
+    /// 1/s.
     pub(crate) fn backlash_frequency(&self) -> f64 {
         let frequency = f64::from(self.value(10) & 0b1111) + 1.0;
         let eighth = if self.bit(11, 6) { 8.0 } else { 1.0 };
         frequency * 1000.0 / eighth
     }
 
-    /// 006.0 ZMX, 006.1 ZMZ: zero return and first backlash go in the negative
+    /// 006.0 ZMX, 006.1 ZMZ: the reference return and the first backlash are in the negative
     /// direction.
     pub fn reference_is_negative(&self, axis: Axis) -> bool {
         self.bit(
@@ -426,8 +428,8 @@ impl Parameters {
         self.per_axis(axis, 98, 99).clamp(0, 255) as u8
     }
 
-    /// 090, 094 of X, 091, 095 of Z: lowest and highest point of the pitch error
-    /// table that counts; all do while the highest is not above the lowest.
+    /// 090, 094 of X, 091, 095 of Z: lowest and highest active point of the pitch error
+    /// table. All points are active if the highest is not above the lowest.
     pub fn pitch_points(&self, axis: Axis) -> RangeInclusive<usize> {
         let point = |number: i32| number.clamp(0, 255) as usize;
         let lowest = point(self.per_axis(axis, 90, 91));
@@ -439,8 +441,8 @@ impl Parameters {
         }
     }
 
-    /// 102, 103: slide travel from point to point of the pitch error table, in
-    /// 0.001 mm (0.0001 inch); 0: no compensation.
+    /// 102, 103: slide travel between points of the pitch error table, in 0.001 mm (0.0001
+    /// inch); 0: no compensation.
     pub fn pitch_interval(&self, axis: Axis) -> i64 {
         i64::from(self.per_axis(axis, 102, 103)).abs()
     }

@@ -1,5 +1,4 @@
-//! Parameters by name: what is fitted to the machine, and at which level its contacts
-//! speak.
+//! Parameters by name: the machine's equipment and the active levels of its contacts.
 
 use super::Parameters;
 use crate::units::Axis;
@@ -15,17 +14,17 @@ impl Parameters {
         self.bit(11, 0)
     }
 
-    /// 011.1 TSGN: level of the contact of the station that the tool post is in.
+    /// 011.1 TSGN: level of the contact of the active tool-post station.
     pub(crate) fn station_level(&self) -> bool {
         !self.bit(11, 1)
     }
 
-    /// 011.4 ZDIL: axes may move while the brake of the spindle is on.
+    /// 011.4 ZDIL: axes may move while the spindle brake is on.
     pub(crate) fn moves_under_brake(&self) -> bool {
         self.bit(11, 4)
     }
 
-    /// 020: width of contacts that the input filter takes.
+    /// 020: debounce width of the input filter.
     pub(crate) fn debounce(&self) -> i32 {
         self.value(20)
     }
@@ -45,17 +44,17 @@ impl Parameters {
         self.value(67).into()
     }
 
-    /// 072: how long after its start the speed arrival is looked at, ms.
+    /// 072: delay after spindle start until speed arrival is checked, ms.
     pub(crate) fn speed_arrival_delay_ms(&self) -> u32 {
         self.value(72).unsigned_abs()
     }
 
-    /// 075: the tool in position; 0: not known.
+    /// 075: number of the tool in position; 0: unknown.
     pub(crate) fn tool_in_position(&self) -> u8 {
         u8::try_from(self.value(75)).unwrap_or(0)
     }
 
-    /// Writes 075; numbers beyond its range are not kept.
+    /// Writes 075; a number out of range is ignored.
     pub(crate) fn remember_tool(&mut self, tool: u8) {
         let _ = self.set(75, tool.into());
     }
@@ -65,18 +64,18 @@ impl Parameters {
         self.value(109).into()
     }
 
-    /// 110 = 111: the encoder turns with the spindle, revolution by revolution.
+    /// 110 = 111: the encoder turns at the spindle speed.
     pub(crate) fn encoder_is_direct(&self) -> bool {
         self.value(110) == self.value(111)
     }
 
-    /// 164.6 AGIN: a change to gear 1 or 2 waits for its in-position input. The enables
-    /// *SPEN and *STEN then have no pins.
+    /// 164.6 AGIN: a change to gear 1 or 2 waits for its in-position input. The enable
+    /// inputs *SPEN and *STEN then have no pins.
     pub(crate) fn watches_gear(&self) -> bool {
         self.bit(164, 6)
     }
 
-    /// 164.5 AGIM: level at which M41I and M42I say that the gear is in.
+    /// 164.5 AGIM: level at which M41I and M42I report that the gear is engaged.
     pub(crate) fn gear_in_level(&self) -> bool {
         !self.bit(164, 5)
     }
@@ -86,27 +85,27 @@ impl Parameters {
         self.bit(164, 5)
     }
 
-    /// 164.4 STEN: cycle start asks its enable input.
+    /// 164.4 STEN: cycle start needs its enable input.
     pub(crate) fn start_is_enabled_outside(&self) -> bool {
         self.bit(164, 4) && !self.watches_gear()
     }
 
-    /// 164.3 SPEN: the spindle asks its enable input.
+    /// 164.3 SPEN: the spindle needs its enable input.
     pub(crate) fn spindle_is_enabled_outside(&self) -> bool {
         self.bit(164, 3) && !self.watches_gear()
     }
 
-    /// 164.2 SLTW: there is a tailstock.
+    /// 164.2 SLTW: the machine has a tailstock.
     pub(crate) fn has_tailstock(&self) -> bool {
         self.bit(164, 2)
     }
 
-    /// 164.0 SLQP: there is a power chuck.
+    /// 164.0 SLQP: the machine has a power chuck.
     pub(crate) fn has_chuck(&self) -> bool {
         self.bit(164, 0)
     }
 
-    /// Sets 164.0 SLQP, and 164.1 SLSP: the spindle starts with the chuck open, too.
+    /// Sets 164.0 SLQP, and 164.1 SLSP: the spindle starts with the chuck open too.
     pub(crate) fn fit_chuck(&mut self) {
         self.switch_on(164, 0);
         self.switch_on(164, 1);
@@ -132,19 +131,19 @@ impl Parameters {
         self.bit(168, 2)
     }
 
-    /// 168.4 PB3, 168.5 SPB3: whether the pressure is watched, and which level says
-    /// that it is there.
+    /// 168.4 PB3, 168.5 SPB3: the level that reports sufficient pressure; `None` if the
+    /// pressure is not monitored.
     pub(crate) fn pressure_level(&self) -> Option<bool> {
         self.bit(168, 4).then(|| self.bit(168, 5))
     }
 
-    /// 168.6 PB4, 168.7 SPB4: whether the door is watched, and which level says that it
-    /// is closed.
+    /// 168.6 PB4, 168.7 SPB4: the level that reports a closed door; `None` if the door is
+    /// not monitored.
     pub(crate) fn door_level(&self) -> Option<bool> {
         self.bit(168, 6).then(|| self.bit(168, 7))
     }
 
-    /// 172.0 SOVI: the inputs of T05–T08 are the switches of the feed override.
+    /// 172.0 SOVI: the inputs of T05–T08 are used for the feed-override switch.
     pub(crate) fn has_override_switches(&self) -> bool {
         self.bit(172, 0)
     }

@@ -1,4 +1,4 @@
-//! Parameters by name: what the operator sees, and what may be written.
+//! Parameters by name: display, keys, and locks of writing.
 
 use super::Parameters;
 
@@ -8,7 +8,7 @@ impl Parameters {
         self.bit(2, 5)
     }
 
-    /// 044: rate of the serial port, bits a second.
+    /// 044: baud rate of the serial port, bit/s.
     pub fn baud(&self) -> u32 {
         u32::try_from(self.value(44)).unwrap_or_default()
     }
@@ -18,12 +18,12 @@ impl Parameters {
         self.bit(4, 2)
     }
 
-    /// 010.5 NOFC: offsets are not taken over from the relative coordinates.
+    /// 010.5 NOFC: offsets cannot be taken from the relative coordinates.
     pub(crate) fn counter_input_locked(&self) -> bool {
         self.bit(10, 5)
     }
 
-    /// 012.5 DOFSI: the length of a measured diameter or face may be typed as an offset.
+    /// 012.5 DOFSI: a measured diameter or length may be typed as an offset.
     pub(crate) fn takes_measured_offsets(&self) -> bool {
         self.bit(12, 5)
     }
@@ -33,7 +33,7 @@ impl Parameters {
         self.bit(12, 4)
     }
 
-    /// 012.3 EAL: programs may be edited while an alarm stands.
+    /// 012.3 EAL: programs may be edited while an alarm is active.
     pub(crate) fn edits_in_alarm(&self) -> bool {
         self.bit(12, 3)
     }
@@ -43,17 +43,17 @@ impl Parameters {
         self.bit(12, 1)
     }
 
-    /// 019 THDCH: how wide a thread runs out, in tenths of its lead.
+    /// 019 THDCH: width of a thread's run-out, in tenths of its lead.
     pub(crate) fn run_out_tenths(&self) -> i32 {
         self.value(19)
     }
 
-    /// 042 SEQINC: step of the block numbers that the editor writes.
+    /// 042 SEQINC: increment of the sequence numbers that the editor writes.
     pub fn block_number_step(&self) -> u16 {
         u16::try_from(self.value(42)).unwrap_or(0)
     }
 
-    /// 119: how many keys are accepted at the same time.
+    /// 119: number of keys accepted at the same time.
     pub fn simultaneous_keys(&self) -> usize {
         self.value(119).clamp(1, 15) as usize
     }
@@ -68,7 +68,7 @@ impl Parameters {
         self.bit(172, 1)
     }
 
-    /// 173.2 SWAT: the first picture waits for a display key.
+    /// 173.2 SWAT: the power-on screen waits for a display key.
     pub fn waits_at_power_on(&self) -> bool {
         self.bit(173, 2)
     }
@@ -78,8 +78,8 @@ impl Parameters {
         self.bit(174, 3)
     }
 
-    /// 174.2–174.0 MD: code of the mode at power-on; none with 174.4 MDOK = 0: that of
-    /// power-off.
+    /// 174.2–174.0 MD: code of the mode at power-on. `None` with 174.4 MDOK = 0: the mode of
+    /// the last power-off.
     pub(crate) fn mode_at_power_on(&self) -> Option<u8> {
         self.bit(174, 4).then(|| self.byte(174) & 0b111)
     }
@@ -94,7 +94,7 @@ impl Parameters {
         self.bit(175, 1)
     }
 
-    /// 180.0 SPOS: the position page shows the way that remains.
+    /// 180.0 SPOS: the position page shows the distance to go.
     pub fn shows_remaining(&self) -> bool {
         self.bit(180, 0)
     }

@@ -7,10 +7,10 @@ use super::Parameters;
 use crate::alarm::{Alarm, number};
 use crate::units::Point;
 
-/// Rows of the offset page, 000 included.
+/// Number of rows on the offset page, 000 included.
 pub const OFFSETS: usize = 33;
 
-/// Largest X, Z or R of an offset, mm.
+/// Greatest absolute value of X, Z or R, mm.
 const LIMIT: f64 = 9999.999;
 
 /// One row of the offset page.
@@ -18,15 +18,15 @@ const LIMIT: f64 = 9999.999;
 pub struct ToolOffset {
     /// X, mm: a diameter, or a radius with 004.4 ORC = 1.
     pub x: f64,
-    /// Z, mm.
+    /// Z, mm, along the slide.
     pub z: f64,
     /// Nose radius, mm.
     pub r: f64,
-    /// Position of the imaginary tool nose, 0–9.
+    /// Direction of the imaginary tool nose, 0–9.
     pub t: u8,
 }
 
-/// The offset table; row 000 is zero, or the shift of the work coordinates.
+/// The offset table. Row 000 is zero, or the shift of the work coordinates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "Vec<ToolOffset>", try_from = "Vec<ToolOffset>")]
 pub struct Offsets {
@@ -50,7 +50,7 @@ impl Offsets {
             .unwrap_or_default()
     }
 
-    /// Changes a row; values are rounded to 0.001 mm.
+    /// Changes a row. Values are rounded to 0.001 mm.
     ///
     /// # Errors
     /// 030 for 000 and numbers beyond 032, 043 for a value out of range.
@@ -77,8 +77,8 @@ impl Offsets {
         Ok(())
     }
 
-    /// The offset as a displacement of the slide (X as a radius), mm; with 012.6
-    /// WSFT = 1 the work shift is part of each.
+    /// The offset as a displacement of the slide (X as a radius), mm. With 012.6 WSFT = 1 it
+    /// includes the work shift.
     pub fn vector(&self, number: u8, parameters: &Parameters) -> Point {
         let own = self.row_vector(number, parameters);
         if parameters.work_shift() && number > 0 {
@@ -102,7 +102,7 @@ impl Offsets {
         )
     }
 
-    /// Every tool becomes as sharp as a needle: nose radius compensation does nothing.
+    /// Sets all nose radii to 0: nose radius compensation then has no effect.
     pub fn clear_noses(&mut self) {
         for row in &mut self.rows {
             row.r = 0.0;
@@ -118,7 +118,7 @@ impl Offsets {
 fn checked(offset: ToolOffset) -> Result<ToolOffset, Alarm> {
     let length = |name: &str, value: f64| {
         let value = (value * 1000.0).round() / 1000.0;
-        // A negation, so that a value that is no number is refused.
+        // Written as a negation so that NaN is refused.
         if !(-LIMIT..=LIMIT).contains(&value) {
             let detail = say::offset_out_of_range(name, value, LIMIT);
             return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));

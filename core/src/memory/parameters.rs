@@ -1,4 +1,4 @@
-//! The parameters: one value a number, checked on every write.
+//! The parameters: one value per number, checked on each write.
 
 use core::fmt;
 use std::collections::BTreeMap;
@@ -15,37 +15,37 @@ const COUNT: usize = LAST_PARAMETER as usize + 1;
 
 /// State parameters 001–014, 164, 168, 172–185 and data parameters 015–124.
 ///
-/// Whoever writes asks first whether writing is allowed (parameter switch, mode,
-/// level); here only numbers and ranges count.
+/// The caller first checks whether writing is allowed (parameter switch, mode, level); these
+/// methods check only numbers and ranges.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "BTreeMap<u16, i32>", try_from = "BTreeMap<u16, i32>")]
 pub struct Parameters {
     values: Vec<i32>,
 }
 
-/// Why a parameter was not written.
+/// The reason why a parameter was not written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ParameterError {
-    /// There is no such parameter or bit.
+    /// The parameter or bit does not exist.
     Unknown {
-        /// Number.
+        /// Parameter number.
         number: u16,
-        /// Bit, when one was meant.
+        /// Bit number if a bit was addressed.
         bit: Option<u8>,
     },
     /// The value is outside its range.
     Range {
-        /// Number.
+        /// Parameter number.
         number: u16,
-        /// Value.
+        /// The refused value.
         value: i32,
-        /// What it takes.
+        /// The allowed values.
         range: Range,
     },
 }
 
 impl ParameterError {
-    /// What is wrong.
+    /// The text for the operator.
     pub fn message(&self) -> Message {
         match self {
             Self::Unknown { number, bit: None } => say::parameter_unknown(number),
@@ -83,7 +83,7 @@ impl Default for Parameters {
 }
 
 impl Parameters {
-    /// The values of an electronic disk as delivered (manual, appendix 2).
+    /// The factory values of an electronic disk (manual, appendix 2).
     pub fn factory(disk: Disk) -> Self {
         let mut values = vec![0; COUNT];
         for row in table::rows().iter().filter(|row| row.bit.is_none()) {
@@ -94,20 +94,20 @@ impl Parameters {
         Self { values }
     }
 
-    /// The value of a parameter, of a state parameter as a byte; 0 for numbers
-    /// that do not exist.
+    /// The value of a parameter, of a state parameter as a byte. It is 0 for a number that
+    /// does not exist.
     #[inline]
     pub fn value(&self, number: u16) -> i32 {
         self.values.get(usize::from(number)).copied().unwrap_or(0)
     }
 
-    /// A state parameter as a byte.
+    /// The value of a state parameter as a byte.
     #[inline]
     pub fn byte(&self, number: u16) -> u8 {
         self.value(number) as u8
     }
 
-    /// One bit of a state parameter.
+    /// One bit of a state parameter; `false` for a bit above 7.
     #[inline]
     pub fn bit(&self, number: u16, bit: u8) -> bool {
         bit < 8 && self.value(number) >> bit & 1 != 0
@@ -122,7 +122,7 @@ impl Parameters {
         self.set_within(number, value, None)
     }
 
-    /// The same of another model, some of whose ranges are its own.
+    /// Writes a parameter of another control model, which may have its own ranges.
     ///
     /// # Errors
     /// As [`Self::set`].
@@ -135,7 +135,7 @@ impl Parameters {
         self.set_within(number, value, record.parameter_range(number))
     }
 
-    /// Takes the values that a model is delivered with where they are its own.
+    /// Takes over the delivered values in which a control model differs.
     pub fn take_delivered(&mut self, record: &Record) {
         for (number, value) in &record.delivered {
             self.put(*number, *value);
@@ -171,8 +171,8 @@ impl Parameters {
         } else {
             value
         };
-        // 051, 055 and others are delivered with values below their range; 020
-        // takes more and is put right at power-on.
+        // Some factory values, such as those of 051 and 055, are below their range. 020
+        // accepts more; power-on corrects it.
         let delivered = row.factory.contains(&value);
         let debounce = number == DEBOUNCE && (0..=255).contains(&value);
         if !(range.contains(value) || delivered || debounce) {
@@ -190,7 +190,7 @@ impl Parameters {
     /// Writes one bit of a state parameter; unused bits too.
     ///
     /// # Errors
-    /// A number that is no state parameter, or a bit above 7.
+    /// A number that is not a state parameter, or a bit above 7.
     pub fn set_bit(&mut self, number: u16, bit: u8, on: bool) -> Result<(), ParameterError> {
         let state = table::row(number, None).is_some_and(|row| row.state);
         if !state || bit > 7 {
@@ -203,8 +203,7 @@ impl Parameters {
         self.set(number, rest | i32::from(on) << bit)
     }
 
-    /// What becomes of the values when the power is switched on: a debounce width
-    /// 020 above 15 becomes 2.
+    /// Corrects values as power-on does: a debounce width 020 above 15 becomes 2.
     pub fn power_on(&mut self) {
         if self.value(DEBOUNCE) > 15 {
             // Cannot fail: 2 is in the range of 020.
@@ -212,8 +211,7 @@ impl Parameters {
         }
     }
 
-    /// Whether going from `before` to these values needs the power to be switched
-    /// off and on (alarm 000).
+    /// Whether the change from `before` to these values needs a power cycle (alarm 000).
     pub(crate) fn needs_power_cycle(&self, before: &Self) -> bool {
         table::rows().iter().any(|row| {
             row.effective == Effective::AtPowerOn { alarm: true }
@@ -224,8 +222,7 @@ impl Parameters {
         })
     }
 
-    /// These values, but for those that a change of which raises alarm 000: they
-    /// are in force as they were at power-on.
+    /// These values, except those whose change raises alarm 000: they remain as at power-on.
     #[must_use]
     pub(crate) fn in_force(&self, at_power_on: &Self) -> Self {
         let mut in_force = self.clone();
@@ -234,7 +231,7 @@ impl Parameters {
                 continue;
             }
             match row.bit {
-                // Cannot fail: it is a bit of a state parameter.
+                // Cannot fail: the row is a bit of a state parameter.
                 Some(bit) => {
                     let _ = in_force.set_bit(row.number, bit, at_power_on.bit(row.number, bit));
                 }
@@ -244,7 +241,7 @@ impl Parameters {
         in_force
     }
 
-    /// Every parameter with its value, by number.
+    /// All parameters with their values, by number.
     pub fn iter(&self) -> impl Iterator<Item = (u16, i32)> {
         let whole = table::rows().iter().filter(|row| row.bit.is_none());
         whole.map(|row| (row.number, self.value(row.number)))
@@ -259,14 +256,14 @@ impl From<Parameters> for BTreeMap<u16, i32> {
     }
 }
 
-/// Numbers that are missing have their factory values.
+/// Missing numbers have their factory values.
 impl TryFrom<BTreeMap<u16, i32>> for Parameters {
     type Error = ParameterError;
 
     fn try_from(values: BTreeMap<u16, i32>) -> Result<Self, ParameterError> {
         let mut parameters = Self::default();
         for (number, value) in values {
-            // Whose parameters they are is kept elsewhere: any model may have such a value.
+            // The control model is stored elsewhere: accept a value that any model allows.
             let mut models = ModelId::ALL.iter().map(|id| id.record());
             let of_model = |record: &'static Record| {
                 let range = record.parameter_range(number);

@@ -1,4 +1,4 @@
-//! The pitch error table: 256 points an axis (manual III-10).
+//! The pitch error table: 256 points per axis (manual III-10).
 
 use core::fmt;
 use std::collections::BTreeMap;
@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::{Axis, PerAxis};
 
-/// Largest value of a point, µm to either side.
+/// Greatest absolute value of a point, µm.
 const LARGEST: i16 = 255;
 
-/// What the screws are wrong by, in 0.001 mm before the factor 013; a point that is
-/// not listed is 0. Point 0 may hold a value, but no interval belongs to it.
+/// Errors of the lead screws in 0.001 mm, before the factor 013. A point that is not listed
+/// is 0. Point 0 may have a value, but no interval belongs to it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(
     try_from = "PerAxis<BTreeMap<u8, i16>>",
@@ -22,17 +22,17 @@ pub struct PitchTable {
     points: PerAxis<BTreeMap<u8, i16>>,
 }
 
-/// A value beyond ±255.
+/// The error for a value beyond ±255.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PitchError {
-    /// The point.
+    /// Number of the point.
     pub point: u8,
-    /// The value refused.
+    /// The refused value.
     pub value: i16,
 }
 
 impl PitchError {
-    /// What is wrong.
+    /// The text for the operator.
     pub fn message(&self) -> Message {
         say::pitch_error_out_of_range(self.point, self.value, LARGEST)
     }
@@ -53,12 +53,12 @@ impl From<PitchError> for crate::alarm::Alarm {
 }
 
 impl PitchTable {
-    /// The value of a point.
+    /// The value of a point, in 0.001 mm before the factor 013.
     pub fn value(&self, axis: Axis, point: u8) -> i16 {
         self.points.get(axis).get(&point).copied().unwrap_or(0)
     }
 
-    /// Writes a point.
+    /// Writes a point, in 0.001 mm before the factor 013.
     ///
     /// # Errors
     /// A value beyond ±255 (alarm 043).
@@ -73,7 +73,7 @@ impl PitchTable {
         Ok(())
     }
 
-    /// Whether an axis has no value that acts.
+    /// Whether no value of an axis has an effect.
     pub(crate) fn is_flat(&self, axis: Axis) -> bool {
         self.points.get(axis).range(1..).next().is_none()
     }

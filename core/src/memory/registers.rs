@@ -1,28 +1,28 @@
-//! What macro B reads and writes besides variables: the timer, date and time of day, and
-//! what programs have switched off for themselves.
+//! System registers of macro B: the timer, date and time of day, and the functions that
+//! programs have switched off.
 //!
 //! ```text
 //!   #3001  timer, 16 ms steps       #3003  1 single block, 2 waiting for FIN
 //!   #3011  date, YYYYMMDD           #3004  1 feed hold, 2 feed override, 4 exact stop
-//!   #3012  time of day, hhmmss             a bit that is set: off
+//!   #3012  time of day, hhmmss             a set bit switches off
 //! ```
 
 use chrono::{DateTime, Datelike, Timelike};
 use serde::{Deserialize, Serialize};
 
-/// The timer counts in such steps, ms.
+/// Resolution of the timer, ms.
 const STEP_MS: i64 = 16;
-/// After so many milliseconds the timer begins anew.
+/// The timer wraps to 0 at this value, ms.
 const TIMER_MS: i64 = 65_536;
 
-/// 2000-01-01 00:00:00: a clock that nobody has set.
+/// 2000-01-01 00:00:00: a clock that was never set.
 const NOT_SET: i64 = 946_684_800;
 
-/// Date and time of day where the machine stands.
+/// Local date and time of day.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct DayTime {
-    /// Seconds since the beginning of 1970, as a clock on the wall counts them.
+    /// Local time in seconds since the beginning of 1970.
     seconds: i64,
 }
 
@@ -33,12 +33,12 @@ impl Default for DayTime {
 }
 
 impl DayTime {
-    /// From the seconds since the beginning of 1970 in the time of the place.
+    /// From local seconds since the beginning of 1970.
     pub const fn from_seconds(seconds: i64) -> Self {
         Self { seconds }
     }
 
-    /// `1993-03-28 15:34:56`; none for a text that is no such moment.
+    /// Parses `1993-03-28 15:34:56`; `None` for an invalid text.
     pub fn from_text(text: &str) -> Option<Self> {
         let (date, time) = text.trim().split_once([' ', 'T'])?;
         let three = |text: &str, by| {
@@ -56,7 +56,7 @@ impl DayTime {
         Some(Self::from_seconds(moment.and_utc().timestamp()))
     }
 
-    /// Later by so many milliseconds: the date as YYYYMMDD and the time as hhmmss.
+    /// Date as YYYYMMDD and time as hhmmss, `ms` milliseconds later.
     fn digits(self, ms: u64) -> (u32, u32) {
         let seconds = self.seconds.saturating_add((ms / 1000) as i64);
         let moment = DateTime::from_timestamp(seconds, 0).unwrap_or_default();
@@ -66,10 +66,10 @@ impl DayTime {
     }
 }
 
-/// What a program has switched off until its end or RESET.
+/// Functions that a program has switched off until its end or RESET.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SwitchedOff {
-    /// #3003 and #3004 as they were written.
+    /// #3003 and #3004 as written.
     bits: (u8, u8),
 }
 
@@ -95,45 +95,45 @@ impl SwitchedOff {
         self.bits.1 = bits & Self::GREATEST.1;
     }
 
-    /// Single block does not stop.
+    /// Single block does not stop the program.
     pub(crate) const fn single_block(self) -> bool {
         self.bits.0 & 1 != 0
     }
 
-    /// The next block does not wait for M, S and T.
+    /// The next block does not wait for the completion of M, S and T.
     pub(crate) const fn completion(self) -> bool {
         self.bits.0 & 2 != 0
     }
 
-    /// Feed hold stops no motion.
+    /// Feed hold does not stop motion.
     pub(crate) const fn feed_hold(self) -> bool {
         self.bits.1 & 1 != 0
     }
 
-    /// The feed override is 100 %.
+    /// The feed override is fixed at 100 %.
     pub(crate) const fn feed_override(self) -> bool {
         self.bits.1 & 2 != 0
     }
 
-    /// Cuts go over into each other.
+    /// Cuts blend into each other without an exact stop.
     pub(crate) const fn exact_stop(self) -> bool {
         self.bits.1 & 4 != 0
     }
 }
 
-/// What a control keeps for programs of macro B while its power is on.
+/// Registers of macro B while the power is on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Registers {
-    /// When the power came on.
+    /// Local time of power-on.
     day_time: DayTime,
-    /// When the timer was at 0, ms since then.
+    /// Time at which the timer was 0, ms after power-on.
     timer_from: i64,
-    /// What programs have switched off.
+    /// Functions that programs have switched off.
     pub(crate) off: SwitchedOff,
 }
 
 impl Registers {
-    /// At power-on.
+    /// The registers after power-on at a local time.
     pub const fn new(day_time: DayTime) -> Self {
         Self {
             day_time,
@@ -142,16 +142,16 @@ impl Registers {
         }
     }
 
-    /// Greatest value that the timer takes, ms.
+    /// Greatest value of the timer, ms.
     pub const TIMER_GREATEST: i64 = TIMER_MS - 1;
 
-    /// The timer, `now` ms after power-on.
+    /// Value of the timer, ms, `now` ms after power-on; it counts in steps of 16 ms.
     pub const fn timer(&self, now: u64) -> i64 {
         let since = (now as i64 - self.timer_from) / STEP_MS * STEP_MS;
         since.rem_euclid(TIMER_MS)
     }
 
-    /// The timer counts on from this value.
+    /// Sets the timer to `ms`, `now` ms after power-on.
     pub const fn set_timer(&mut self, ms: i64, now: u64) {
         self.timer_from = now as i64 - ms / STEP_MS * STEP_MS;
     }
@@ -166,7 +166,7 @@ impl Registers {
         self.day_time.digits(now).1
     }
 
-    /// Date and time of day `now` ms after power-on: those of another power-on then.
+    /// Local date and time, `now` ms after power-on.
     pub(crate) const fn day_time(&self, now: u64) -> DayTime {
         DayTime::from_seconds(self.day_time.seconds.saturating_add((now / 1000) as i64))
     }
@@ -184,7 +184,7 @@ mod tests {
         assert_eq!(registers.time_of_day(0), 153_456);
         assert_eq!(registers.time_of_day(999), 153_456);
         assert_eq!(registers.time_of_day(4000), 153_500);
-        // 8 h 25 min 4 s are left of the day, and 3 days of the month.
+        // The day has 8 h 25 min 4 s left, and the month 3 days.
         let midnight = (8 * 3600 + 25 * 60 + 4) * 1000;
         assert_eq!(registers.date(midnight - 1), 19_930_328);
         assert_eq!(registers.date(midnight), 19_930_329);
@@ -213,7 +213,7 @@ mod tests {
         }
     }
 
-    /// C52: at 65535 ms the timer begins anew 16 ms later.
+    /// C52: the timer wraps from 65535 ms to 0 after 16 ms.
     #[test]
     fn the_timer_counts_in_steps_and_wraps() {
         let mut registers = Registers::default();

@@ -1,5 +1,5 @@
-//! Who may write what, and when (manual III-1.3, III-2.5, III-2.6, III-8.1): the
-//! one place where a write is allowed or refused.
+//! Decides who may write which data, and when (manual III-1.3, III-2.5, III-2.6, III-8.1).
+//! All writes are allowed or refused here.
 
 use gsk_messages::say;
 
@@ -8,57 +8,57 @@ use super::parameters::Parameters;
 use crate::alarm::{Alarm, number};
 use crate::mode::Mode;
 
-/// Programs from here on need more than the operator's level.
+/// Programs from this number need more than the operator's level.
 const PROTECTED_FROM: u16 = 9000;
 
-/// The state that rights depend on.
+/// The state that the rights depend on.
 #[derive(Clone, Copy, Debug)]
 pub struct Rights<'a> {
-    /// The parameters.
+    /// The active parameters.
     pub parameters: &'a Parameters,
-    /// The level in force.
+    /// The active operation level.
     pub level: Level,
     /// The operating mode.
     pub mode: Mode,
-    /// A program or an MDI block runs or is held.
+    /// A program or an MDI block is running or held.
     pub operating: bool,
-    /// A block runs.
+    /// A block is running.
     pub running: bool,
     /// An axis moves.
     pub moving: bool,
-    /// An alarm stands.
+    /// An alarm is active.
     pub alarm: bool,
-    /// The emergency stop is open.
+    /// The emergency stop is pressed.
     pub emergency_stop: bool,
-    /// 参数开关.
+    /// 参数开关: the parameter switch is on.
     pub parameter_switch: bool,
-    /// 程序开关.
+    /// 程序开关: the program switch is on.
     pub program_switch: bool,
-    /// Memory protection of the machine (KEY1, G46.3).
+    /// The machine protects the memory (KEY1, G46.3).
     pub protected: bool,
 }
 
-/// Why a write is refused.
+/// The reason why a write is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
     /// Another operating mode is needed.
     Mode,
-    /// A program runs or is held, or an axis moves.
+    /// A program is running or held, or an axis moves.
     Running,
-    /// An alarm stands, and 012.3 EAL = 0.
+    /// An alarm is active, and 012.3 EAL = 0.
     Alarm,
-    /// 参数开关 is off.
+    /// The parameter switch (参数开关) is off.
     ParameterSwitch,
-    /// 程序开关 is off.
+    /// The program switch (程序开关) is off.
     ProgramSwitch,
     /// The operation level is too low.
     Level,
-    /// 172.1, 172.2 or the signal KEY1 locks it, or 012.4 hides the program.
+    /// 172.1, 172.2 or the signal KEY1 locks the data, or 012.4 hides the program.
     Locked,
 }
 
 impl Refusal {
-    /// The alarm of a refused program operation; only the level has one.
+    /// The alarm of a refused program operation; only [`Self::Level`] has one.
     pub fn alarm(self) -> Option<Alarm> {
         (self == Self::Level)
             .then(|| Alarm::new(number::PROGRAM_NUMBER).because(say::level_too_low()))
@@ -69,8 +69,8 @@ const fn unless(allowed: bool, refusal: Refusal) -> Result<(), Refusal> {
     if allowed { Ok(()) } else { Err(refusal) }
 }
 
-/// The level that moves a program through the serial port: above O9000 the machine
-/// builder's.
+/// The level that may send and receive a program through the serial port: above O9000 the
+/// machine builder's.
 const fn serial_level(number: u16) -> Level {
     if number <= PROTECTED_FROM {
         Level::OPERATOR
@@ -101,10 +101,10 @@ impl Rights<'_> {
         self.parameters.hides_upper_programs() && program >= PROTECTED_FROM
     }
 
-    /// Editing, creating, deleting, renaming, copying a program.
+    /// Checks editing, creating, deleting, renaming or copying a program.
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn program(&self, number: u16) -> Result<(), Refusal> {
         unless(self.mode.edits(), Refusal::Mode)?;
         unless(!self.running, Refusal::Running)?;
@@ -115,10 +115,10 @@ impl Rights<'_> {
         self.program_memory(number)
     }
 
-    /// Storing what was typed while it was allowed.
+    /// Checks storing text that was typed while editing was allowed.
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn program_memory(&self, number: u16) -> Result<(), Refusal> {
         unless(self.program_switch, Refusal::ProgramSwitch)?;
         let locked =
@@ -136,10 +136,10 @@ impl Rights<'_> {
         unless(!self.operating, Refusal::Running)
     }
 
-    /// Sending a program through the serial port (manual III-9.8.2).
+    /// Checks sending a program through the serial port (manual III-9.8.2).
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn send_program(&self, number: u16) -> Result<(), Refusal> {
         self.may_send()?;
         unless(self.program_switch, Refusal::ProgramSwitch)?;
@@ -147,21 +147,21 @@ impl Rights<'_> {
         self.level_at_most(serial_level(number))
     }
 
-    /// Sending parameters, offsets or the pitch table.
+    /// Checks sending parameters, offsets or the pitch table.
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn send_data(&self) -> Result<(), Refusal> {
         self.may_send()?;
         unless(self.parameter_switch, Refusal::ParameterSwitch)?;
         self.level_at_most(Level::WORKSHOP)
     }
 
-    /// Handing a program out to whoever asks for it through the serial port: in any mode,
-    /// at rest (manual III-9.5, III-9.8.2).
+    /// Checks sending a program that the partner on the serial port requests: in any mode,
+    /// at standstill (manual III-9.5, III-9.8.2).
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn fetch_program(&self, number: u16) -> Result<(), Refusal> {
         self.at_rest()?;
         unless(self.program_switch, Refusal::ProgramSwitch)?;
@@ -169,10 +169,10 @@ impl Rights<'_> {
         self.level_at_most(serial_level(number))
     }
 
-    /// Handing parameters, offsets or the pitch table out.
+    /// Checks sending parameters, offsets or the pitch table that the partner requests.
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn fetch_data(&self) -> Result<(), Refusal> {
         self.at_rest()?;
         unless(self.parameter_switch, Refusal::ParameterSwitch)?;
@@ -184,10 +184,10 @@ impl Rights<'_> {
         unless(!self.protected, Refusal::Locked)
     }
 
-    /// Taking a program through the serial port.
+    /// Checks receiving a program through the serial port.
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn receive_program(&self, number: u16) -> Result<(), Refusal> {
         self.may_receive()?;
         unless(self.program_switch, Refusal::ProgramSwitch)?;
@@ -196,10 +196,10 @@ impl Rights<'_> {
         self.level_at_most(serial_level(number))
     }
 
-    /// Taking parameters, offsets or the pitch table through the serial port.
+    /// Checks receiving parameters, offsets or the pitch table through the serial port.
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn receive_data(&self) -> Result<(), Refusal> {
         self.may_receive()?;
         unless(self.parameter_switch, Refusal::ParameterSwitch)?;
@@ -207,29 +207,29 @@ impl Rights<'_> {
         self.level_at_most(Level::WORKSHOP)
     }
 
-    /// Tool offsets.
+    /// Checks writing tool offsets.
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn offsets(&self) -> Result<(), Refusal> {
         unless(!self.protected, Refusal::Locked)?;
         self.level_at_most(Level::OPERATOR)
     }
 
-    /// Macro variables.
+    /// Checks writing macro variables.
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn variables(&self) -> Result<(), Refusal> {
         self.mdi()?;
         unless(!self.operating, Refusal::Running)?;
         self.level_at_most(Level::OPERATOR)
     }
 
-    /// Rows of the setting page.
+    /// Checks writing rows of the setting page.
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn settings(&self) -> Result<(), Refusal> {
         self.mdi()?;
         self.at_rest()?;
@@ -237,30 +237,30 @@ impl Rights<'_> {
         self.level_at_most(Level::WORKSHOP)
     }
 
-    /// 参数开关 itself.
+    /// Checks operating the parameter switch (参数开关).
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn parameter_switch(&self) -> Result<(), Refusal> {
         unless(!self.operating, Refusal::Running)?;
         unless(!self.parameters.parameter_switch_masked(), Refusal::Locked)?;
         self.level_at_most(Level::WORKSHOP)
     }
 
-    /// 程序开关 itself.
+    /// Checks operating the program switch (程序开关).
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn program_switch(&self) -> Result<(), Refusal> {
         unless(!self.operating, Refusal::Running)?;
         unless(!self.parameters.program_switch_masked(), Refusal::Locked)?;
         self.level_at_most(Level::OPERATOR)
     }
 
-    /// Parameters, the pitch table and the electronic disks.
+    /// Checks writing parameters and the pitch table.
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn parameters(&self) -> Result<(), Refusal> {
         self.mdi_or_emergency_stop()?;
         self.at_rest()?;
@@ -270,10 +270,10 @@ impl Rights<'_> {
         self.level_at_most(Level::WORKSHOP)
     }
 
-    /// The electronic disks.
+    /// Checks loading and saving the electronic disks.
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn disks(&self) -> Result<(), Refusal> {
         self.mdi_or_emergency_stop()?;
         self.at_rest()?;
@@ -282,10 +282,11 @@ impl Rights<'_> {
         self.level_at_most(Level::WORKSHOP)
     }
 
-    /// 坐标选择 of the graphic, presets of the PLC, the tool in position (DGN.075).
+    /// Checks writing 坐标选择 of the graphic, presets of the PLC, and the tool in position
+    /// (DGN.075).
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn machine_data(&self) -> Result<(), Refusal> {
         self.mdi()?;
         unless(self.parameter_switch, Refusal::ParameterSwitch)?;
@@ -293,11 +294,11 @@ impl Rights<'_> {
         self.level_at_most(Level::WORKSHOP)
     }
 
-    /// A ladder with its messages, comments and initial data, taken over as a
-    /// download is (manual PLC-III 6.1).
+    /// Checks loading a ladder with its messages, comments and initial data (manual PLC-III
+    /// 6.1).
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn ladder(&self) -> Result<(), Refusal> {
         unless(self.mode == Mode::Edit, Refusal::Mode)?;
         self.at_rest()?;
@@ -306,10 +307,10 @@ impl Rights<'_> {
         self.level_at_most(Level::WORKSHOP)
     }
 
-    /// The password page.
+    /// Checks opening the password page.
     ///
     /// # Errors
-    /// What stands against it.
+    /// The first unmet condition.
     pub fn password(&self) -> Result<(), Refusal> {
         unless(!self.operating, Refusal::Running)
     }

@@ -1,7 +1,7 @@
 use super::*;
 use crate::memory::Authority;
 
-/// Everything allowed: EDIT for programs, MDI for the rest.
+/// A state in which everything is allowed: EDIT for programs, MDI for other data.
 fn open(parameters: &Parameters, mode: Mode) -> Rights<'_> {
     Rights {
         parameters,

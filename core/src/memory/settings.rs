@@ -2,33 +2,33 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Which row of the page.
+/// A row of the setting page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Setting {
     /// 奇偶校检: stored, without effect on this control.
     Parity,
-    /// ISO 代码: code of program transfer.
+    /// ISO 代码: character code of program transfer.
     Iso,
     /// 英制编程: programs are in inches.
     Inch,
-    /// 自动序号: blocks get sequence numbers while they are typed.
+    /// 自动序号: the editor numbers blocks while they are typed.
     Numbering,
 }
 
-/// The settings; kept over power-off.
+/// The settings, kept over power-off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
-    /// 奇偶校检.
+    /// 奇偶校检 (parity check): without effect on this control.
     pub parity: bool,
-    /// ISO 代码 (otherwise EIA).
+    /// ISO 代码: programs are transferred in ISO code, otherwise in EIA.
     pub iso: bool,
-    /// 英制编程.
+    /// 英制编程: programs are in inches, otherwise in mm.
     pub inch: bool,
-    /// 自动序号.
+    /// 自动序号: the editor numbers blocks while they are typed.
     pub numbering: bool,
-    /// The option of macro B, which no row of the page shows: programs may use formulas,
-    /// jumps, loops and calls with arguments.
+    /// Option of macro B: programs may use formulas, jumps, loops and calls with arguments.
+    /// No row of the page shows it.
     #[serde(skip_serializing_if = "is_off")]
     pub macro_b: bool,
 }
@@ -54,7 +54,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// The value of a row.
+    /// Whether a row is on.
     pub const fn get(&self, setting: Setting) -> bool {
         match setting {
             Setting::Parity => self.parity,
@@ -64,7 +64,7 @@ impl Settings {
         }
     }
 
-    /// Changes a row.
+    /// Switches a row on or off.
     pub const fn set(&mut self, setting: Setting, on: bool) {
         match setting {
             Setting::Parity => self.parity = on,

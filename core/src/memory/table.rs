@@ -10,46 +10,46 @@ const TABLE: &str = include_str!("../../../assets/tables/parameters.tsv");
 /// The highest parameter number.
 pub(crate) const LAST_PARAMETER: u16 = 185;
 
-/// The electronic disks that hold sets of factory values (manual III-2.1.10).
+/// The electronic disks that hold sets of parameter values (manual III-2.1.10).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Disk {
-    /// Original values of the manufacturer.
+    /// Factory values of the manufacturer; read-only.
     N0,
     /// The user's values; as delivered equal to N0.
     N1,
-    /// Servo drives.
+    /// For servo drives.
     N2,
-    /// Stepper drives.
+    /// For stepper drives.
     N3,
-    /// Both kinds of drives.
+    /// For both kinds of drives.
     N4,
 }
 
-/// When a change takes effect.
+/// When a changed value takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effective {
     /// At the next use of the value.
     AtOnce,
-    /// When the power is switched on; raises alarm 000 when `alarm` is set.
+    /// At the next power-on.
     AtPowerOn {
         /// Whether the change raises alarm 000.
         alarm: bool,
     },
-    /// Row of a state parameter: its bits tell.
+    /// For a state parameter: each bit has its own row.
     PerBit,
 }
 
-/// The values a parameter takes.
+/// The allowed values of a parameter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Range {
-    /// From, to.
+    /// From the least to the greatest value.
     Span(i32, i32),
-    /// These only.
+    /// Only these values.
     List(Vec<i32>),
 }
 
 impl Range {
-    /// Whether a value is one of them.
+    /// Whether a value is allowed.
     pub fn contains(&self, value: i32) -> bool {
         match self {
             Self::Span(low, high) => (*low..=*high).contains(&value),
@@ -73,35 +73,35 @@ impl core::fmt::Display for Range {
     }
 }
 
-/// One row: a data parameter, a state parameter as a whole, or one of its bits.
+/// A row of the table: a data parameter, a whole state parameter, or one of its bits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ParameterRow {
-    /// Number.
+    /// Parameter number.
     pub number: u16,
     /// Bit, for the bits of state parameters.
     pub bit: Option<u8>,
-    /// Whether it is a state parameter as a whole, shown as eight binary digits.
+    /// Whether it is a whole state parameter, shown as eight binary digits.
     pub state: bool,
-    /// Abbreviation of the screen; empty where there is none.
+    /// Abbreviation on the screen; empty if it has none.
     pub symbol: &'static str,
-    /// Unit; empty where there is none.
+    /// Unit; empty if it has none.
     pub unit: &'static str,
-    /// Values.
+    /// Allowed values.
     pub range: Range,
-    /// Values on the disks N0 (and N1), N2, N3, N4.
+    /// Factory values on the disks N0 (and N1), N2, N3, N4.
     pub factory: [i32; 4],
     /// When a change takes effect.
     pub effective: Effective,
-    /// What it means.
+    /// Meaning in English.
     pub meaning_en: &'static str,
-    /// The line of the parameter page.
+    /// Text on the parameter page, in Chinese.
     pub meaning_zh: &'static str,
-    /// What it acts on.
+    /// The function that uses it.
     pub used_by: &'static str,
 }
 
 impl ParameterRow {
-    /// The value on a disk as delivered.
+    /// The factory value on a disk.
     pub const fn factory(&self, disk: Disk) -> i32 {
         match disk {
             Disk::N0 | Disk::N1 => self.factory[0],
@@ -112,15 +112,15 @@ impl ParameterRow {
     }
 }
 
-/// All rows by number; a state parameter as a whole stands before its bits, and
-/// these from bit 7 down.
+/// All rows by number. A whole state parameter is before its bits, and these are in the
+/// order 7 to 0.
 pub fn rows() -> &'static [ParameterRow] {
     static ROWS: LazyLock<Vec<ParameterRow>> =
         LazyLock::new(|| TABLE.lines().skip(1).filter_map(parse_row).collect());
     &ROWS
 }
 
-/// The row of a parameter (as a whole) or of one of its bits.
+/// The row of a whole parameter or of one of its bits; `None` if it does not exist.
 pub fn row(number: u16, bit: Option<u8>) -> Option<&'static ParameterRow> {
     let rows = rows();
     let first = rows.partition_point(|row| row.number < number);
@@ -165,7 +165,7 @@ fn parse_row(line: &'static str) -> Option<ParameterRow> {
     let effective = match fields.next()? {
         "at once" => Effective::AtOnce,
         "see bits" => Effective::PerBit,
-        // Read at power-on by nature, without an alarm.
+        // These are read at power-on only; a change raises no alarm.
         "at power-on" => Effective::AtPowerOn {
             alarm: !matches!(number, 20 | 173 | 174),
         },

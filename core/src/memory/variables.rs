@@ -1,6 +1,6 @@
-//! Macro variables: the whole numbers #200–#231 and #500–#515 (manual I-3.7.2), and the
-//! real ones #100–#199 and #500–#999 of macro B. What both have is one variable: macro A
-//! reads it without its fraction.
+//! Macro variables: the integers #200–#231 and #500–#515 (manual I-3.7.2), and the real
+//! numbers #100–#199 and #500–#999 of macro B. A number in both ranges is one variable:
+//! macro A reads it without its fraction.
 
 use std::collections::BTreeMap;
 
@@ -9,28 +9,27 @@ use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
 
-/// Numbers of the two groups.
+/// First number and count of the two groups of macro A.
 const GROUPS: [(u16, usize); 2] = [(200, 32), (500, 16)];
 const COUNT: usize = 48;
 
-/// Real variables that outlast power-off, and those that do not.
+/// Real variables that are kept over power-off, and those that are not.
 const REAL: core::ops::RangeInclusive<u16> = 500..=999;
 const PASSING: core::ops::RangeInclusive<u16> = 100..=199;
-/// Those of the Huaxing lathes, which do not outlast it either.
+/// Variables of the Huaxing lathes, which are not kept either.
 const COUNTED: core::ops::RangeInclusive<u16> = 1..=99;
 
-/// The common variables. All programs share them and they are kept over power-off, but
-/// for #100 to #199. One that was never given a value is zero, and null if only macro B
-/// has it.
+/// The common variables. All programs share them. They are kept over power-off, except #100
+/// to #199. A variable without a value is zero, or null if only macro B has it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "BTreeMap<u16, Stored>", try_from = "BTreeMap<u16, Stored>")]
 pub struct Variables {
     values: [i64; COUNT],
-    /// Values with a fraction, and those of variables that only macro B has.
+    /// Values with a fraction, and values of variables that only macro B has.
     reals: BTreeMap<u16, f64>,
 }
 
-/// A value as it is stored.
+/// A value in its stored form.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(untagged)]
 enum Stored {
@@ -48,34 +47,34 @@ impl Default for Variables {
 }
 
 impl Variables {
-    /// Least value, −2³².
+    /// Least integer value, −2³².
     pub const LEAST: i64 = -(1 << 32);
-    /// Greatest value, 2³² − 1.
+    /// Greatest integer value, 2³² − 1.
     pub const GREATEST: i64 = (1 << 32) - 1;
-    /// Greatest size of a real value.
+    /// Greatest absolute value of a real variable.
     pub const GREATEST_REAL: f64 = 1e47;
 
-    /// Whether there is a common variable of this number.
+    /// Whether macro A has a common variable with this number.
     pub fn has(number: u16) -> bool {
         index(number).is_some()
     }
 
-    /// The numbers of all common variables, ascending.
+    /// The numbers of the common variables of macro A, ascending.
     pub fn numbers() -> impl Iterator<Item = u16> {
         GROUPS
             .into_iter()
             .flat_map(|(first, count)| (first..).take(count))
     }
 
-    /// A value; `None` when there is no such variable.
+    /// The integer value of a variable; `None` if macro A has no such variable.
     pub fn get(&self, number: u16) -> Option<i64> {
         self.values.get(index(number)?).copied()
     }
 
-    /// Gives a variable its value.
+    /// Sets an integer variable.
     ///
     /// # Errors
-    /// 115 for a number that is none, 111 for a value beyond −2³² to 2³² − 1.
+    /// 115 for an invalid number, 111 for a value beyond −2³² to 2³² − 1.
     pub fn set(&mut self, number: u16, value: i64) -> Result<(), Alarm> {
         let Some(slot) = index(number).and_then(|index| self.values.get_mut(index)) else {
             let detail = say::variable_not_common(number);
@@ -90,20 +89,20 @@ impl Variables {
         Ok(())
     }
 
-    /// Whether macro B has a common variable of this number.
+    /// Whether macro B has a common variable with this number.
     pub(crate) fn has_real(number: u16) -> bool {
         REAL.contains(&number) || PASSING.contains(&number) || Self::has(number)
     }
 
-    /// The numbers that the page lists where programs are in macro B: the local variables
-    /// #1 to #33, and all common ones.
+    /// The numbers that the page lists where programs use macro B: the local variables #1 to
+    /// #33, and all common ones.
     pub fn numbers_of_macro_b() -> impl Iterator<Item = u16> {
         let (first, count) = GROUPS[0];
         let of_both = (first..).take(count);
         (1..=33).chain(PASSING).chain(of_both).chain(REAL)
     }
 
-    /// The numbers of the variables of the Huaxing lathes.
+    /// The numbers of the variables of Huaxing lathes.
     pub fn numbers_of_huaxing() -> impl Iterator<Item = u16> {
         COUNTED
     }
@@ -113,10 +112,10 @@ impl Variables {
         self.reals.get(&number).copied()
     }
 
-    /// Gives one of them its value.
+    /// Sets a variable of the Huaxing lathes; `None`: null.
     ///
     /// # Errors
-    /// 111 for a value beyond what formulas give.
+    /// 111 for a value that formulas cannot yield.
     pub(crate) fn set_counted(&mut self, number: u16, value: Option<f64>) -> Result<(), Alarm> {
         match value.filter(|_| COUNTED.contains(&number)) {
             Some(value) => self.reals.insert(number, Self::checked(number, value)?),
@@ -131,11 +130,11 @@ impl Variables {
         real.or_else(|| self.get(number).map(|whole| whole as f64))
     }
 
-    /// Gives a variable the value of a formula; null makes one that macro A has 0.
+    /// Sets a variable to the value of a formula. Null becomes 0 for a variable of macro A.
     ///
     /// # Errors
-    /// 115 for a number that is none, 111 for a value that macro A could not read and for
-    /// one beyond what formulas give.
+    /// 115 for an invalid number. 111 for a value that macro A could not read, and for one
+    /// that formulas cannot yield.
     pub fn set_real(&mut self, number: u16, value: Option<f64>) -> Result<(), Alarm> {
         if Self::has(number) {
             let value = Self::checked(number, value.unwrap_or(0.0))?;
@@ -156,10 +155,10 @@ impl Variables {
         Ok(())
     }
 
-    /// A real value for the variable of this number, local ones too.
+    /// Checks a real value for a variable, which may be a local one.
     ///
     /// # Errors
-    /// 111 for NaN and for a value beyond what formulas give.
+    /// 111 for NaN and for a value that formulas cannot yield.
     pub(crate) fn checked(number: u16, value: f64) -> Result<f64, Alarm> {
         if (-Self::GREATEST_REAL..=Self::GREATEST_REAL).contains(&value) {
             return Ok(value);
@@ -168,7 +167,7 @@ impl Variables {
         Err(Alarm::new(number::MACRO_RANGE).because(detail))
     }
 
-    /// What does not outlast power-off goes.
+    /// Clears the variables that are not kept over power-off.
     pub fn power_on(&mut self) {
         self.reals
             .retain(|number, _| !PASSING.contains(number) && !COUNTED.contains(number));
@@ -208,8 +207,8 @@ impl TryFrom<BTreeMap<u16, Stored>> for Variables {
             match value {
                 Stored::Whole(value) if Self::has(number) => variables.set(number, value)?,
                 Stored::Whole(value) => variables.set_real(number, Some(value as f64))?,
-                // Earlier versions took them from project folders. The variable is empty
-                // then, and the reader of the file reports it.
+                // Earlier versions stored such values from project folders. The variable is
+                // empty then, and the reader of the file reports it.
                 Stored::Real(value) if !value.is_finite() => {}
                 Stored::Real(value) if COUNTED.contains(&number) => {
                     variables.set_counted(number, Some(value))?;

@@ -1,4 +1,5 @@
-//! Which program a code calls: by parameters of its model, and by its own number.
+//! Finds the program that a code calls: by parameters of the control model, and by its own
+//! number.
 //!
 //! ```text
 //!   220–229   a G code    O9010–O9019   with arguments, as G65
@@ -15,26 +16,27 @@ use serde::Deserialize;
 
 use super::{ControlModel, code_calls};
 
-/// The calls of macro B itself.
+/// The calls of macro B, G65 to G67.
 const CALLS: core::ops::RangeInclusive<u16> = 65..=67;
-/// The greatest number of a program.
+/// The greatest program number.
 const LAST_PROGRAM: i64 = 9999;
 
-/// The parameters by which a range of M codes calls subprograms.
+/// The parameters that assign subprograms to a range of M codes.
 #[derive(Clone, Debug, Deserialize)]
 pub(crate) struct CallRange {
-    /// Parameter: the first M code.
+    /// Number of the parameter: the first M code.
     first: u16,
-    /// Parameter: the program that it calls.
+    /// Number of the parameter: the program that the first code calls.
     program: u16,
-    /// Parameter: how many codes; 0: none.
+    /// Number of the parameter: the number of codes; 0: none.
     count: u16,
-    /// M codes that keep their function.
+    /// M codes within the range that keep their function.
     reserved: Vec<i64>,
 }
 
 impl ControlModel {
-    /// The subprogram that an M code calls by a range of codes.
+    /// The subprogram that an M code calls through a range of codes; `None` if it calls
+    /// none.
     pub fn subprogram_of_m(&self, code: i64) -> Option<i64> {
         let range = self.record().m_calls.as_ref()?;
         let value = |number| i64::from(self.parameter(number));
@@ -45,19 +47,19 @@ impl ControlModel {
         calls.then_some(program + index)
     }
 
-    /// Whether an M code calls the program of its number as a macro.
+    /// Whether an M code calls the program with its own number as a macro.
     pub fn is_macro_of_m(&self, code: i64) -> bool {
         let macros = self.record().m_macros;
         macros.is_some_and(|(first, last)| (first..=last).contains(&code))
     }
 
-    /// Whether a G code calls a program by its parameter.
+    /// Whether a parameter assigns a program to any G code.
     pub fn calls_by_g(&self) -> bool {
         let mut parameters = code_calls::G..code_calls::G + 10;
         parameters.any(|number| self.parameter(number) != 0)
     }
 
-    /// Whether T calls a program.
+    /// Whether each T word calls a program.
     pub(crate) fn calls_by_t(&self) -> bool {
         match self.id().is_mill() {
             true => self.parameter(code_calls::T_OF_MILL) >> code_calls::T_BIT & 1 == 1,
@@ -65,8 +67,8 @@ impl ControlModel {
         }
     }
 
-    /// The program that a G, M or T word calls, if one is called by its number; whether a
-    /// call under way makes the code an ordinary one is not considered.
+    /// The program that a G, M or T word calls; `None` if it calls none. The result ignores
+    /// that a code may be an ordinary one within a running call.
     pub fn program_of_code(&self, letter: u8, code: i64) -> Option<u16> {
         let number = u16::try_from(code).ok()?;
         let nth = |parameters: core::ops::Range<u16>, program: u16| {
@@ -119,7 +121,7 @@ mod tests {
         assert_eq!(ControlModel::default().program_of_code(b'T', 1), None);
     }
 
-    /// Parameters 6044 to 6046: C32 and C33.
+    /// Parameters 6044 to 6046: facts C32 and C33.
     #[test]
     fn codes_of_a_mill_call_by_a_range() {
         let range = [(6044, 2000), (6045, 300), (6046, 100)];

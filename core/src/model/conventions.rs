@@ -1,94 +1,95 @@
-//! What a model means by words and codes besides what each code does: units of X, increments,
-//! planes, feeds, tools, variables, groups of codes. Read by `dialect` and by the help.
+//! Conventions of a control model: the meaning of words and codes besides the effect of each
+//! code. They cover units of X, increments, planes, feeds, tools, variables and groups of
+//! codes. `dialect` and the help read them.
 
 use serde::Deserialize;
 
 /// The conventions of a model.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Conventions {
-    /// What X and its increments measure.
+    /// Whether X is a diameter or a travel.
     pub x: XMeasure,
-    /// How increments are written.
+    /// The notation of increments.
     pub increments: Increments,
     /// The plane of arcs and radius compensation after power-on.
     pub plane: WorkPlane,
-    /// What a T word names.
+    /// The meaning of a T word.
     pub tool: ToolForm,
-    /// How programs calculate.
+    /// The macro language of programs.
     pub macros: MacroForm,
-    /// The feed with which the control begins, mm/min; none: a cut needs F.
+    /// The feed after power-on, mm/min; `None`: a cut needs F.
     pub first_feed: Option<u32>,
-    /// The greatest cutting feed as delivered, mm/min.
+    /// Limit of the cutting feed as delivered, mm/min.
     pub greatest_feed: u32,
-    /// Whether S beside the code that sets coordinates limits the speed of the spindle.
+    /// Whether an S word beside the code that sets coordinates limits the spindle speed.
     #[serde(default)]
     pub limits_speed_by_coordinates: bool,
-    /// Whether L counts the runs of M98.
+    /// Whether the L word is the repeat count of M98.
     #[serde(default)]
     pub counts_calls_by_l: bool,
-    /// G codes that cancel each other and stay in force, a list for each group; all others
-    /// act in their own block.
+    /// Modal groups: the G codes of a list cancel each other. All other G codes act only in
+    /// their own block.
     pub groups: Vec<Vec<u8>>,
 }
 
 impl Conventions {
-    /// The modal group of a G code; none of one that acts in its own block.
+    /// Index of the modal group of a G code; `None` for a code that acts only in its block.
     pub fn group(&self, code: u8) -> Option<usize> {
         self.groups.iter().position(|group| group.contains(&code))
     }
 }
 
-/// What X measures.
+/// The quantity that X measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum XMeasure {
-    /// A diameter: the slide goes half as far.
+    /// A diameter: the slide travels half of it.
     Diameter,
-    /// How far the slide goes.
+    /// The travel of the slide.
     Distance,
 }
 
-/// How increments are written.
+/// The notation of increments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum Increments {
-    /// U and W.
+    /// The letters U and W.
     Letters,
-    /// G91.
+    /// The modal code G91.
     Codes,
-    /// Either.
+    /// Both notations.
     Both,
 }
 
-/// A plane of two axes.
+/// The plane of arcs and radius compensation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum WorkPlane {
-    /// X Y.
+    /// X and Y.
     Xy,
-    /// Z X.
+    /// Z and X.
     Zx,
 }
 
-/// What a T word names.
+/// The meaning of a T word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum ToolForm {
-    /// Tool and offset, half of so many digits each.
+    /// Tool and offset. The value is the total number of digits; each has half of them.
     ToolAndOffset(u8),
-    /// The tool; offsets are H and D.
+    /// The tool only; the offsets are H and D words.
     Tool,
 }
 
-/// How programs calculate.
+/// The macro language of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum MacroForm {
-    /// G65 H, whole numbers.
+    /// Macro A: G65 H with integers.
     A,
-    /// Formulas and statements.
+    /// Macro B: formulas and statements.
     B,
-    /// Formulas alone, with variables #1 to #99.
+    /// Only formulas, with the variables #1 to #99.
     Formulas,
 }
 
 impl WorkPlane {
-    /// Its axes, in the order of their sense.
+    /// The axes of the plane, in the order that defines the positive direction of rotation.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Xy => "XY",

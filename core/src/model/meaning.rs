@@ -1,10 +1,10 @@
-//! What G and M codes of all models mean. A model's record says which number means
-//! what; the same number may mean something else in another model.
+//! Meanings of the G and M codes of all control models. The record of a model assigns
+//! numbers to meanings; a number may have another meaning in another model.
 
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-/// Meanings, each with its sentence.
+/// Declares an enum of meanings with a description of each.
 macro_rules! meanings {
     ($(#[$about:meta])* $name:ident { $($(#[$doc:meta])* $variant:ident => $text:ident,)* }) => {
         $(#[$about])*
@@ -14,7 +14,7 @@ macro_rules! meanings {
         }
 
         impl $name {
-            /// What it is, in words.
+            /// The description for the operator.
             pub fn text(self) -> Message {
                 match self {
                     $(Self::$variant => say::$text(),)*
@@ -25,35 +25,35 @@ macro_rules! meanings {
 }
 
 meanings! {
-    /// What a G code does.
+    /// The meaning of a G code.
     GCode {
-        /// G00, each axis at its own rate.
+        /// G00: each axis moves at its own rapid rate.
         Rapid => g_is_rapid,
-        /// G00 in a straight line, both axes arriving together.
+        /// G00 in a straight line: both axes arrive at the same time.
         StraightRapid => g_is_straight_rapid,
         /// G01.
         Line => g_is_line,
-        /// G02, I a radius value, R up to half a circle.
+        /// G02: I is a radius value, R is for up to half a circle.
         ArcClockwise => g_is_arc_clockwise,
-        /// G03, likewise.
+        /// G03: I is a radius value, R is for up to half a circle.
         ArcCounterclockwise => g_is_arc_counterclockwise,
-        /// G02, a negative R for more than half a circle.
+        /// G02: a negative R is for more than half a circle.
         LongArcClockwise => g_is_long_arc_clockwise,
-        /// G03, likewise.
+        /// G03: a negative R is for more than half a circle.
         LongArcCounterclockwise => g_is_long_arc_counterclockwise,
-        /// G02, I a difference of diameters.
+        /// G02: I is a difference of diameters.
         DiameterArcClockwise => g_is_diameter_arc_clockwise,
-        /// G03, likewise.
+        /// G03: I is a difference of diameters.
         DiameterArcCounterclockwise => g_is_diameter_arc_counterclockwise,
         /// G02 in the plane of G17 to G19.
         PlaneArcClockwise => g_is_plane_arc_clockwise,
         /// G03 in the plane of G17 to G19.
         PlaneArcCounterclockwise => g_is_plane_arc_counterclockwise,
-        /// G04, P in ms before X in s.
+        /// G04: P, ms, has precedence over X, s.
         Dwell => g_is_dwell,
-        /// G04, X in s before P in ms.
+        /// G04: X, s, has precedence over P, ms.
         DwellSecondsFirst => g_is_dwell_seconds_first,
-        /// G04, K in s.
+        /// G04: K, s.
         DwellByK => g_is_dwell_by_k,
         /// G09.
         ExactStop => g_is_exact_stop,
@@ -133,7 +133,7 @@ meanings! {
         LengthMinus => g_is_length_minus,
         /// G49.
         LengthOff => g_is_length_off,
-        /// G50 of the lathe, G92 of others.
+        /// G50 of the lathe, G92 of the other models.
         Coordinates => g_is_coordinates,
         /// G50 of the mill.
         ScalingOff => g_is_scaling_off,
@@ -181,17 +181,17 @@ meanings! {
         RotationOff => g_is_rotation_off,
         /// G70.
         Finishing => g_is_finishing,
-        /// G71, P and Q.
+        /// G71 with the profile from P to Q.
         TurningRough => g_is_turning_rough,
-        /// G72, P and Q.
+        /// G72 with the profile from P to Q.
         FacingRough => g_is_facing_rough,
-        /// G73, P and Q.
+        /// G73 with the profile from P to Q.
         Pattern => g_is_pattern,
-        /// G71, N blocks.
+        /// G71 with a profile of N blocks.
         CountedTurningRough => g_is_counted_turning_rough,
-        /// G72, N blocks.
+        /// G72 with a profile of N blocks.
         CountedFacingRough => g_is_counted_facing_rough,
-        /// G73, N blocks.
+        /// G73 with a profile of N blocks.
         CountedPattern => g_is_counted_pattern,
         /// G74 of the lathe.
         FacePecking => g_is_face_pecking,
@@ -251,7 +251,7 @@ meanings! {
         ThreadCycle => g_is_thread_cycle,
         /// G94 of the lathe.
         FacingCycle => g_is_facing_cycle,
-        /// G90 of others.
+        /// G90 of the other models.
         Absolute => g_is_absolute,
         /// G91.
         Incremental => g_is_incremental,
@@ -271,12 +271,12 @@ meanings! {
 }
 
 impl GCode {
-    /// Whether it waits.
+    /// Whether the code is one of the dwells.
     pub const fn is_dwell(self) -> bool {
         matches!(self, Self::Dwell | Self::DwellSecondsFirst | Self::DwellByK)
     }
 
-    /// Whether it depends on the plane: an arc, or the compensation of a radius.
+    /// Whether the code depends on the plane: an arc, or a radius compensation.
     pub const fn is_arc_or_compensation(self) -> bool {
         matches!(
             self,
@@ -297,11 +297,11 @@ impl GCode {
 }
 
 meanings! {
-    /// What an M code does.
+    /// The meaning of an M code.
     MCode {
         /// M00.
         Stop => m_is_stop,
-        /// M01 of others.
+        /// M01 of the other models.
         OptionalStop => m_is_optional_stop,
         /// M01 of the NC-B08.
         InputWait => m_is_input_wait,

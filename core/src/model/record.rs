@@ -1,4 +1,4 @@
-//! The records of the models, as `assets/models/` holds them.
+//! Records of the control models, read from `assets/models/`.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -14,119 +14,119 @@ use crate::units::Axis;
 /// G codes have two digits.
 const G_CODES: usize = 100;
 
-/// What a model is.
+/// The data of a control model.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Record {
-    /// Whose it is.
+    /// The model of this record.
     #[serde(skip)]
     id: ModelId,
-    /// How its programs are named.
+    /// An example of a program name, such as `O0001`.
     #[serde(default = "four_digits")]
     pub program_name: String,
-    /// The letter in front of the numbers of its alarms.
+    /// The letter before the numbers of its alarms.
     #[serde(default)]
     pub alarm_letter: Option<char>,
-    /// The least step of the rapid override, %; without it F0.
+    /// The lowest step of the rapid override, %; `None`: F0.
     #[serde(default)]
     pub(crate) least_rapid_override: Option<u8>,
-    /// Digits of a T word: tool and offset have half of them each.
+    /// Number of digits of a T word; tool and offset have half of them each.
     #[serde(default = "four")]
     pub(crate) tool_digits: u8,
-    /// A tool's offset moves the coordinates, whatever the block is; the slides stay.
+    /// A tool offset shifts the coordinates in every block; the slides do not move.
     #[serde(default)]
     pub(crate) offsets_by_shift: bool,
-    /// N after a G code is a block, a subprogram or a count, no sequence number.
+    /// An N word after a G code is a block, a subprogram or a count, not a sequence number.
     #[serde(default)]
     pub(crate) n_after_g: bool,
-    /// Whether it has variables of its own, #1 to #99, with formulas and no statement
-    /// but their values.
+    /// Whether the model has its own variables #1 to #99, with formulas and assignments but
+    /// no other statements.
     #[serde(default)]
     pub own_variables: bool,
-    /// The contact of its input 0.
+    /// Number of the contact of input 0.
     #[serde(default)]
     pub(crate) first_input: u8,
-    /// What the edge of an input does while the machine is moved by hand.
+    /// The effect of an input's rising edge in manual modes.
     #[serde(default)]
     pub(crate) edges: BTreeMap<u8, Edge>,
-    /// Inputs that are contacts of the machine, too.
+    /// Inputs that are also contacts of the machine.
     #[serde(default)]
     pub(crate) wires: BTreeMap<u8, Wire>,
-    /// Outputs of the ladder that M codes follow, whoever has switched them.
+    /// Outputs of the ladder with M codes that act when the output changes, from any cause.
     #[serde(default)]
     pub(crate) followers: Vec<Follower>,
-    /// The output that is the brake of the spindle.
+    /// Number of the output of the spindle brake.
     #[serde(default)]
     pub(crate) brake_output: Option<u8>,
-    /// Whether points are taught by hand, on the graphic page.
+    /// Whether the operator teaches points on the graphic page.
     #[serde(default)]
     pub teaches: bool,
-    /// The greatest number of a block.
+    /// The greatest sequence number of a block.
     #[serde(default = "last_of_four_digits")]
     pub(crate) last_sequence: u32,
-    /// The greatest number of a program that its own words name (`%P99`, G20, G22).
+    /// The greatest program number in the model's own words (`%P99`, G20, G22).
     #[serde(default = "last_of_four_digits_short")]
     pub(crate) last_program: u16,
-    /// Least and greatest numbers of words whose range is not that of the GSK980TD.
+    /// Least and greatest numbers of words whose range differs from the GSK980TD.
     #[serde(default)]
     pub(crate) word_limits: BTreeMap<char, (i64, i64)>,
     /// Least and greatest time of G04, ms.
     #[serde(default)]
     pub(crate) dwell_limits: Option<(i64, i64)>,
-    /// Parameters of the control that it is delivered with, where they are not those of the
-    /// GSK980TD.
+    /// Delivered values of control parameters where they differ from the GSK980TD.
     #[serde(default)]
     pub(crate) delivered: BTreeMap<u16, i32>,
-    /// Ranges of such parameters.
+    /// Ranges of control parameters where they differ from the GSK980TD.
     #[serde(default)]
     ranges: BTreeMap<u16, (i32, i32)>,
     /// The greatest coordinate, 0.001 mm.
     #[serde(default = "ten_metres")]
     pub(crate) greatest_coordinate: i64,
-    /// Letters that are addresses besides those of the GSK980TD.
+    /// Letters that are addresses in addition to those of the GSK980TD.
     #[serde(default)]
     addresses: String,
-    /// Letters that only calls of macros take, as arguments.
+    /// Letters that only macro calls accept, as arguments.
     #[serde(default)]
     argument_addresses: String,
-    /// What it means by words and codes besides what each code does.
+    /// The meaning of words and codes besides the effect of each code.
     pub conventions: Conventions,
-    /// What its G codes mean.
+    /// The meanings of its G codes, by number.
     pub g: BTreeMap<u8, GCode>,
-    /// Those of them whose action its manual does not give.
+    /// The G codes whose effect the manual of the model does not specify.
     #[serde(default)]
     pub g_decided: Vec<u8>,
-    /// M codes that it leaves to the ladder where it does not know them itself.
+    /// First and last M code of the range that is passed to the ladder where the model does
+    /// not define a code.
     #[serde(default)]
     pub ladder_m: Option<(u8, u8)>,
-    /// A range of M codes that calls subprograms, by its parameters.
+    /// A range of M codes that calls subprograms according to parameters.
     #[serde(default)]
     pub(crate) m_calls: Option<CallRange>,
-    /// M codes that call the program of their number as a macro.
+    /// First and last M code that calls the program with its own number as a macro.
     #[serde(default)]
     pub(crate) m_macros: Option<(i64, i64)>,
-    /// What its M codes mean.
+    /// The functions of its M codes, by number.
     pub m: BTreeMap<u8, MFunction>,
-    /// Those of them whose action its manual does not give.
+    /// The M codes whose effect the manual of the model does not specify.
     #[serde(default)]
     pub m_decided: Vec<u8>,
-    /// Parameters that only it has.
+    /// Parameters that only this model has, by number.
     #[serde(default)]
     pub parameters: BTreeMap<u16, ModelParameter>,
-    /// The G codes once more, to be found at once.
+    /// The G codes in an array, for fast access.
     #[serde(skip)]
     g_table: Vec<Option<GCode>>,
 }
 
-/// What a rising input does in a manual mode.
+/// The effect of a rising edge of an input in a manual mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub(crate) enum Edge {
-    /// One of two M codes, the other one next time.
+    /// Executes one of two M codes in turn.
     Toggles(u8, u8),
-    /// An M code.
+    /// Executes an M code.
     Does(u8),
 }
 
-/// What an input of a model is at the machine.
+/// The contact of the machine that an input of a model is wired to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub(crate) enum Wire {
     /// An emergency stop button.
@@ -146,37 +146,38 @@ pub(crate) enum Side {
     Minus,
 }
 
-/// An output of the ladder that switches outputs of a model as an M code does.
+/// An output of the ladder whose changes execute M codes of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub(crate) struct Follower {
-    /// Of the ladder.
+    /// The output of the ladder.
     pub(crate) output: LadderOutput,
-    /// The M code that acts when it goes on.
+    /// The M code that is executed when the output switches on.
     pub(crate) on: u8,
-    /// The M code that acts when it goes off.
+    /// The M code that is executed when the output switches off.
     pub(crate) off: u8,
 }
 
-/// An output of the standard ladder by its meaning.
+/// An output of the standard ladder, by its function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub(crate) enum LadderOutput {
-    /// M08.
+    /// Coolant, as after M08.
     Coolant,
-    /// M03.
+    /// Spindle forward, as after M03.
     SpindleForward,
-    /// M04.
+    /// Spindle reverse, as after M04.
     SpindleReverse,
 }
 
-/// What an M code does.
+/// The function of an M code.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 pub struct MFunction {
-    /// Its meaning.
+    /// The meaning of the code.
+    #[serde(rename = "does")]
     pub does: MCode,
-    /// Outputs that it switches on.
+    /// Numbers of the outputs that the code switches on.
     #[serde(default)]
     pub on: Vec<u8>,
-    /// Outputs that it switches off.
+    /// Numbers of the outputs that the code switches off.
     #[serde(default)]
     pub off: Vec<u8>,
 }
@@ -184,13 +185,13 @@ pub struct MFunction {
 /// A parameter that only one model has.
 #[derive(Clone, Debug, Deserialize)]
 pub struct ModelParameter {
-    /// What it is.
+    /// Name in both languages.
     name: Name,
-    /// Its unit.
+    /// Unit of the value.
     pub unit: String,
-    /// Lowest and highest value.
+    /// Least and greatest value.
     pub range: (i32, i32),
-    /// Its value as delivered.
+    /// The value as delivered.
     pub delivered: i32,
 }
 
@@ -221,7 +222,7 @@ fn four_digits() -> String {
 }
 
 impl ModelParameter {
-    /// What it is, in words.
+    /// The name of the parameter in a language.
     pub fn name(&self, language: Language) -> &str {
         match language {
             Language::Zh => &self.name.zh,
@@ -233,7 +234,7 @@ impl ModelParameter {
 impl Record {
     /// The record of a model.
     pub(super) fn of(id: ModelId) -> &'static Self {
-        // Each when it is asked for: a run has one model, as a rule.
+        // Each record is read at its first use: a run normally has one model.
         static RECORDS: [LazyLock<Record>; 4] = [
             LazyLock::new(|| read(ModelId::Gsk980td)),
             LazyLock::new(|| read(ModelId::Gsk980mdi)),
@@ -243,31 +244,31 @@ impl Record {
         &RECORDS[id as usize]
     }
 
-    /// The name of its model.
+    /// The name of the model.
     pub const fn name(&self) -> &'static str {
         self.id.name()
     }
 
-    /// What a G code means.
+    /// The meaning of a G code; `None` if the model does not have it.
     #[inline]
     pub fn g_code(&self, number: i64) -> Option<GCode> {
         let index = usize::try_from(number).ok()?;
         self.g_table.get(index).copied().flatten()
     }
 
-    /// Least and greatest value of a parameter of the control, where they are not those of
-    /// the GSK980TD.
+    /// Least and greatest value of a control parameter; `None` if they are those of the
+    /// GSK980TD.
     pub fn parameter_range(&self, number: u16) -> Option<(i32, i32)> {
         self.ranges.get(&number).copied()
     }
 
-    /// The number of a G code.
+    /// The number of the G code with a meaning; `None` if the model has none.
     pub fn g_number(&self, meaning: GCode) -> Option<u8> {
         let mut codes = self.g.iter();
         codes.find_map(|(number, it)| (*it == meaning).then_some(*number))
     }
 
-    /// What an M code does.
+    /// The function of an M code; `None` if the model does not have it.
     pub fn m_function(&self, number: u8) -> Option<&MFunction> {
         self.m.get(&number)
     }
@@ -277,18 +278,18 @@ impl Record {
         self.addresses.bytes().any(|it| it == letter)
     }
 
-    /// Whether a letter is an address of it, other than in a call of a macro.
+    /// Whether a letter is an address outside macro calls.
     pub fn takes_address(&self, letter: u8) -> bool {
         let of_lathe = matches!(letter, b'F'..=b'U' | b'W' | b'X' | b'Z');
         (of_lathe || self.has_address(letter)) && !self.is_argument_only(letter)
     }
 
-    /// Whether a letter is only an argument of macros.
+    /// Whether a letter is accepted only as an argument of macros.
     pub fn is_argument_only(&self, letter: u8) -> bool {
         self.argument_addresses.bytes().any(|it| it == letter)
     }
 
-    /// Least and greatest number of a word where they are its own: a table of the model.
+    /// Least and greatest number of a word; `None` if they are those of the GSK980TD.
     pub fn word_limits(&self, letter: u8) -> Option<(i64, i64)> {
         self.word_limits.get(&char::from(letter)).copied()
     }
@@ -298,7 +299,7 @@ impl Record {
         self.greatest_coordinate as f64 / 1000.0
     }
 
-    /// Whether it has a code that leads back to where the run began.
+    /// Whether the model has a code that returns to the start position of the run.
     pub(crate) fn returns_to_start(&self) -> bool {
         matches!(
             self.g_code(76),
@@ -306,7 +307,7 @@ impl Record {
         )
     }
 
-    /// Whether both axes arrive together in G00.
+    /// Whether both axes arrive at the same time in G00.
     pub fn rapids_are_straight(&self) -> bool {
         self.g_code(0) == Some(GCode::StraightRapid)
     }

@@ -1,14 +1,14 @@
-//! The box around a path.
+//! Bounding box of a path.
 
 use crate::command::{ExecutedMove, MoveKind};
 use crate::units::Point;
 
-/// The smallest box with axis-parallel sides; X as a radius.
+/// The smallest axis-parallel box around a path, mm; X as a radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Least X and Z.
+    /// Least X and least Z.
     pub least: Point,
-    /// Greatest X and Z.
+    /// Greatest X and greatest Z.
     pub greatest: Point,
 }
 
@@ -20,7 +20,8 @@ impl Bounds {
         }
     }
 
-    /// Widens a box by a move, as far as an arc bulges.
+    /// Extends a box by a move, including the bulge of an arc. `None` becomes the box of the
+    /// move.
     pub fn widen(bounds: &mut Option<Self>, executed: &ExecutedMove) {
         include(bounds, executed);
     }
@@ -36,7 +37,7 @@ impl Bounds {
     }
 }
 
-/// Widens a box by a move.
+/// Extends a box by a move.
 pub(super) fn include(bounds: &mut Option<Bounds>, executed: &ExecutedMove) {
     let bounds = bounds.get_or_insert(Bounds::at(executed.from));
     bounds.take(executed.from);
@@ -67,14 +68,14 @@ pub(super) fn include(bounds: &mut Option<Bounds>, executed: &ExecutedMove) {
 
 const FULL_TURN: f64 = 4.0;
 
-/// How far it is counter-clockwise from one direction to the other; a full
-/// turn for the same one.
+/// The counter-clockwise angle from one direction to another, in quarter turns; a full turn
+/// if they are equal.
 fn sweep(from: Point, to: Point) -> f64 {
     let way = wrapped(turn(to) - turn(from));
     if way == 0.0 { FULL_TURN } else { way }
 }
 
-/// A difference of directions as a part of one full turn.
+/// A difference of directions, normalized to less than a full turn.
 fn wrapped(way: f64) -> f64 {
     match way {
         _ if way < 0.0 => way + FULL_TURN,
@@ -83,8 +84,8 @@ fn wrapped(way: f64) -> f64 {
     }
 }
 
-/// A direction as a number that grows with the angle from +Z, one for each
-/// quarter; cheaper than the angle.
+/// The direction as a number that grows with the angle from +Z by one per quarter turn. It
+/// is cheaper than the angle.
 fn turn(direction: Point) -> f64 {
     let size = direction.x.abs() + direction.z.abs();
     if size == 0.0 {

@@ -1,4 +1,4 @@
-//! One command of the program: what it does to the clock, the spindle and the counts.
+//! Executes one command of a preview: its effect on clock, spindle and counters.
 
 use super::{End, Walk};
 use crate::alarm::Alarm;
@@ -113,7 +113,7 @@ impl Walk<'_> {
             Action::ZeroReturn { x, z } | Action::Referenced { x, z } => {
                 self.look_at_return(command.source, PerAxis::new(*x, *z));
             }
-            // When an input comes is not known before it does.
+            // The time of an input cannot be predicted.
             Action::Outputs { .. } | Action::InputWait { .. } | Action::Nothing => {}
         }
         if command.block_end {
@@ -124,7 +124,8 @@ impl Walk<'_> {
         Ok(None)
     }
 
-    /// The slowing down of the thread before, unless it goes on in phase.
+    /// Adds the deceleration of the last thread, unless the next thread continues it in
+    /// phase.
     fn pay(&mut self, next: &Action) {
         let owed = core::mem::take(&mut self.owed);
         let in_phase = matches!(
@@ -139,8 +140,8 @@ impl Walk<'_> {
         }
     }
 
-    /// The relative coordinates stay at a change of the work zero, unless they
-    /// follow it; an offset shifts them like the absolute ones.
+    /// Changes the coordinate frame. The relative coordinates do not change with the work
+    /// zero, unless `relative_follows` is set; an offset shifts them like the absolute ones.
     fn change_frame(&mut self, frame: Frame, relative_follows: bool) {
         let before = self.so_far.frame;
         self.so_far.frame = frame;
@@ -156,8 +157,8 @@ impl Walk<'_> {
     }
 }
 
-/// Whether a spindle that starts in the block of this action may still stand: a
-/// thread begins beside the M code of its block.
+/// Whether a spindle that starts in the block of this action may still be stopped: a thread
+/// starts in parallel with the M code of its block.
 const fn may_stand_before(action: &Action) -> bool {
     matches!(
         action,

@@ -1,4 +1,4 @@
-//! What the control takes without an alarm and yet is likely a slip.
+//! Cautions: probable mistakes that raise no alarm.
 
 use core::mem::discriminant;
 
@@ -10,58 +10,57 @@ use crate::command::{Command, ProgramId, Source};
 use crate::interpreter::{IgnoredWord, Interpreter, Remark, WordAdvice};
 use crate::units::Feed;
 
-/// Feeds per minute below this were likely meant per revolution, mm/min.
+/// A lower feed per minute was probably meant per revolution, mm/min.
 const LEAST_FEED: f64 = 1.0;
 
-/// A kind of slip.
+/// A kind of probable mistake.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Slip {
-    /// A cut under G98 slower than 1 mm/min.
+    /// A cut under G98 below 1 mm/min.
     SlowFeed,
-    /// A cut while the spindle stands.
+    /// A cut while the spindle is stopped.
     SpindleStands,
-    /// A cut after a T word, without a tool offset in force.
+    /// A cut after a T word while no tool offset is active.
     NoOffset,
-    /// G28, and nobody has said where the work lies on the machine.
+    /// G28 while the position of the work on the machine is unknown.
     MachineZero,
-    /// The program does not end where its G50 says that it begins. X and Z as they
-    /// are programmed.
+    /// The program does not end where its first G50 sets the tool. X (diameter or radius, as
+    /// the program has it) and Z, mm.
     EndElsewhere {
-        /// Where G50 says the tool is.
+        /// Position that G50 sets, X and Z.
         set: (f64, f64),
-        /// Where the tool is at the end, in the same coordinates.
+        /// Position at the end in the same coordinates, X and Z.
         end: (f64, f64),
     },
-    /// A word that no code of its block reads.
+    /// A word that no code of its block uses.
     IgnoredWord(Box<IgnoredWord>),
-    /// A block after a `;` that begins its line.
+    /// A block after a `;` at the beginning of its line.
     AfterSemicolon,
-    /// Text after the `%` that ends the program.
+    /// Text after the `%` at the end of the program.
     AfterEnd,
-    /// `:` in place of the O of a program's name.
+    /// A `:` instead of the O in the name of a program with this number.
     ColonName(u16),
 }
 
-/// Likely slips of one kind that are listed.
+/// Greatest number of listed cautions of one kind.
 const MOST_OF_A_KIND: usize = 50;
 
-/// A likely slip and its block.
+/// A probable mistake and its block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Caution {
-    /// What.
+    /// The kind of mistake.
     pub slip: Slip,
-    /// Where it was met first.
+    /// Its block; for most kinds the first one with such a mistake.
     pub source: Source,
 }
 
 impl Caution {
-    /// In words, with the line.
+    /// The sentence for the operator, with the line.
     pub fn sentence(&self) -> Message {
         say::in_line(self.source.line, self.slip.message())
     }
 
-    /// First and last column of what it is about, in characters from 1; its whole line
-    /// otherwise.
+    /// First and last column of the word, in characters from 1; `None`: the whole line.
     pub fn columns(&self) -> Option<(u32, u32)> {
         match &self.slip {
             Slip::IgnoredWord(word) => Some(word.columns),
@@ -71,7 +70,7 @@ impl Caution {
 }
 
 impl Slip {
-    /// Its name, for tools that sort what is found.
+    /// A stable identifier for tools that sort findings.
     pub const fn id(&self) -> &'static str {
         match self {
             Self::SlowFeed => "slow-feed",
@@ -86,7 +85,7 @@ impl Slip {
         }
     }
 
-    /// In words.
+    /// The text for the operator, without the line.
     pub fn message(&self) -> Message {
         match self {
             Self::SlowFeed => say::caution_feed_slow(),
@@ -104,7 +103,7 @@ impl Slip {
     }
 }
 
-/// What is wrong with a word that changes nothing, and what to write in its place.
+/// The text about a word without effect, with the correct notation if it is known.
 fn of_word(word: &IgnoredWord) -> Message {
     let text = &word.text;
     let rule = match &word.code {
@@ -126,7 +125,7 @@ fn of_word(word: &IgnoredWord) -> Message {
 }
 
 impl Walk<'_> {
-    /// Takes over what the interpreter has found in a block.
+    /// Lists what the interpreter has remarked about a block.
     pub(super) fn take_remarks(&mut self, interpreter: &mut Interpreter) {
         for (remark, source) in interpreter.take_remarks() {
             let slip = match remark {
@@ -137,7 +136,7 @@ impl Walk<'_> {
         }
     }
 
-    /// What the text of the program itself has.
+    /// Checks the text of the program itself.
     pub(super) fn look_at_text(&mut self, program: ProgramId) {
         let Some(text) = self.programs.get(program) else {
             return;
@@ -156,7 +155,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Looks at a cut that is about to be made.
+    /// Checks a cut before it is executed.
     pub(super) fn look_at_cut(&mut self, command: &Command, feed: Option<Feed>) {
         let source = command.source;
         let of_feed = Facts::MOTION.and(Facts::FEED).and(Facts::PER);
@@ -186,7 +185,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The same, wherever it is met.
+    /// Lists a caution at each of its blocks.
     fn caution_each(&mut self, slip: Slip, source: Source) {
         let caution = Caution { slip, source };
         let cautions = &mut self.so_far.cautions;

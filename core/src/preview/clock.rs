@@ -4,19 +4,20 @@ use crate::command::SpindleCommand;
 use crate::memory::parameter;
 use crate::setup::Setup;
 
-/// Time since the start of the program, with what runs beside the motion.
+/// Time since the start of the program, including functions that run in parallel with
+/// motion.
 pub(super) struct Clock {
     now: f64,
-    /// When the M function beside the motion of the block is finished.
+    /// Time at which the M function in parallel with the motion of the block is finished, s.
     busy_until: f64,
     m_s: f64,
     s_s: f64,
-    /// A gear change to gears 1 and 2, and to gears 3 and 4.
+    /// Duration of a change to gears 1 and 2, and to gears 3 and 4, s.
     gear_s: [f64; 2],
     turret: Turret,
 }
 
-/// How long tool changes take.
+/// Durations of tool changes.
 struct Turret {
     stations: u8,
     at: u8,
@@ -27,7 +28,7 @@ struct Turret {
 impl Clock {
     pub(super) fn new(setup: &Setup) -> Self {
         let seconds = |number| f64::from(setup.memory.parameters.timer_ms(number)) / 1000.0;
-        // 065 and 066, and the way of a gear whose switch is looked at (AGIN).
+        // 065 and 066, and the travel of a gear whose switch is monitored (AGIN).
         let shift = |travel_ms: u32| {
             let travel = f64::from(travel_ms) / 1000.0;
             (seconds(parameter::GEAR_TIME_1) + travel + seconds(parameter::GEAR_TIME_2))
@@ -53,7 +54,7 @@ impl Clock {
         }
     }
 
-    /// Seconds since the start.
+    /// Time since the start of the program, s.
     pub(super) const fn now(&self) -> f64 {
         self.now
     }
@@ -62,29 +63,29 @@ impl Clock {
         self.now += seconds;
     }
 
-    /// An M function begins: its time 080 runs beside what follows it in its block.
+    /// Starts an M function: its time 080 runs in parallel with the rest of its block.
     pub(super) const fn output_m(&mut self) {
         self.busy_until = self.now + self.m_s;
     }
 
-    /// A gear change holds the motion.
+    /// Adds a gear change, during which motion waits.
     pub(super) fn change_gear(&mut self, gear: u8) {
         self.now += self.gear_s[usize::from(gear > 2)];
     }
 
-    /// The time 080 of an M function, s.
+    /// The duration 080 of an M function, s.
     pub(super) const fn m_time(&self) -> f64 {
         self.m_s
     }
 
-    /// The time 081 of a stepped speed; the analog spindle is not waited for.
+    /// Adds the time 081 of a stepped speed. Motion does not wait for the analog spindle.
     pub(super) const fn output_s(&mut self, command: &SpindleCommand) {
         if let SpindleCommand::Step(_) = command {
             self.now += self.s_s;
         }
     }
 
-    /// The turret turns forward station by station, then clamps.
+    /// Adds a tool change: the turret turns forward station by station, then clamps.
     pub(super) fn change_tool(&mut self, tool: u8) {
         let turret = &mut self.turret;
         if turret.stations == 0 || tool == turret.at || tool > turret.stations {
@@ -93,11 +94,11 @@ impl Clock {
         let ahead = (i32::from(tool) - i32::from(turret.at)).rem_euclid(i32::from(turret.stations));
         turret.at = tool;
         self.now += f64::from(ahead) * turret.station_s + turret.clamp_s;
-        // One FIN answers M and T.
+        // M and T are completed by the same FIN.
         self.now = self.now.max(self.busy_until);
     }
 
-    /// What runs beside the motion must be finished too.
+    /// Ends a block: functions in parallel with the motion must be finished too.
     pub(super) const fn block_end(&mut self) {
         self.now = self.now.max(self.busy_until);
     }

@@ -1,34 +1,34 @@
-//! What a refused block leaves in doubt. An alarm that may be nothing but its
-//! consequence is not told.
+//! Tracks which facts are uncertain after a refused block. An alarm that may only be a
+//! consequence of them is not reported.
 
 use super::written::{Written, has, numbers};
 use crate::alarm::number;
 use crate::command::{Action, Command};
 
-/// Facts about the program at a block, one bit each.
+/// Facts about the state of the program at a block, one bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Facts(u16);
 
 impl Facts {
     pub(super) const NONE: Self = Self(0);
-    /// Where the tool is in X, in Z.
+    /// Position of the tool in X and in Z.
     pub(super) const X: Self = Self(1);
     pub(super) const Z: Self = Self(2);
-    /// The code of group 01.
+    /// The active code of group 01.
     pub(super) const MOTION: Self = Self(4);
-    /// The number of F, and what it counts (G98, G99).
+    /// The value of F, and its unit (G98, G99).
     pub(super) const FEED: Self = Self(8);
     pub(super) const PER: Self = Self(16);
-    /// Whether the spindle turns, and how fast.
+    /// Direction of the spindle, and its speed.
     pub(super) const TURNING: Self = Self(32);
     pub(super) const SPEED: Self = Self(64);
-    /// Tool and offset.
+    /// Tool and offset numbers.
     pub(super) const TOOL: Self = Self(128);
-    /// What a cycle keeps from its first block for the second.
+    /// Data that the first block of a cycle stores for the second.
     pub(super) const CYCLE: Self = Self(256);
     /// The lead of a thread.
     pub(super) const LEAD: Self = Self(512);
-    /// Whether a contour is under compensation.
+    /// Whether a contour is compensated.
     pub(super) const NOSE: Self = Self(1024);
     pub(super) const ALL: Self = Self(1023);
 
@@ -48,8 +48,8 @@ impl Facts {
         facts.fold(Self::NONE, Self::and)
     }
 
-    /// What words settle for their own block and those behind it, right or wrong;
-    /// `before`: the code of group 01 before them.
+    /// The facts that words define for their own block and the later ones, even if they are
+    /// wrong. `before` is the code of group 01 before the block.
     pub(super) fn given(words: &[Written], before: u8) -> Self {
         let thread = is_thread(words, before);
         Self::all(words.iter().map(|word| match word {
@@ -65,14 +65,14 @@ impl Facts {
         }))
     }
 
-    /// What is not known behind a block with these words that was not carried out.
+    /// The facts that are unknown after a refused block with these words.
     pub(super) fn lost(words: &[Written]) -> Self {
         Self::all(words.iter().map(|word| match word {
             (b'X' | b'U', _) => Self::X,
             (b'Z' | b'W', _) => Self::Z,
             (b'G', Some(4 | 28 | 40 | 50)) => Self::NONE,
             (b'G', Some(41 | 42)) => Self::NOSE,
-            // E is the lead of other controls, A the angle of a line.
+            // E is the lead on other controls, A the angle of a line.
             (b'F' | b'E', _) => Self::FEED.and(Self::LEAD),
             (b'A', _) => Self::X.and(Self::Z),
             (b'I', _) => Self::LEAD,
@@ -85,8 +85,8 @@ impl Facts {
         }))
     }
 
-    /// What a command settles that was carried out: a move along a contour ends where
-    /// its block says, and G50 says where the tool is.
+    /// The facts that an executed command defines: a move along a contour ends where its
+    /// block says, and G50 sets the position of the tool.
     pub(super) fn reached(command: &Command, words: &[Written]) -> Self {
         let plain = |code| matches!(code, Some(0..=3 | 40..=42 | 96..=99));
         let named = |names: bool, axes| if names { axes } else { Self::NONE };
@@ -100,8 +100,8 @@ impl Facts {
         named(place && has(words, b'X'), Self::X).and(named(place && has(words, b'Z'), Self::Z))
     }
 
-    /// What an alarm rests on besides the words of its block; `thread`: it is raised
-    /// by one.
+    /// The facts that an alarm depends on besides the words of its block. `thread`: a thread
+    /// raises it.
     pub(super) const fn behind(alarm: u16, thread: bool) -> Self {
         match alarm {
             number::BAD_VALUE
@@ -138,7 +138,7 @@ impl Facts {
     }
 }
 
-/// Whether a block cuts a thread, whose F is a lead.
+/// Whether a block cuts a thread, so that its F is a lead.
 pub(super) fn is_thread(words: &[Written], before: u8) -> bool {
     let mut codes = numbers(words, b'G').flatten();
     let motion = codes.clone().rfind(|code| is_motion(*code));
@@ -146,7 +146,7 @@ pub(super) fn is_thread(words: &[Written], before: u8) -> bool {
     matches!(motion, 32..=34 | 92) || codes.any(|code| code == 76)
 }
 
-/// Group 01.
+/// Whether a G code belongs to group 01.
 const fn is_motion(code: u32) -> bool {
     matches!(code, 0..=3 | 32..=34 | 90 | 92 | 94)
 }

@@ -1,14 +1,15 @@
-//! Behind the alarm that the control would stop with: what else is wrong.
+//! Continues a preview after the alarm at which the control would stop, to find further
+//! errors.
 //!
 //! ```text
-//!   refused block       counts as not there; what its words say is in doubt
-//!   compensation 05x    the contour goes on without compensation
-//!   spindle, PLC        the move counts as made
-//!   calls, jumps, M30, macros, profiles of G70 to G73: the look ends
+//!   refused block       is skipped; the facts that its words define are uncertain
+//!   compensation 05x    the contour continues without compensation
+//!   spindle, PLC        the move counts as executed
+//!   calls, jumps, M30, macros, profiles of G70 to G73: the search ends
 //! ```
 //!
-//! What is in doubt ([`Facts`]) is settled by the block that says it anew. An alarm
-//! that rests on a fact in doubt is passed over in silence.
+//! A block that defines an uncertain fact ([`Facts`]) again makes it certain. An alarm that
+//! depends on an uncertain fact is not reported.
 
 use gsk_messages::{Id, Message};
 
@@ -24,44 +25,45 @@ use crate::interpreter::PassedOver;
 use crate::memory::Parameters;
 use crate::program::{Syntax, parse_block};
 
-/// Alarms that are listed behind the first one.
+/// Greatest number of alarms that are listed after the first one.
 pub const MOST_FURTHER: usize = 20;
 
-/// Blocks that are passed over: a loop may come upon the same one for ever.
+/// Greatest number of refused blocks: a loop may reach the same one forever.
 const MOST_REFUSED: u32 = 1000;
 
-/// What else is wrong with a program that ends with an alarm.
+/// Further errors of a program that ends with an alarm.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Further {
-    /// Alarms behind the first one, one a line and [`MOST_FURTHER`] at most.
+    /// Alarms after the first one: one per line and [`MOST_FURTHER`] at most.
     pub alarms: Vec<Alarm>,
-    /// What comes behind this block was not looked at.
+    /// The block after which no further errors were searched; `None`: the program was
+    /// searched to its end.
     pub ends_at: Option<Source>,
 }
 
-/// Bytes of a line that are looked through for words: a line may hold a whole program.
+/// Bytes of a line that are searched for words: a line may contain a whole program.
 const LONGEST_LINE: usize = 4096;
 
-/// Who raised an alarm.
+/// The stage at which an alarm was raised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Raised {
-    /// The block was not read.
+    /// The block was refused while it was read.
     Reading,
-    /// Its command was not carried out.
+    /// The command of the block was refused when it was executed.
     Making,
 }
 
-/// The look behind the first alarm.
+/// State of the search after the first alarm.
 #[derive(Debug, Default)]
 pub(super) struct Behind {
     doubt: Facts,
-    /// The first alarm and those listed.
+    /// The first alarm and the listed ones.
     alarms: Vec<Alarm>,
     refused: u32,
 }
 
 impl Walk<'_> {
-    /// Goes on behind the alarm that ended the program.
+    /// Continues after the alarm that ended the program.
     pub(super) fn look_on(
         &mut self,
         first: (Alarm, Raised),
@@ -81,7 +83,7 @@ impl Walk<'_> {
             ends_at = None;
             met = self.run(interpreter, host, go_on);
             if met.is_none() && !self.ended {
-                // Whoever watches has given it up.
+                // The caller has cancelled.
                 ends_at = self.source;
             }
         }
@@ -92,7 +94,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Takes an alarm down; whether the program can be followed behind it.
+    /// Lists an alarm if it is new. Returns whether the program can be followed after it.
     fn passes(
         &mut self,
         alarm: Alarm,
@@ -128,7 +130,7 @@ impl Walk<'_> {
             return false;
         }
         let lost = match raised {
-            // Every block behind says so, too.
+            // Each later block would raise it too.
             Raised::Making if groups::is_of_spindle(number) => Facts::TURNING.and(Facts::SPEED),
             Raised::Making => Facts::NONE,
             Raised::Reading => match interpreter.pass_over() {
@@ -143,7 +145,7 @@ impl Walk<'_> {
         true
     }
 
-    /// A command that comes behind an alarm: what it settles is no longer in doubt.
+    /// Makes the facts certain that a command after an alarm defines.
     pub(super) fn settle_uncertainty(&mut self, command: &Command) {
         let nothing = |behind: &Behind| behind.doubt == Facts::NONE;
         if self.behind.as_ref().is_none_or(nothing) {
@@ -166,13 +168,13 @@ impl Walk<'_> {
         }
     }
 
-    /// Whether facts are as the program says: always so before the first alarm.
+    /// Whether facts are certain; before the first alarm they always are.
     pub(super) fn is_sure_of(&self, facts: Facts) -> bool {
         let doubt = self.behind.as_ref().map(|behind| behind.doubt);
         !doubt.is_some_and(|doubt| doubt.meets(facts))
     }
 
-    /// The text of a line, as far as words are looked for in it.
+    /// The text of a line, as far as it is searched for words.
     pub(super) fn line_of(&self, source: Source) -> &str {
         let program = self.programs.get(source.program);
         let line = program.map_or("", |program| program.line(source.line));
@@ -181,7 +183,7 @@ impl Walk<'_> {
 }
 
 impl Behind {
-    /// Whether an alarm says something new, and surely.
+    /// Whether an alarm is new and does not depend on uncertain facts.
     fn is_news(&self, alarm: &Alarm, rests_on: Facts) -> bool {
         let detail = alarm.detail.as_ref();
         let profile = detail.filter(|detail| detail.id() == Id::InProfile);
@@ -200,7 +202,7 @@ impl Behind {
     }
 }
 
-/// What is not known behind a refused block.
+/// The facts that are unknown after a refused block.
 fn lost_with(alarm: u16, words: &[Written], modal: &Modal) -> Facts {
     let missing = match alarm {
         11 if is_thread(words, modal.motion) => Facts::LEAD,
@@ -212,8 +214,7 @@ fn lost_with(alarm: u16, words: &[Written], modal: &Modal) -> Facts {
     Facts::lost(words).and(missing).and(nose)
 }
 
-/// Whether a block that was refused leads elsewhere, so that nobody knows what comes
-/// behind it.
+/// Whether a refused block branches, so that the next block is unknown.
 fn steers(alarm: u16, by_itself: bool, words: &[Written], parameters: &Parameters) -> bool {
     let by_word = |letter, codes: fn(u32) -> bool| {
         numbers(words, letter).any(|number| number.is_none_or(codes))
@@ -223,22 +224,22 @@ fn steers(alarm: u16, by_itself: bool, words: &[Written], parameters: &Parameter
     special
         || by_word(b'M', |code| matches!(code, 30 | 98 | 99))
         || by_word(b'G', |code| matches!(code, 65))
-        // The profile of a cycle with a foreign word runs as a contour.
+        // A profile after a cycle with an invalid word runs as a contour.
         || !by_itself && by_word(b'G', |code| matches!(code, 70..=73))
         || groups::leads_elsewhere(alarm) && !has_no_profile(alarm, words)
 }
 
-/// Whether an alarm is one of the text of a block, which knows its column.
+/// Whether the alarm is about the text of a block and has a column.
 fn is_of_column(detail: &Message) -> bool {
     detail.id() == Id::AtColumn
 }
 
-/// The lines of the encoder: every thread says so, too.
+/// For the encoder lines each thread raises the same alarm.
 const fn rests_on_parameters(alarm: u16) -> bool {
     alarm == number::ENCODER_LINES
 }
 
-/// 062 of G74 to G76, which have none.
+/// 062 of G74 to G76, which have no profile.
 fn has_no_profile(alarm: u16, words: &[Written]) -> bool {
     alarm == number::CYCLE_DATA && numbers(words, b'G').any(|code| matches!(code, Some(74..=76)))
 }

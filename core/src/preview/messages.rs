@@ -1,11 +1,11 @@
-//! Messages with which the machine's ladder will hold a program, as far as program and
-//! parameters alone decide (manual I-3.3.2, II-2.8).
+//! Predicts messages with which the ladder of the machine stops a program, as far as program
+//! and parameters determine them (manual I-3.3.2, II-2.8).
 
 use super::spindle::Turning;
 use crate::alarm::{Alarm, number};
 use crate::setup::{MachineLadder, Setup};
 
-/// What the ladder of a setup has messages for.
+/// The equipment for which the ladder of a setup has messages.
 pub(super) struct Messages {
     ladder: MachineLadder,
     chuck: bool,
@@ -21,7 +21,7 @@ impl Messages {
         }
     }
 
-    /// The message that an M code brings while the spindle turns like this.
+    /// The message that an M code raises at a direction of the spindle.
     pub(super) fn check(&self, code: u8, spindle: Turning) -> Result<(), Alarm> {
         let turns = spindle != Turning::Stopped;
         let number = match code {
@@ -39,7 +39,7 @@ impl Messages {
         }
     }
 
-    /// Whether a message stands in the ladder with the words of the table.
+    /// Whether the ladder has a message with the text of the alarm table.
     fn knows(&self, number: u16) -> bool {
         let ladder = self.ladder.compiled();
         let mut messages = ladder.messages().iter();

@@ -1,9 +1,9 @@
-//! Where a program takes the tool to be: the G50 it begins with against the place
-//! where it ends, and the machine zero of G28.
+//! Checks the position that a program assumes for the tool: its first G50 against its end
+//! position, and the machine zero of G28.
 //!
 //! ```text
 //!   first run   G50 X100 Z50 here --> o ~~~ cuts ~~~ o <-- M30 here
-//!   second run                           G50 X100 Z50 here: all is shifted
+//!   second run                           G50 X100 Z50 here: all moves are shifted
 //! ```
 
 use super::caution::Slip;
@@ -13,32 +13,32 @@ use crate::command::{Action, Command, Source, Unplaced};
 use crate::setup::Setup;
 use crate::units::{PerAxis, Point};
 
-/// The end may be so far from the place of G50, mm (X as a diameter): less comes of a
-/// tool offset that is dropped at the end.
+/// Allowed distance between the end and the position of G50, mm (X as a diameter): a tool
+/// offset that is cancelled at the end causes such a distance.
 const NEAR: f64 = 1.0;
 
-/// The places that a program takes for given.
+/// The positions that a program assumes.
 #[derive(Debug)]
 pub(super) struct SetPlace {
-    /// Somebody has said where the work lies on the machine.
+    /// The position of the work on the machine is known.
     zero_known: bool,
-    /// G28 went to a machine zero of which nobody has said where it lies.
+    /// G28 went to a machine zero at an unknown position.
     returned: bool,
-    /// Axes that are at such a machine zero, or have moved by increments since.
+    /// Axes that are at such a machine zero, or have only moved by increments since.
     unplaced: PerAxis<bool>,
     /// A block with X or Z has moved the tool.
     moved: bool,
     preset: Option<Preset>,
 }
 
-/// The G50 before any motion.
+/// The G50 before the first motion.
 #[derive(Clone, Copy, Debug)]
 struct Preset {
     source: Source,
-    /// Whether it names X, Z.
+    /// Whether it has an X word, a Z word.
     x: bool,
     z: bool,
-    /// The tool by its coordinates, and their zero.
+    /// Position of the tool in its coordinates, and their zero.
     at: Point,
     zero: Point,
 }
@@ -56,10 +56,11 @@ impl SetPlace {
 }
 
 impl Walk<'_> {
-    /// A G50 with coordinates was carried out. Increments shift the work on purpose.
+    /// Records a G50 with coordinates. Increments shift the work on purpose.
     pub(super) fn look_at_preset(&mut self, source: Source) {
         let frame = self.so_far.frame;
-        // Where the tool is now has coordinates, wherever that is on the machine.
+        // The current position of the tool has known coordinates from here, wherever it is
+        // on the machine.
         self.set_place.unplaced = PerAxis::new(false, false);
         let shifted = self.so_far.parameters.offset_by_shift() && frame.offset != Point::default();
         if self.set_place.moved || shifted {
@@ -81,7 +82,7 @@ impl Walk<'_> {
         });
     }
 
-    /// A move was commanded, of whatever length.
+    /// Records a commanded move of any length.
     pub(super) fn look_at_move(&mut self, source: Source) {
         if !self.set_place.moved {
             let words = words(self.line_of(source));
@@ -90,7 +91,7 @@ impl Walk<'_> {
         }
     }
 
-    /// A G28 was made with these axes.
+    /// Records a G28 of these axes.
     pub(super) fn look_at_return(&mut self, source: Source, axes: PerAxis<bool>) {
         if !self.set_place.zero_known {
             self.set_place.returned = true;
@@ -100,13 +101,13 @@ impl Walk<'_> {
         }
     }
 
-    /// Whether a rapid inside its block may lead to a machine zero that is not known.
+    /// Whether a rapid within its block may lead to an unknown machine zero.
     pub(super) const fn may_return(&self, command: &Command) -> bool {
         !self.set_place.zero_known && !command.block_end
     }
 
-    /// Hands out a rapid that may have led to a machine zero: it has if that is what the
-    /// next command says.
+    /// Reports a rapid that may have led to a machine zero. The next command determines
+    /// whether it has.
     pub(super) fn show_return(&mut self, next: Option<&Command>) {
         let Some((mut executed, explanation)) = self.returning.take() else {
             return;
@@ -126,7 +127,8 @@ impl Walk<'_> {
         self.explanation = next;
     }
 
-    /// Coordinates of a move that are not known: an axis is again where its word says.
+    /// The axes whose coordinates are unknown during a move. An axis with an absolute word
+    /// is known again after it.
     pub(super) fn unplaced(&mut self, source: Source) -> Unplaced {
         let from = self.set_place.unplaced;
         if !from.x && !from.z {
@@ -138,7 +140,7 @@ impl Walk<'_> {
         Unplaced { from, to }
     }
 
-    /// The program is over.
+    /// Compares the end position with that of G50.
     pub(super) fn look_at_end(&mut self) {
         let so_far = &self.so_far;
         let offset = match so_far.end {

@@ -1,4 +1,4 @@
-//! What the preview knows of the spindle: enough for feeds per revolution.
+//! Spindle state of the preview, as needed for feeds per revolution.
 
 use gsk_messages::say;
 
@@ -7,15 +7,15 @@ use crate::command::SpindleCommand;
 use crate::interpreter::surface_rpm;
 use crate::setup::Setup;
 
-/// Whether and how the spindle turns.
+/// Direction in which the spindle turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Turning {
-    /// It stands.
+    /// The spindle is stopped.
     #[default]
     Stopped,
-    /// M03.
+    /// Clockwise, as after M03.
     Clockwise,
-    /// M04.
+    /// Counter-clockwise, as after M04.
     CounterClockwise,
 }
 
@@ -28,19 +28,19 @@ enum Speed {
 /// The commanded state of the spindle.
 pub(super) struct Spindle {
     turning: Turning,
-    /// M03 or M04 that began together with the rest of its block.
+    /// M03 or M04 that started in parallel with the rest of its block.
     pending: Option<u8>,
-    /// How it turned before the last tap.
+    /// Direction before the last tap.
     before_tap: Turning,
     speed: Speed,
-    /// What the lathe's steps S1 to S4 turn at, r/min.
+    /// Speeds of the steps S1 to S4 of the lathe, r/min.
     steps: [f64; 4],
     limit: Option<f64>,
     lowest: f64,
-    /// Speed at 10 V in gears 1 to 4 of an analog spindle, r/min.
+    /// Speed at 10 V in gears 1 to 4 of an analog spindle, r/min; `None`: stepped speeds.
     top: Option<[f64; 4]>,
     gear: u8,
-    /// The gear was engaged by M41–M44, not assumed.
+    /// M41–M44 engaged the gear; otherwise it is assumed.
     engaged: bool,
 }
 
@@ -66,7 +66,7 @@ impl Spindle {
         }
     }
 
-    /// M41–M44; whether there is a gear to change.
+    /// Executes M41–M44; returns whether the gear changes.
     pub(super) const fn change_gear(&mut self, gear: u8) -> bool {
         let changes = !self.engaged || self.gear != gear;
         self.gear = gear;
@@ -87,7 +87,7 @@ impl Spindle {
         }
     }
 
-    /// An M code that begins together with the rest of its block.
+    /// Executes an M code in parallel with the rest of its block.
     pub(super) const fn output_m_beside(&mut self, code: u8) {
         match code {
             3 | 4 => self.pending = Some(code),
@@ -95,20 +95,20 @@ impl Spindle {
         }
     }
 
-    /// The spindle that was started together with a motion turns.
+    /// Starts the spindle that a block commanded in parallel with its motion.
     pub(super) fn start_pending(&mut self) {
         if let Some(code) = self.pending.take() {
             self.output_m(code);
         }
     }
 
-    /// It stands after a tap.
+    /// Stops the spindle after a tap.
     pub(super) const fn stop_for_tap(&mut self) {
         self.before_tap = self.turning;
         self.turning = Turning::Stopped;
     }
 
-    /// It turns as before the tap.
+    /// Turns the spindle as before the tap.
     pub(super) const fn turn_again(&mut self) {
         self.turning = self.before_tap;
     }
@@ -127,8 +127,8 @@ impl Spindle {
         }
     }
 
-    /// The speed, at a radius for G96; 0 when the spindle stands. It is at most
-    /// what the gear gives at 10 V.
+    /// The speed, r/min, at a radius in mm for G96; 0 while the spindle is stopped. The
+    /// speed of the gear at 10 V limits it.
     pub(super) fn rpm(&self, radius: f64) -> f64 {
         let commanded = match self.speed {
             _ if self.turning == Turning::Stopped => 0.0,
@@ -139,8 +139,9 @@ impl Spindle {
         self.top.map_or(commanded, |top| commanded.min(top[gear]))
     }
 
-    /// The speed for a feed per revolution; alarm 011 when the spindle stands.
-    /// Under G96 the one at the middle of the cut, which gives the right time.
+    /// The speed for a feed per revolution, r/min. Under G96 it is that at the middle of the
+    /// cut, which yields the right duration. Alarm 011 is raised while the spindle is
+    /// stopped.
     pub(super) fn rpm_for_feed(&self, radius: f64) -> Result<f64, Alarm> {
         let rpm = self.rpm(radius);
         if rpm < 1.0 {

@@ -1,4 +1,4 @@
-//! What a preview says beside the path: further alarms, cautions, the work zero.
+//! Results of a preview besides the path: further alarms, cautions, the work zero.
 
 use super::{MOST_FURTHER, Preview, Slip, preview_beyond_alarms, preview_explained};
 use crate::command::{ExecutedMove, ProgramId};
@@ -20,7 +20,7 @@ fn look(setup: &Setup, text: &str) -> (Preview, Vec<ExecutedMove>) {
     (preview, moves)
 }
 
-/// Number and line of every alarm, and the line behind which nothing was looked at.
+/// Number and line of all alarms, and the line after which the search ended.
 fn alarms_with(setup: &Setup, text: &str) -> (Vec<(u16, u32)>, Option<u32>) {
     let (preview, _) = look(setup, text);
     let further = &preview.further;
@@ -58,26 +58,26 @@ fn what_the_control_does_ends_at_the_first_alarm() {
 #[test]
 fn consequences_are_no_alarms() {
     for text in [
-        // F stood in the block that was refused.
+        // F was in the refused block.
         "M03 S500\nG00 X50 Z2\nG01 Z-5 F100 C1\nZ-10\nX60\nM30\n",
-        // The F of a thread is none.
+        // The F of a thread is not a feed.
         "M03 S500\nG00 X50 Z2\nG01 Z0 F100 C1\nG92 X49 Z-9 F2\nG01 X60\nM30\n",
         // E was meant to be F.
         "M03 S500\nG00 X50 Z2\nG01 Z-5 E100\nG01 Z-10\nM30\n",
-        // Nor does a feed stand for the lead.
+        // A feed is not a lead either.
         "M03 S500\nG00 X50 Z2\nG92 X49 Z-9 F2 C1\nG01 X60 F100\nG92 X48 Z-9\nM30\n",
-        // So did the way to the start of the arc.
+        // The start of the arc was in the refused block.
         "M03 S500\nG00 X50 Z2\nG01 X20 F100 C1\nG02 X30 Z-3 R5\nM30\n",
-        // The same with increments behind it, and with the code of group 01.
+        // The same with increments after it, and with the code of group 01.
         "M03 S500\nG00 X50 Z2\nG01 U-30 Z0 F100 C1\nU2 F100\nG03 X30 Z-5 R5\nM30\n",
-        // And the start of the spindle.
+        // The start of the spindle was in the refused block.
         "M03 S500 C1\nG00 X50 Z2\nG99 G01 Z-5 F0.2\nM30\n",
         "M03 S500 C1\nG00 X50 Z2\nG32 Z-5 F2\nM30\n",
     ] {
         let (found, behind) = alarms(text);
         assert_eq!((found.len(), behind), (1, None), "{text} {found:?}");
     }
-    // Said anew, all counts again.
+    // Once a fact is defined again, alarms that depend on it are reported again.
     let text = "M03 S500\nG00 X50 Z2\nG01 X20 F100 C1\nG00 X20 Z0\nG02 X60 Z-3 R5\nM30\n";
     assert_eq!(alarms(text), (vec![(9, 3), (13, 5)], None));
     let text = "M03 S500 C1\nM05\nS300\nG00 X50 Z2\nG99 G01 Z-5 F0.2\nM30\n";
@@ -116,10 +116,10 @@ fn nobody_follows_a_lost_flow() {
         assert_eq!(behind, Some(found[0].1), "{text}");
         assert!(found[0].1 >= line, "{text} {found:?}");
     }
-    // A profile that G70 runs through is left at its alarm.
+    // The search ends at an alarm in a profile that G70 executes.
     let text = "M03 S500\nG00 X50 Z2\nG70 P10 Q20\nN10 G00 X20\nG01 Z-5\nN20 X40\nG54\nM30\n";
     assert_eq!(alarms(text), (vec![(11, 5)], Some(5)));
-    // G74 has none.
+    // G74 has no profile.
     let text = "M03 S500\nG00 X50 Z2\nG74 R1\nG74 Z-20 Q0 F50\nG54\nM30\n";
     let (found, behind) = alarms(text);
     assert_eq!(
@@ -143,7 +143,7 @@ fn a_called_program_is_told_once_and_a_loop_ends() {
         .map(|alarm| alarm.number)
         .collect();
     assert_eq!((lines, preview.further.ends_at), (vec![10], None));
-    // Nothing ends this one but the number of refusals.
+    // Only the number of refused blocks ends this loop.
     let (found, behind) = alarms("N1 G54\nG65 H80 P1\n");
     assert_eq!((found, behind), (vec![(10, 1)], Some(1)));
 }
@@ -171,8 +171,8 @@ fn with_nose() -> Setup {
 
 #[test]
 fn a_contour_goes_on_without_its_compensation() {
-    // An inner arc smaller than the nose, an arc that is wrong by itself, and the
-    // next contour.
+    // An inner arc smaller than the nose, an arc that is wrong in itself, and the next
+    // contour.
     let text = "T0101\nM03 S500\nG00 X50 Z2\nG42 G01 X30 Z0 F100\nZ-10\nG02 X31 Z-10.5 R0.5\n\
                 G01 X60\nG02 X62 Z-30 R1\nG40 G00 X100 Z50\nG00 X50 Z2\nG42 G03 X60 Z-3 R5\n\
                 G40 G00 X100 Z50\nG54\nM30\n";
@@ -213,10 +213,10 @@ fn cautions_behind_an_alarm_rest_on_what_is_known() {
     assert_eq!(slips(text), [(Slip::SpindleStands, 3)]);
 }
 
-/// Diameter and Z.
+/// Diameter and Z, mm.
 type Place = (f64, f64);
 
-/// Where G50 is taken to be, with its line, and where the program ends.
+/// The line and position of the G50, and the end position, if they differ.
 fn elsewhere(setup: &Setup, text: &str) -> Option<(u32, Place, Place)> {
     let (preview, _) = look(setup, text);
     preview
@@ -245,13 +245,13 @@ fn a_program_ends_where_its_preset_begins() {
         "G50 X100 Z50\nG00 X20 Z2\nX100.8 Z49.2\nM30\n",
         // Only one axis is set.
         "G50 X100\nG00 X20 Z2\nX100 Z80\nM30\n",
-        // Wherever the tool is, it goes to the same place first.
+        // The tool goes to the same position first, wherever it starts.
         "G00 X300 Z300\nG50 X100 Z50\nG00 X20 Z2\nM30\n",
         "G28 U0 W0\nG50 X100 Z50\nG00 X20 Z2\nM30\n",
-        // A shift on purpose, and a limit of the speed.
+        // An intended shift, and a speed limit.
         "G50 U1\nG00 X20 Z2\nM30\n",
         "G50 S2000\nG00 X20 Z2\nM30\n",
-        // Nobody knows where the machine zero is.
+        // The position of the machine zero is unknown.
         "G50 X100 Z50\nG00 X20 Z2\nG28 U0 W0\nM30\n",
     ] {
         assert_eq!(found(text), None, "{text}");
@@ -287,7 +287,7 @@ fn the_machine_zero_lies_where_the_work_zero_says() {
     let (preview, _) = look(&setup, text);
     assert_eq!(slips(&preview), [(Slip::MachineZero, 2)]);
     assert_eq!(preview.absolute, Point::default());
-    // The work zero at the machine's X0 Z-150, the tool at X100 Z50 from it.
+    // The work zero is at X0 Z-150 of the machine, the tool at X100 Z50 from it.
     (setup.start, setup.absolute) = (Some(Point::new(50.0, -100.0)), Some(Point::new(50.0, 50.0)));
     let (preview, moves) = look(&setup, text);
     assert_eq!(slips(&preview), []);

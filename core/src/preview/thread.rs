@@ -7,11 +7,11 @@ use crate::motion::{ThreadMove, path_length};
 use crate::operation::{check_encoder, check_standing, check_thread_speed};
 use crate::units::{Axis, Feed, Point};
 
-/// From an M code to the spindle's contactor: strobe, scan and output, s.
+/// Delay from an M code to the spindle contactor: strobe, scan and output, s.
 const M_LATENCY_S: f64 = 0.04;
 
 impl Walk<'_> {
-    /// A thread: it waits half a turn for the one-turn signal, on average.
+    /// Executes a thread. On average it waits half a turn for the one-turn signal.
     pub(super) fn thread(&mut self, command: &Command, thread: &ThreadMove) -> Result<(), Alarm> {
         let from = self.so_far.machine;
         let rpm = self.thread_speed(thread)?;
@@ -28,12 +28,12 @@ impl Walk<'_> {
             MoveKind::Thread
         };
         self.tied_move(command, kind, thread.to, thread.lead, took);
-        // Paid when no thread follows that goes on in phase.
+        // Added to the clock unless a thread follows that continues in phase.
         self.owed = stopping;
         Ok(())
     }
 
-    /// At the start of a cycle of threads (alarms 092 and 094).
+    /// Checks the start of a cycle of threads (alarms 092 and 094).
     pub(super) fn check_thread_cycle(&self, per_revolution: Point) -> Result<(), Alarm> {
         check_encoder(&self.so_far.parameters)?;
         let rpm = self.rpm_here();
@@ -41,13 +41,13 @@ impl Walk<'_> {
         check_thread_speed(per_revolution * rpm, rpm, &self.limits)
     }
 
-    /// Before a further start of G33: the spindle turns again as it did.
+    /// Turns the spindle as before, for a further start of G33.
     pub(super) fn restart_spindle(&mut self) {
         self.spindle.turn_again();
         self.clock.advance(self.clock.m_time().max(self.settle_s));
     }
 
-    /// A tap: in, the spindle stops and turns back, out, it stops again.
+    /// Executes a tap: in, the spindle stops and reverses, out, it stops again.
     pub(super) fn tap(&mut self, command: &Command, to: Point, lead: f64) -> Result<(), Alarm> {
         let start = self.so_far.machine;
         let inwards = ThreadMove {
@@ -90,7 +90,7 @@ impl Walk<'_> {
         Ok(rpm)
     }
 
-    /// A move at the speed of the spindle.
+    /// Executes a move that follows the spindle.
     fn tied_move(&mut self, command: &Command, kind: MoveKind, to: Point, lead: f64, took: f64) {
         let from = self.so_far.machine;
         let frame = self.so_far.frame;

@@ -7,7 +7,7 @@ use crate::motion::{duration, path_length, top_speed};
 use crate::operation::{check_encoder, check_gear_speed};
 use crate::units::{Feed, Point};
 
-/// Where the last move ended, as it was shown: the next one begins there.
+/// The end of the last move as reported: the next one begins there.
 #[derive(Clone, Copy)]
 pub(super) struct Shown {
     machine: Point,
@@ -16,7 +16,7 @@ pub(super) struct Shown {
 }
 
 impl Walk<'_> {
-    /// A rapid, or a cut.
+    /// Executes a rapid or a cut.
     pub(super) fn travel(
         &mut self,
         command: &Command,
@@ -108,22 +108,22 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// A move takes its time and its place.
+    /// Counts a move: its time and its bounds.
     pub(super) fn count(&mut self, executed: &ExecutedMove) {
         bounds::include(&mut self.so_far.bounds, executed);
         self.clock.advance(executed.duration_s);
         self.so_far.moves += 1;
     }
 
-    /// Hands a move out; what an alarm keeps from being made is not shown.
+    /// Reports a move. The moves after an alarm are not reported.
     pub(super) fn show(&mut self, executed: &ExecutedMove) {
         if self.behind.is_none() {
             (self.on_move)(executed, self.explanation.as_ref());
         }
     }
 
-    /// The cut that waits for what follows it: unless that is a cut too, the tool
-    /// closes up first.
+    /// Reports the cut that waited for the next command. If that is not a cut, the tool
+    /// first decelerates to the end point.
     pub(super) fn settle(&mut self, goes_on: bool) {
         let Some((mut executed, explanation)) = self.unsettled.take() else {
             return;
@@ -139,7 +139,7 @@ impl Walk<'_> {
         self.explanation = next;
     }
 
-    /// What holds while the move of a command is made.
+    /// The conditions during the move of a command.
     #[inline]
     pub(super) fn conditions(&self, command: &Command) -> Conditions {
         let frame = &self.so_far.frame;

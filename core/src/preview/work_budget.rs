@@ -1,30 +1,30 @@
-//! How much work a preview may take.
+//! Limits the work of a preview.
 //!
-//! A loop without an end is no error of the text. Work is counted in moves and blocks, and
-//! never in time: a busy computer gives up the same programs as an idle one.
+//! An endless loop is not an error of the text. Work is counted in moves and blocks, not in
+//! time: a busy computer stops at the same programs as an idle one.
 
 use super::Progress;
 
-/// Limits of a preview.
+/// Limits of a preview; it stops when it reaches one of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WorkBudget {
-    /// Moves.
+    /// Number of moves.
     pub moves: u64,
-    /// Blocks read, as [`Progress::work`] counts them.
+    /// Number of blocks read, as [`Progress::work`] counts them.
     pub work: u64,
-    /// Commands in a row without a move: loops of calls, jumps and dwells.
+    /// Number of consecutive commands without a move: loops of calls, jumps and dwells.
     pub motionless: u64,
 }
 
 impl WorkBudget {
-    /// Limits of `check` and `plot`.
+    /// The limits of `check` and `plot`.
     pub const FULL: Self = Self {
         moves: 200_000_000,
         work: 500_000_000,
         motionless: 10_000_000,
     };
 
-    /// Limits of a look while a program is edited or drawn, with this many moves.
+    /// The limits for a program that is being edited or drawn, with this number of moves.
     pub const fn interactive(moves: u64) -> Self {
         Self {
             moves,
@@ -33,7 +33,7 @@ impl WorkBudget {
         }
     }
 
-    /// The smaller limits of both.
+    /// The smaller of two budgets in each limit.
     #[must_use]
     pub fn min(self, other: Self) -> Self {
         Self {
@@ -43,7 +43,7 @@ impl WorkBudget {
         }
     }
 
-    /// Whether a preview that has come so far is within the limits.
+    /// Whether a preview with this progress is within the limits.
     pub const fn allows(&self, progress: &Progress) -> bool {
         progress.moves < self.moves
             && progress.work < self.work

@@ -1,9 +1,9 @@
-//! The words of a line as they are written, whether they make a block or not.
+//! Splits a line into words as written, even if they do not form a valid block.
 
-/// A word: its letter, and its number where it is a whole one.
+/// A word: its letter, and its number if that is an integer.
 pub(super) type Written = (u8, Option<u32>);
 
-/// The words of a line; comments are left out.
+/// The words of a line, without comments.
 pub(super) fn words(line: &str) -> Vec<Written> {
     let mut words: Vec<(u8, String)> = Vec::new();
     let mut comment = false;
@@ -28,18 +28,18 @@ pub(super) fn words(line: &str) -> Vec<Written> {
         .collect()
 }
 
-/// Whether a line has no more than one block.
+/// Whether a line has at most one block.
 pub(super) fn is_one_block(line: &str) -> bool {
     let line = line.trim_end();
     !line.strip_suffix(';').unwrap_or(line).contains([';', '*'])
 }
 
-/// Whether a word with this letter is among them.
+/// Whether the words include a letter.
 pub(super) fn has(words: &[Written], letter: u8) -> bool {
     words.iter().any(|(written, _)| *written == letter)
 }
 
-/// The numbers of the words with a letter.
+/// The numbers of all words with a letter; `None` for a number that is not an integer.
 pub(super) fn numbers(
     words: &[Written],
     letter: u8,
@@ -50,7 +50,7 @@ pub(super) fn numbers(
         .map(|(_, number)| *number)
 }
 
-/// A full-width character as the control reads it.
+/// Replaces a full-width character by the ASCII one, as the control reads it.
 fn narrow(character: char) -> char {
     match u32::from(character) {
         wide @ 0xFF01..=0xFF5E => char::from_u32(wide - 0xFEE0).unwrap_or(character),

@@ -1,4 +1,4 @@
-//! A block: the words of one command unit, in a fixed place without heap.
+//! A block: the words of one command, stored without heap allocation.
 
 use core::fmt;
 
@@ -11,17 +11,17 @@ use super::syntax::{BlockError, Syntax};
 use crate::alarm;
 use crate::model::Record;
 
-/// Words a block can hold besides N and O; more raise alarm 012.
+/// Greatest number of words in a block besides N and O; more raise alarm 012.
 pub(crate) const MAX_WORDS: usize = 24;
 
-/// One word: address letter and number.
+/// A word: an address letter and a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Word {
-    /// Upper-case letter, e.g. `b'X'`.
+    /// Address as an upper-case letter, e.g. `b'X'`.
     pub address: u8,
-    /// Its number.
+    /// The number after the address.
     pub value: Number,
-    /// Byte range in the text of the block.
+    /// Byte range in the text of the block: start, and the byte after the end.
     pub span: (u16, u16),
 }
 
@@ -33,19 +33,19 @@ impl Word {
     };
 }
 
-/// The words of one block in the order of the text.
+/// The words of one block, in the order of the text.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(into = "Plain", try_from = "Plain")]
 pub struct Block {
-    /// Sequence number N.
+    /// Sequence number (N word); `None` without one.
     pub n: Option<u32>,
-    /// Program name O.
+    /// Program number (O word); `None` without one.
     pub o: Option<u16>,
-    /// Whether `/` stands before it.
+    /// Whether the block begins with the skip mark `/`.
     pub skip: bool,
-    /// Line of the file it stands in, from 1; 0 without a file.
+    /// Line of the file, from 1; 0 without a file.
     pub line: u32,
-    /// What it says in macro B; none in a block of words and numbers.
+    /// Its macro B statement; `None` if all words have plain numbers.
     pub(super) statement: Option<Box<Statement>>,
     variables: bool,
     len: u8,
@@ -54,7 +54,7 @@ pub struct Block {
     words: [Word; MAX_WORDS],
 }
 
-/// The same for storage.
+/// The stored form of a block.
 #[derive(Serialize, Deserialize)]
 struct Plain {
     n: Option<u32>,
@@ -100,7 +100,7 @@ const fn bits(addresses: &[u8]) -> u32 {
 }
 
 impl Block {
-    /// Empties it. What is left in the places of words is none of them.
+    /// Empties the block. The remaining entries of `words` have no meaning.
     pub(super) fn clear(&mut self) {
         self.statement = None;
         (self.n, self.o, self.skip, self.line) = (None, None, false, 0);
@@ -108,7 +108,7 @@ impl Block {
         (self.len, self.addresses, self.codes) = (0, 0, 0);
     }
 
-    /// The number of the first variable that stands for the number of a word.
+    /// The number of the first variable that a word has instead of a number.
     pub(crate) fn first_variable(&self) -> Option<u16> {
         let variable = |word: &Word| word.value.variable();
         let found = self.words().iter().find_map(variable);
@@ -120,23 +120,23 @@ impl Block {
         &self.words[..usize::from(self.len)]
     }
 
-    /// Whether nothing stands in it besides N: it repeats a cycle of group 01.
+    /// Whether the block has no words besides N: then it repeats a cycle of group 01.
     pub const fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// Whether nothing but the name of a program stands in it.
+    /// Whether the block consists of a program name only.
     pub(crate) fn is_name(&self) -> bool {
         self.is_empty() && self.o.is_some() && self.statement.is_none()
     }
 
-    /// The statement of macro B that it is.
+    /// The macro B statement of the block; `None` for a block of words.
     pub(crate) fn macro_statement(&self) -> Option<&Statement> {
         let statement = self.statement.as_deref();
         statement.filter(|it| !matches!(it, Statement::Words(_)))
     }
 
-    /// The formulas of its words.
+    /// The formulas of its words; `None` without macro B.
     pub(crate) fn formulas(&self) -> Option<&[Expression]> {
         match self.statement.as_deref() {
             Some(Statement::Words(formulas)) => Some(formulas),
@@ -144,22 +144,22 @@ impl Block {
         }
     }
 
-    /// Whether an address occurs.
+    /// Whether the block has a word with an address.
     pub const fn has(&self, address: u8) -> bool {
         self.addresses & address_bit(address) != 0
     }
 
-    /// Whether any of these addresses occurs.
+    /// Whether the block has a word with any of these addresses.
     pub(crate) const fn has_any(&self, addresses: &[u8]) -> bool {
         self.addresses & bits(addresses) != 0
     }
 
-    /// Whether no other address occurs, and nothing of macro B.
+    /// Whether the block has no words with other addresses, and no macro B.
     pub const fn has_only(&self, addresses: &[u8]) -> bool {
         self.addresses & !bits(addresses) == 0 && self.statement.is_none()
     }
 
-    /// The word of an address; of several G the first.
+    /// The first word with an address; `None` without one.
     pub fn word(&self, address: u8) -> Option<&Word> {
         if !self.has(address) {
             return None;
@@ -167,22 +167,22 @@ impl Block {
         self.words().iter().find(|word| word.address == address)
     }
 
-    /// The number of an address.
+    /// The number of the first word with an address; `None` without one.
     pub fn number(&self, address: u8) -> Option<Number> {
         self.word(address).map(|word| word.value)
     }
 
-    /// Whether a G code occurs.
+    /// Whether the block has a G code.
     pub(crate) const fn has_g(&self, code: u8) -> bool {
         code < 100 && self.codes & (1 << code) != 0
     }
 
-    /// Whether two different G codes occur.
+    /// Whether the block has two different G codes.
     pub(crate) const fn has_two_codes(&self) -> bool {
         self.codes.count_ones() > 1
     }
 
-    /// The G codes in order.
+    /// The G codes of the block, in order.
     pub fn g_codes(&self) -> impl Iterator<Item = u8> {
         let words = if self.has(b'G') { self.words() } else { &[] };
         words
@@ -191,18 +191,18 @@ impl Block {
             .map(|word| word.value.integer() as u8)
     }
 
-    /// Whether a number is still a reference to a variable.
+    /// Whether a word still refers to a variable.
     pub(crate) const fn has_variables(&self) -> bool {
         self.variables
     }
 
-    /// Puts the values of variables in the place of their references and checks
-    /// the ranges again. A value counts as 0.001 mm (0.0001 inch) on X Z U W R I J
-    /// K, as 0.001 s on X U of G04, and as the number itself elsewhere. The words of G65 stay as they are: the macro
-    /// operations read variables themselves.
+    /// Replaces references to variables by their values and checks the ranges again. A value
+    /// counts as 0.001 mm (0.0001 inch) on X Z U W R I J K, as 0.001 s on X and U of G04,
+    /// and as the number itself on other addresses. The words of G65 remain unchanged: the
+    /// macro operations read variables themselves.
     ///
     /// # Errors
-    /// The alarm of `lookup`, or 043 for a value beyond the range of its address.
+    /// The alarm of `lookup`, or 043 for a value out of the range of its address.
     pub fn resolve<E: From<BlockError>>(
         mut self,
         syntax: Syntax,
@@ -234,12 +234,11 @@ impl Block {
         Ok(self)
     }
 
-    /// Puts numbers in the place of formulas, in their order: lengths in millionths of
-    /// their unit, everything else a number of its own. A word whose formula gives
-    /// nothing is left out.
+    /// Replaces formulas by their values, in order. Lengths become millionths of their unit,
+    /// other values numbers of their address. A word whose formula yields null is removed.
     ///
     /// # Errors
-    /// 043 for a value beyond the range of its address.
+    /// 043 for a value out of the range of its address.
     pub(crate) fn with_values(
         &self,
         values: &[Option<f64>],
@@ -270,14 +269,14 @@ impl Block {
         Ok(block)
     }
 
-    /// Changes the numbers of words; their ranges are not checked again.
+    /// Changes the numbers of words without checking their ranges.
     pub(crate) fn change(&mut self, mut change: impl FnMut(u8, Number) -> Number) {
         for word in &mut self.words[..usize::from(self.len)] {
             word.value = change(word.address, word.value);
         }
     }
 
-    /// Adds a word; `false` when the block is full.
+    /// Adds a word. Returns `false` if the block is full.
     pub(super) const fn push(&mut self, word: Word) -> bool {
         let len = self.len as usize;
         if len >= MAX_WORDS {
@@ -297,7 +296,7 @@ impl Block {
         true
     }
 
-    /// Rebuilds what depends on the words and checks their values.
+    /// Recomputes the data derived from the words and checks their values.
     fn index(&mut self, syntax: Syntax) -> Result<(), BlockError> {
         let words = self.words;
         let len = usize::from(self.len);
@@ -316,7 +315,7 @@ impl PartialEq for Block {
     }
 }
 
-/// One line of text that reads back as the same block.
+/// Formats a block as a line of text that parses to the same block.
 impl fmt::Display for Block {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.skip {
@@ -374,8 +373,7 @@ impl TryFrom<Plain> for Block {
     }
 }
 
-/// Checks every number of a block against table 2-1; references to variables are
-/// left out.
+/// Checks all numbers of a block against table 2-1, except references to variables.
 pub(super) fn check_values(block: &Block, syntax: Syntax) -> Result<(), BlockError> {
     if syntax.model.is_mill() {
         return check_mill(block);
@@ -391,12 +389,12 @@ pub(super) fn check_values(block: &Block, syntax: Syntax) -> Result<(), BlockErr
     }
 }
 
-/// Whether the model has ranges of words of its own.
+/// Whether the model has its own ranges of words.
 pub(super) fn narrows_words(syntax: Syntax) -> bool {
     !syntax.model.is_main() && !syntax.model.record().word_limits.is_empty()
 }
 
-/// The same of a mill.
+/// Checks all numbers of a block of a mill.
 fn check_mill(block: &Block) -> Result<(), BlockError> {
     for word in block.words() {
         let (low, high) = match word.address {
@@ -405,7 +403,7 @@ fn check_mill(block: &Block) -> Result<(), BlockError> {
             b'L' | b'M' | b'T' => (0, 9999 * ONE),
             b'S' => (0, 99_999 * ONE),
             b'F' | b'P' => usual_range(word.address),
-            // Scales of G51 in 0.00001.
+            // Scale factors of G51, in units of 0.00001.
             b'I' | b'J' | b'K' if block.has_g(51) => (-999_999 * ONE, 999_999 * ONE),
             _ => (-MILL_LENGTH, MILL_LENGTH),
         };
@@ -416,7 +414,7 @@ fn check_mill(block: &Block) -> Result<(), BlockError> {
     Ok(())
 }
 
-/// The same, each word against what its block allows.
+/// Checks each word against the range that its block allows.
 fn check_each(block: &Block, syntax: Syntax) -> Result<(), BlockError> {
     let g65 = block.has_g(65);
     let record = syntax.model.record();
@@ -438,30 +436,32 @@ fn check_each(block: &Block, syntax: Syntax) -> Result<(), BlockError> {
     Ok(())
 }
 
-/// Whether words of a model begin with a letter.
+/// Whether a letter is an address of a model.
 pub(super) fn is_address_of(letter: u8, record: &Record) -> bool {
     is_address(letter) || record.has_address(letter)
 }
 
-/// Table 2-1, with J and L, which the thread codes use.
+/// The addresses of table 2-1, and J and L, which thread codes use.
 const fn is_address(letter: u8) -> bool {
     matches!(letter, b'F'..=b'U' | b'W' | b'X' | b'Z')
 }
 
-/// Addresses whose values are as great as the coordinates of the model.
+/// Addresses with the same range as the coordinates of the model.
 const COORDINATES: &[u8] = b"XZUWIJKR";
 
 const ONE: i64 = 1_000_000;
-/// Largest length, ±9999.999 mm.
+/// Greatest length, 9999.999 mm, in millionths.
 const LENGTH: i64 = 9_999_999_000;
-/// The same of a mill, ±99999.999 mm; its angles and scales are within it, too.
+/// Greatest length on a mill, 99999.999 mm, in millionths. Its angles and scale factors are
+/// below it too.
 const MILL_LENGTH: i64 = 99_999_999_000;
-/// Largest dwell, 99999.999 s; a negative one is told when its block is carried out.
+/// Greatest dwell, 99999.999 s, in millionths. A negative one raises an alarm when its block
+/// is executed.
 const DWELL: i64 = 99_999_999_000;
-/// What a macro operation can hold, ±2³².
+/// Greatest value of a macro operation, 2³², in millionths.
 const MACRO: i64 = (1 << 32) * ONE;
 
-/// Lowest and highest value of the words A to Z in most blocks, in millionths.
+/// Least and greatest value of the words A to Z in most blocks, in millionths.
 const USUAL: [(i64, i64); 26] = {
     let mut usual = [(-LENGTH, LENGTH); 26];
     let mut letter = 0;
@@ -485,21 +485,21 @@ fn usual_range(address: u8) -> (i64, i64) {
     USUAL.get(letter).copied().unwrap_or((-LENGTH, LENGTH))
 }
 
-/// Lowest and highest number of a word in most blocks (manual table 2-1), as they are
-/// written; some codes take less or more.
+/// Least and greatest number of a word in most blocks (manual table 2-1), as written in a
+/// program. Some codes accept a smaller or a greater range.
 pub fn limits(address: u8) -> (String, String) {
     let (low, high) = usual_range(address);
     (limit(low), limit(high))
 }
 
-/// A limit as it is written.
+/// Formats a limit as written in a program.
 fn limit(millionths: i64) -> String {
     let text = Number::from_millionths(millionths).to_string();
     text.trim_end_matches('.').to_string()
 }
 
-/// Lowest and highest value of a word in its block, in millionths: the usual ones, or
-/// farther apart.
+/// Least and greatest value of a word in its block, in millionths: the usual range or a
+/// wider one.
 fn range(block: &Block, word: &Word, g65: bool, record: &Record) -> (i64, i64) {
     let of_model = |address| {
         let limits = record.word_limits.get(&char::from(address));
@@ -508,16 +508,16 @@ fn range(block: &Block, word: &Word, g65: bool, record: &Record) -> (i64, i64) {
     match word.address {
         b'H' | b'P' | b'Q' | b'R' if g65 => (-MACRO, MACRO),
         b'X' | b'U' if block.has_g(4) => (-DWELL, DWELL),
-        // G76 R(d): an integer counts in 0.001 mm.
+        // G76 R(d): an integer counts units of 0.001 mm.
         b'R' if block.has_g(76) && !word.value.has_point() => (-9_999_999 * ONE, 9_999_999 * ONE),
         // Vector of an arc, or threads per inch.
         b'I' => (-LENGTH, 25_400 * ONE),
-        // After a G code it names a block, a subprogram or a count.
+        // After a G code N is a block, a subprogram or a count.
         b'N' => (0, 99_999 * ONE),
-        // The factor of G31, and the approach of the threads of the Huaxing lathes.
+        // The factor of G31, and the approach of threads on Huaxing lathes.
         b'L' if block.has_g(31) => (ONE / 1000, 99_999_000),
         b'D' if block.has_g(33) || block.has_g(34) => (-LENGTH, LENGTH),
-        // The input that the M01 of an NC-B08 waits for.
+        // The input that M01 waits for on an NC-B08.
         b'L' if block.word(b'M').is_some_and(|it| it.value.integer() == 1) => (0, 99 * ONE),
         address => of_model(address),
     }

@@ -1,4 +1,5 @@
-//! G and M codes that call a program with arguments: the block is read as that of a G65.
+//! Reads G and M codes that call a program with arguments: their block is read like that of
+//! a G65.
 
 use gsk_messages::say;
 
@@ -8,27 +9,27 @@ use super::macro_b::{Expression, MacroCall, arguments};
 use super::syntax::BlockError;
 use crate::alarm::number;
 
-/// The digits of a code that may call.
+/// Greatest number of digits of a code that calls a program.
 const DIGITS: u8 = 3;
 
-/// A block that calls a program by its first code.
+/// A block whose first code calls a program.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CodeCall {
-    /// Its letter and number.
+    /// Letter and number of the code.
     pub(crate) code: (char, u16),
-    /// Sequence number N.
+    /// Sequence number (N word).
     pub(crate) n: Option<u32>,
-    /// Whether `/` stands before it.
+    /// Whether the block begins with the skip mark `/`.
     pub(crate) skip: bool,
-    /// The words after the code.
+    /// The arguments after the code.
     pub(crate) call: MacroCall,
 }
 
-/// The call that a block makes by the code it begins with; `program_of` says what a
-/// letter and a number call.
+/// The call by the first code of a block; `None` if it calls no program. `program_of`
+/// returns the program that a letter and a number call.
 ///
 /// # Errors
-/// 114 for what is no word, 129 for an address that carries no argument, P among them.
+/// 114 for an invalid word, 129 for an address that cannot be an argument, such as P.
 pub(super) fn read(
     text: &str,
     program_of: &dyn Fn(char, u16) -> Option<u16>,
@@ -65,7 +66,7 @@ pub(super) fn read(
     }))
 }
 
-/// The number of a code, without a fraction and without a variable.
+/// The number of a code; `None` with a fraction or a variable.
 fn code(lexer: &mut Lexer<'_>) -> Option<u16> {
     skip_blanks(lexer).ok()?;
     let (mut value, mut digits) = (0_u16, 0);
@@ -80,7 +81,7 @@ fn code(lexer: &mut Lexer<'_>) -> Option<u16> {
 }
 
 impl Head {
-    /// Moves to the first word after `/` and N; whether there may be one.
+    /// Moves to the first word after `/` and N. Returns whether there may be one.
     fn skip_in(&self, lexer: &mut Lexer<'_>) -> bool {
         let next = |lexer: &mut Lexer<'_>| lexer.skip_blanks().is_ok();
         if !next(lexer) {

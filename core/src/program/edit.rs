@@ -1,9 +1,9 @@
-//! A program being edited: its text and the cursor in it (manual III-8.1).
+//! Edits a program: its text and the cursor (manual III-8.1).
 //!
-//! The cursor stands on a character of a line, on the sign that ends the line, or
-//! on the `%` behind the last block. What is typed in front of the `%` is an open
-//! block until the end of block is keyed in; leaving it ends it too. The line of
-//! the program name and the `%` stay as they are.
+//! The cursor is on a character of a line, on the sign that ends the line, or on the `%`
+//! after the last block. Text typed before the `%` is an open block until the end of block
+//! is typed; moving the cursor out of it ends it too. The line of the program name and the
+//! `%` cannot be edited.
 
 mod cursor;
 mod teach;
@@ -15,12 +15,13 @@ use super::listing::{end_column, without_end};
 use super::points::with_points;
 use super::text::Program;
 
-/// How the editor completes what is typed.
+/// Automatic additions to typed text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Completion {
-    /// 自动序号: each new block begins with a sequence number so much higher.
+    /// 自动序号: each new block begins with a sequence number; the value is the increment.
+    /// `None`: off.
     pub numbering: Option<u16>,
-    /// 013.3 PODI: numbers get their decimal point.
+    /// 013.3 PODI: numbers get a decimal point.
     pub points: bool,
 }
 
@@ -29,23 +30,23 @@ const FIRST_NUMBER: u32 = 10;
 /// The highest sequence number.
 const LAST_NUMBER: u32 = 9999;
 
-/// A program being edited.
+/// A program that is being edited, with the cursor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Editing {
-    /// The program as it is stored.
+    /// The program as stored in the program memory.
     stored: Program,
     program: Program,
     line: u32,
     column: u32,
     changed: bool,
-    /// The block at the cursor, the last one, is not ended yet.
+    /// The block at the cursor, the last one, has no end yet.
     open: bool,
-    /// All that stands in the open block is its automatic number.
+    /// The open block only has its automatic sequence number.
     numbered: bool,
 }
 
 impl Editing {
-    /// Begins with the cursor at the start of a line.
+    /// Starts editing with the cursor at the beginning of a line.
     pub fn new(stored: Program, line: u32) -> Self {
         let (first, last) = (stored.first_listed(), stored.last_listed());
         Self {
@@ -59,32 +60,32 @@ impl Editing {
         }
     }
 
-    /// The text as it is now.
+    /// The edited text.
     pub const fn program(&self) -> &Program {
         &self.program
     }
 
-    /// The program as it was when the editing began.
+    /// The text in the program memory.
     pub const fn stored(&self) -> &Program {
         &self.stored
     }
 
-    /// Line and column of the cursor; columns count characters from 0.
+    /// Line and column of the cursor. Lines count from 1, columns count characters from 0.
     pub const fn cursor(&self) -> (u32, u32) {
         (self.line, self.column)
     }
 
-    /// Whether the text differs from what is stored.
+    /// Whether the edited text differs from the stored one.
     pub const fn changed(&self) -> bool {
         self.changed
     }
 
-    /// The line of the block that is not ended yet.
+    /// The line of the open block; `None` without one.
     pub fn open_line(&self) -> Option<u32> {
         self.open.then_some(self.line)
     }
 
-    /// Whether what stands at the cursor may be changed: not the program name.
+    /// Whether the cursor is after the program name, where text may be changed.
     fn editable(&self) -> bool {
         self.line > self.program.name_line()
     }
@@ -97,28 +98,28 @@ impl Editing {
         end_column(self.program.line(line))
     }
 
-    /// The character in front of the cursor.
+    /// The character before the cursor; `None` at the beginning of a line.
     pub fn before_cursor(&self) -> Option<char> {
         let column = self.column.checked_sub(1)?;
         self.program.line(self.line).chars().nth(column as usize)
     }
 
-    /// The character at the cursor; none at the end of a block.
+    /// The character at the cursor; `None` at the end of a block.
     pub fn at_cursor(&self) -> Option<char> {
         let inside = self.column < self.end_of(self.line);
         let here = self.program.line(self.line).chars();
         here.skip(self.column as usize).find(|_| inside)
     }
 
-    /// Whether the cursor stands inside a comment.
+    /// Whether the cursor is inside a comment.
     pub fn in_comment(&self) -> bool {
         let before = self.program.line(self.line).chars();
         let before = before.take(self.column as usize);
         before.fold(false, |inside, c| c == '(' || inside && c != ')')
     }
 
-    /// Whether a letter typed here goes on with a statement or a formula of macro B: a
-    /// name, a variable or a bracket stands before it in its block.
+    /// Whether a letter typed at the cursor continues a statement or a formula of macro B: a
+    /// name, a variable or a bracket is before it in its block.
     pub fn in_statement(&self) -> bool {
         let line = self.program.line(self.line);
         let before: String = line.chars().take(self.column as usize).collect();
@@ -126,9 +127,9 @@ impl Editing {
         letter || before.contains(['#', '[', '='])
     }
 
-    // Changes. Each tells whether it did anything.
+    // Changes. Each returns whether it changed the text.
 
-    /// Puts a character in front of the cursor.
+    /// Inserts a character before the cursor.
     pub fn insert(&mut self, character: char) -> bool {
         if !self.editable() {
             return false;
@@ -152,8 +153,8 @@ impl Editing {
         true
     }
 
-    /// Puts a character behind the one at the cursor, and the cursor on it; at the end
-    /// of a block in front of its sign.
+    /// Inserts a character after the one at the cursor and moves the cursor to it. At the
+    /// end of a block it inserts before the sign.
     pub fn insert_after_cursor(&mut self, character: char) -> bool {
         if self.column >= self.end_of(self.line) {
             return self.insert(character);
@@ -164,8 +165,9 @@ impl Editing {
         inserted
     }
 
-    /// Writes a character over the one at the cursor; the sign that ends a block
-    /// is not overwritten. `stay` leaves the cursor where it is.
+    /// Overwrites the character at the cursor. The sign that ends a block is not
+    /// overwritten: the character is inserted before it. With `stay` the cursor does not
+    /// move.
     pub fn overwrite(&mut self, character: char, stay: bool) -> bool {
         if self.column >= self.end_of(self.line) || !self.editable() {
             let inserted = self.insert(character);
@@ -186,7 +188,7 @@ impl Editing {
         true
     }
 
-    /// Replaces the character in front of the cursor.
+    /// Replaces the character before the cursor.
     pub fn replace_before(&mut self, character: char) -> bool {
         if self.column == 0 || !self.editable() {
             return false;
@@ -195,7 +197,7 @@ impl Editing {
         self.overwrite(character, false)
     }
 
-    /// Ends the block in front of the cursor.
+    /// Ends the block before the cursor.
     pub fn end_block(&mut self, completion: Completion) -> bool {
         if !self.editable() {
             return false;
@@ -226,7 +228,7 @@ impl Editing {
         true
     }
 
-    /// Begins an empty block with the next sequence number, when they are automatic.
+    /// Begins an empty block with the next sequence number, if these are automatic.
     pub fn number_block(&mut self, completion: Completion) {
         let empty = self.on_end_mark() || self.end_of(self.line) == 0;
         let Some(number) = completion
@@ -252,7 +254,7 @@ impl Editing {
         (next <= LAST_NUMBER).then_some(next)
     }
 
-    /// Removes the character in front of the cursor: at the start of a line the
+    /// Removes the character before the cursor. At the beginning of a line it removes the
     /// end of the block above.
     pub fn backspace(&mut self) -> bool {
         if !self.editable() {
@@ -284,8 +286,8 @@ impl Editing {
         true
     }
 
-    /// Removes the character at the cursor; at the end of a block its sign, which
-    /// joins it with the next one.
+    /// Removes the character at the cursor. At the end of a block it removes the sign, which
+    /// joins the block to the next one.
     pub fn delete(&mut self) -> bool {
         if !self.editable() || self.on_end_mark() {
             return false;
@@ -310,7 +312,7 @@ impl Editing {
         true
     }
 
-    /// Whether the cursor stands on the N that begins a line.
+    /// Whether the cursor is on the N at the beginning of a line.
     fn at_block_number(&self) -> bool {
         let (before, after) = self.split_line();
         before.trim().is_empty() && after.starts_with(['N', 'n'])
@@ -329,8 +331,8 @@ impl Editing {
         true
     }
 
-    /// Removes everything from the cursor to the end of the next block with a
-    /// sequence number. `false` when there is none.
+    /// Removes the text from the cursor to the end of the next block with a sequence number.
+    /// Returns `false` if that block does not exist.
     pub fn delete_to(&mut self, sequence: u32) -> bool {
         if !self.editable() {
             return false;
@@ -362,13 +364,13 @@ impl Editing {
         true
     }
 
-    /// Ends an open block and gives the text that is to be stored.
+    /// Ends an open block and returns the text to be stored.
     pub fn finish(&mut self) -> &Program {
         self.leave();
         &self.program
     }
 
-    /// The text has been stored.
+    /// Records that the text has been stored in the program memory.
     pub fn saved(&mut self, stored: Program) {
         self.stored = stored.clone();
         self.program = stored;
@@ -377,7 +379,7 @@ impl Editing {
 
     // Text.
 
-    /// The line in front of the cursor and behind it.
+    /// The parts of the line before and from the cursor.
     fn split_line(&self) -> (String, String) {
         let line = self.program.line(self.line);
         let at = line
@@ -387,7 +389,7 @@ impl Editing {
         (line[..at].to_owned(), line[at..].to_owned())
     }
 
-    /// `X10.` becomes `X10.0` when something else follows.
+    /// Completes `X10.` to `X10.0` when another word follows.
     fn complete_point(&mut self) {
         let (before, after) = self.split_line();
         if before.ends_with('.') && !after.starts_with(|c: char| c.is_ascii_digit()) {
@@ -407,7 +409,7 @@ impl Editing {
         true
     }
 
-    /// Takes an open block away that nothing is left of.
+    /// Removes an open block without text.
     fn drop_open(&mut self) {
         self.open = false;
         let line = self.line.min(self.program.last_listed());
@@ -417,7 +419,7 @@ impl Editing {
         (self.line, self.column) = (self.program.last_listed(), 0);
     }
 
-    /// The cursor leaves an open block: it ends here.
+    /// Ends an open block, because the cursor leaves it.
     fn leave(&mut self) {
         if !self.open {
             return;
@@ -432,7 +434,7 @@ impl Editing {
         }
     }
 
-    /// Puts text in the place of the lines from `first` up to `end`.
+    /// Replaces the lines from `first` up to, but not including, `end` by text.
     fn put(&mut self, first: u32, end: u32, text: &str) {
         self.program = self.program.with_lines(first, end, text);
         self.changed = true;

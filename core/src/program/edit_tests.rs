@@ -95,7 +95,7 @@ fn new_blocks_are_numbered() {
     type_text(&mut editing, "M3;G0X1;", by_ten);
     assert_eq!(editing.program().line(3), "N0010G0X1;");
     assert_eq!(editing.open_line(), Some(4));
-    // A block that holds its number alone is none.
+    // A block that only has its automatic number is not stored.
     assert_eq!(text(&mut editing), "O0001;\nM3;\nN0010G0X1;\n");
     let mut editing = at(PART, 2, 10);
     type_text(&mut editing, ";M8", by_ten);

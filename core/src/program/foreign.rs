@@ -1,5 +1,5 @@
-//! What a refused block has of other controls: cycles of one block in the form of two, and
-//! every further code that is not one of this control.
+//! Explains refused blocks in the notation of other controls: one-block cycles in the
+//! two-block form, and each further code that this control does not have.
 
 use gsk_messages::{Message, say};
 
@@ -9,14 +9,14 @@ use super::syntax::Syntax;
 use crate::dialect::{self, advised};
 use crate::model::{GCode, Record};
 
-/// Words of a block that are read; a longer one is refused for its length.
+/// Greatest number of words read; a longer block is refused for its length.
 const MOST_WORDS: usize = 40;
-/// Characters of a number that are kept.
+/// Greatest number of stored characters of a number.
 const LONGEST_NUMBER: usize = 16;
-/// Messages on one block.
+/// Greatest number of messages about one block.
 const MOST_MESSAGES: usize = 6;
 
-/// A word as it is written, right or wrong.
+/// A word as written, valid or not.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct LooseWord {
     letter: u8,
@@ -24,13 +24,13 @@ struct LooseWord {
 }
 
 impl LooseWord {
-    /// Its number where it is whole.
+    /// The number of the word; `None` if it is not an integer.
     fn code(&self) -> Option<i64> {
         self.number.parse().ok()
     }
 }
 
-/// The words of a block as they are written, without its comments.
+/// The words of a block as written, without comments.
 fn loose_words(text: &str) -> Vec<LooseWord> {
     let mut lexer = Lexer::new(text);
     let mut words: Vec<LooseWord> = Vec::new();
@@ -62,8 +62,8 @@ fn loose_words(text: &str) -> Vec<LooseWord> {
     words
 }
 
-/// The two blocks that say what a roughing or threading cycle of one block says on other
-/// controls, where D is the depth of a cut.
+/// The two-block form of a roughing or threading cycle that other controls write in one
+/// block with D as the depth of cut.
 pub(super) fn two_block_form(text: &str, syntax: Syntax) -> Option<Message> {
     let words = loose_words(text);
     let record = syntax.model.record();
@@ -117,7 +117,7 @@ fn written(word: &LooseWord) -> String {
     format!("{}{}", char::from(word.letter), word.number)
 }
 
-/// A number that counts 0.001 mm without a point, in millimetres.
+/// Converts a number to mm; without a point it counts units of 0.001 mm.
 fn millimetres(number: &str) -> Option<String> {
     if number.contains('.') {
         return Some(number.to_owned());
@@ -132,7 +132,7 @@ fn millimetres(number: &str) -> Option<String> {
     )
 }
 
-/// The same in 0.001 mm.
+/// Converts a number to units of 0.001 mm.
 fn micrometres(number: &str) -> Option<i64> {
     if !number.contains('.') {
         return number.parse().ok();
@@ -141,9 +141,9 @@ fn micrometres(number: &str) -> Option<i64> {
     Some(libm::round(millimetres * 1000.0) as i64)
 }
 
-/// What a block has of other controls besides the word that it is refused for: its first
-/// foreign address, since addresses are read before codes, else its first foreign code.
-/// `has_m` says whether there is an M code.
+/// The unknown words of a block, except the one for which the block is refused. That is the
+/// first unknown address, since addresses are read before codes, otherwise the first unknown
+/// code. `has_m` returns whether an M code exists.
 pub(crate) fn further_foreign_words(
     text: &str,
     record: &Record,

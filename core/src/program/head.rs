@@ -1,23 +1,23 @@
-//! The start of a block: skip mark, program name, sequence number.
+//! Reads the beginning of a block: skip mark, program name, sequence number.
 
 use super::lexer::Lexer;
 
-/// What stands at the start of a block: `/`, O and N, in any order of the two.
+/// The words at the beginning of a block: `/`, O and N, the latter two in any order.
 #[derive(Default)]
 pub(super) struct Head {
     pub(super) o: Option<u16>,
     pub(super) n: Option<u32>,
-    /// Whether it begins with `/`.
+    /// Whether the block begins with `/`.
     pub(super) skip: bool,
     /// Byte range of the O word.
     pub(super) o_span: Option<(usize, usize)>,
-    /// Whether a `:` stands for O, as on other controls.
+    /// Whether the name begins with `:` instead of O, as on other controls.
     pub(super) colon: bool,
 }
 
 impl Head {
-    /// Whether a block names a program. The first byte of most says that they do not: a
-    /// number of the block stands before no name.
+    /// Whether a block names a program. For most blocks the first byte rules that out: an N
+    /// word cannot be before a name.
     pub(super) fn names_program(text: &str) -> bool {
         let other_word = matches!(text.as_bytes().first(), Some(b'A'..=b'N' | b'P'..=b'Z'));
         !other_word && Self::read(text).o.is_some()
@@ -54,10 +54,10 @@ impl Head {
     }
 }
 
-/// The greatest number of a block of any model.
+/// The greatest sequence number of any control model.
 const LAST_SEQUENCE: u32 = 99_999;
 
-/// An unsigned number up to the greatest one.
+/// Reads an unsigned number; `None` above `most`.
 fn number(lexer: &mut Lexer<'_>, most: u32) -> Option<u32> {
     lexer.skip_blanks().ok()?;
     let mut value = None;

@@ -1,35 +1,35 @@
-//! Where the blocks and lines of a text begin.
+//! Finds the beginnings of blocks and lines in a text.
 
 use super::lexer::{FOREIGN, Lexer};
 use super::places::{Place, Places};
 
-/// One pass over a text that finds its blocks.
+/// The index of a text, built in one pass.
 #[derive(Default)]
 pub(super) struct Index {
     pub(super) blocks: Places,
     /// Byte after the last block.
     pub(super) end: u32,
-    /// Lines of the text.
+    /// Number of lines.
     pub(super) lines: u32,
     /// The first line with full-width characters outside comments.
     pub(super) full_width: Option<u32>,
-    /// The first line with text after the `%` that ends the program.
+    /// The first line with text after the `%` at the end of the program.
     pub(super) after_end: Option<u32>,
 }
 
-/// What the scan of one block found.
+/// The result of scanning one block.
 #[derive(Default)]
 struct Scan {
     words: bool,
     comment: bool,
     end: End,
-    /// Byte at which the end stands.
+    /// Byte position of the end.
     end_at: usize,
 }
 
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
 enum End {
-    /// `;` or `*`.
+    /// At `;` or `*`.
     Mark,
     Line,
     Percent,
@@ -58,7 +58,7 @@ impl Index {
                 line += 1;
             }
             if scan.end == End::Mark && lexer.skip_line_feed() {
-                // Most blocks stand on a line of their own.
+                // Most lines have one block.
                 line_is_open = false;
                 line += 1;
             }
@@ -66,7 +66,7 @@ impl Index {
                 continue;
             }
             if self.blocks.len() == 0 {
-                // The start of a tape: what follows on its line is a leader.
+                // The start of a tape: the rest of the line is a leader.
                 let (end, next) = line_end(text, lexer.at);
                 line_is_open = next == end;
                 line += u32::from(!line_is_open);
@@ -87,7 +87,7 @@ impl Index {
         self.blocks.shrink_to_fit();
     }
 
-    /// Reads up to the end of a block and past it.
+    /// Scans a block to its end and moves past it.
     #[inline]
     fn scan(&mut self, lexer: &mut Lexer<'_>, line: u32) -> Scan {
         let mut scan = Scan::default();
@@ -103,7 +103,7 @@ impl Index {
                 b'(' => {
                     scan.comment = true;
                     if lexer.skip_comment().is_err() {
-                        // Not closed: a block, so that its alarm is raised.
+                        // Without its `)` it counts as a block, so that its alarm is raised.
                         scan.words = true;
                     }
                     continue;
@@ -125,8 +125,8 @@ impl Index {
     }
 }
 
-/// Whether the `%` here is the end mark: it begins its line, or nothing follows it. Within a
-/// line it is a foreign character, which its block is refused for.
+/// Whether the `%` here ends the text: it begins its line, or only blanks follow it. Within
+/// a line it is an invalid character, for which its block is refused.
 #[cold]
 fn ends_text(lexer: Lexer<'_>) -> bool {
     let bytes = lexer.moved_to(0).rest();
@@ -137,7 +137,7 @@ fn ends_text(lexer: Lexer<'_>) -> bool {
     begins_line.is_none_or(|byte| matches!(byte, b'\n' | b'\r')) || after.iter().all(ends)
 }
 
-/// The line of the first text from a byte on that is more than blanks and end marks.
+/// The line of the first text after a byte, other than blanks and end marks.
 fn line_with_text(text: &str, from: usize, line: u32) -> Option<u32> {
     let rest = text.get(from..)?;
     let mark = |letter: char| letter.is_whitespace() || letter.is_control() || letter == '%';
@@ -153,8 +153,8 @@ fn line_with_text(text: &str, from: usize, line: u32) -> Option<u32> {
     Some(line + lines)
 }
 
-/// Whether a `*` multiplies: what stands before it in its block is a formula of macro B,
-/// and no block without one has `=` or `[`.
+/// Whether a `*` means multiplication: the text before it in the block is a formula of macro
+/// B. Only blocks with a formula have `=` or `[`.
 #[cold]
 fn is_formula(mut lexer: Lexer<'_>, end: usize) -> bool {
     while lexer.at < end {
@@ -168,7 +168,7 @@ fn is_formula(mut lexer: Lexer<'_>, end: usize) -> bool {
     false
 }
 
-/// Lines that begin after this byte.
+/// Number of lines that begin after this byte.
 fn lines_after(text: &str, mut at: usize) -> u32 {
     let mut lines = 0;
     loop {
@@ -181,7 +181,7 @@ fn lines_after(text: &str, mut at: usize) -> u32 {
     }
 }
 
-/// Where the line of this byte begins.
+/// Start of the line that contains this byte.
 pub(super) fn line_start(text: &str, at: usize) -> usize {
     let bytes = text.as_bytes();
     let ends_line = |&index: &usize| {
@@ -190,7 +190,7 @@ pub(super) fn line_start(text: &str, at: usize) -> usize {
     (0..at).rev().find(ends_line).map_or(0, |index| index + 1)
 }
 
-/// Where the line that begins here ends, and where the next one begins.
+/// End of the line that begins here, and start of the next one.
 pub(super) fn line_end(text: &str, at: usize) -> (usize, usize) {
     let bytes = text.as_bytes();
     let rest = bytes.get(at..).unwrap_or(&[]);

@@ -1,63 +1,67 @@
-//! A program that comes in while it runs (DNC operation): the part of it that has
-//! arrived and is not done with.
+//! Buffers a program that arrives while it runs (DNC operation).
 //!
 //! ```text
-//!   line ──► line coming in ──► whole lines ──► window, read block by block ──► gone
+//!   bytes ──► partial line ──► whole lines ──► window, read block by block ──► dropped
 //! ```
 //!
-//! What is kept is bounded, however long the program is: the partner is asked for no
-//! more than there is room for, and what has been read goes.
+//! The buffer is bounded, whatever the length of the program. It requests no more
+//! than the free size from the partner, and drops the lines that were read.
 
 use serde::{Deserialize, Serialize};
 
 use super::head::Head;
 use super::text::Program;
 
-/// Characters kept. There is always room for the blocks that are looked at ahead.
+/// Size of the buffer in characters. It always has enough free size for the blocks of the
+/// look-ahead.
 const CAPACITY: usize = 16_384;
-/// Characters of a line; a longer one is refused.
+/// Greatest length of a line in characters; a longer one is refused.
 const LONGEST_LINE: usize = 500;
-/// Blocks that the window has in front of the one to be read, if they have arrived.
+/// Number of blocks that the window has after the current one, if they have arrived.
 const AHEAD: u32 = 17;
-/// Lines that stay behind the one to be read, for the display.
+/// Number of lines kept before the current one, for the display.
 const BEHIND: u32 = 8;
 
-/// Device controls of a punched tape, which are no text: NUL, DC1 to DC4, DEL.
+/// Device controls of a punched tape, which are not text: NUL, DC1 to DC4, DEL.
 const fn is_fill(byte: u8) -> bool {
     matches!(byte, 0 | 0x11..=0x14 | 0x7f)
 }
 
-/// How far the tape has come.
+/// The part of the tape that is arriving.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Tape {
-    /// Nothing but a leader yet.
+    /// The leader before the program.
     Leader,
-    /// The program.
+    /// The text of the program.
     Text,
-    /// Behind the `%`, or the partner has no more: what follows is not read.
+    /// After the `%`, or after the last character of the partner: further bytes are ignored.
+    #[serde(rename = "Over")]
     Over,
 }
 
 /// A line that is too long for the buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LineTooLong {
-    /// Its number, from 1.
+    /// Line number, from 1.
     pub line: u32,
-    /// Characters a line may have.
+    /// Greatest length of a line, characters.
     pub most: usize,
 }
 
-/// The part of a program that has arrived and is not done with.
+/// The part of an arriving program that is still needed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Inflow {
     window: Program,
-    /// Whole lines behind those of the window, and the number of the first.
+    /// Whole lines after those of the window, and the line number of the first.
     arrived: String,
+    #[serde(rename = "behind")]
     behind: u32,
-    /// The line that comes in, and its number.
+    /// The line that is arriving, and its number.
+    #[serde(rename = "coming")]
     coming: Vec<u8>,
     line: u32,
-    /// The character before was a carriage return.
+    /// The last character was a carriage return.
+    #[serde(rename = "returned")]
     returned: bool,
     number: Option<u16>,
     tape: Tape,
@@ -79,17 +83,17 @@ impl Default for Inflow {
 }
 
 impl Inflow {
-    /// What can be read now; its lines count from the beginning of the program.
+    /// The text that can be read. Its lines have the numbers of the whole program.
     pub const fn window(&self) -> &Program {
         &self.window
     }
 
-    /// The program number, once it has come.
+    /// The program number; `None` until it has arrived.
     pub const fn number(&self) -> Option<u16> {
         self.number
     }
 
-    /// How many characters may come.
+    /// Number of characters that the buffer accepts now.
     pub fn room(&self) -> usize {
         if self.tape == Tape::Over {
             return 0;
@@ -98,21 +102,21 @@ impl Inflow {
         CAPACITY.saturating_sub(kept)
     }
 
-    /// Whether more may follow the last block of the window.
+    /// Whether further blocks may follow the last one of the window.
     pub fn goes_on(&self) -> bool {
         self.tape != Tape::Over || !self.arrived.is_empty()
     }
 
-    /// Whether a block behind the last one of the window is worth waiting for: not
-    /// when the buffer is full of lines without one.
+    /// Whether waiting for a block after the last one of the window can succeed. It cannot
+    /// when the buffer is full of lines without a block.
     pub(crate) fn may_bring_another(&self) -> bool {
         self.goes_on() && (self.room() > 0 || !self.arrived.is_empty())
     }
 
-    /// A character has come.
+    /// Accepts a character from the partner.
     ///
     /// # Errors
-    /// Its line is too long.
+    /// The line is too long.
     pub fn take(&mut self, byte: u8) -> Result<(), LineTooLong> {
         let after_return = core::mem::replace(&mut self.returned, byte == b'\r');
         match byte {
@@ -130,7 +134,7 @@ impl Inflow {
         Ok(())
     }
 
-    /// The partner has no more: the last line needs no end.
+    /// Marks the end of the transfer: the last line needs no line end.
     pub fn finish(&mut self) {
         if !self.coming.is_empty() && self.tape != Tape::Over {
             self.end_line();
@@ -146,7 +150,7 @@ impl Inflow {
         if let Some(mark) = end_mark(text) {
             let before = &text[..mark];
             if self.tape == Tape::Leader && before.trim().is_empty() {
-                // The start of a tape: what follows on its line is a leader.
+                // The start of a tape: the rest of the line is a leader.
                 text = "";
             } else {
                 text = before;
@@ -161,8 +165,8 @@ impl Inflow {
         self.arrived.push('\n');
     }
 
-    /// Moves the window on before the block of this index is read: lines that were
-    /// read go, those that arrived come. Returns how many blocks went in front.
+    /// Moves the window forward before the block with this index is read. Drops lines that
+    /// were read and adds lines that have arrived. Returns the number of dropped blocks.
     pub(crate) fn move_on(&mut self, next: u32) -> u32 {
         let ahead = self.window.block_count().saturating_sub(next);
         let read_up = ahead == 0 && self.window.text().len() > CAPACITY / 2;
@@ -182,7 +186,7 @@ impl Inflow {
     }
 }
 
-/// A line as text; bytes that are no UTF-8 stand for no character of the language.
+/// Converts a line to text; invalid UTF-8 becomes `?`.
 fn plain(line: Vec<u8>) -> String {
     String::from_utf8(line).unwrap_or_else(|error| {
         let bytes = error.into_bytes();
@@ -191,7 +195,7 @@ fn plain(line: Vec<u8>) -> String {
     })
 }
 
-/// Where the `%` stands that ends a tape: outside comments.
+/// Position of the `%` that ends a tape; a `%` in a comment does not.
 fn end_mark(text: &str) -> Option<usize> {
     let mut comment = false;
     text.char_indices().find_map(|(at, character)| {
@@ -215,7 +219,7 @@ mod tests {
         }
     }
 
-    /// Blocks as they are read, with their lines.
+    /// Reads blocks with their line numbers, as the interpreter does.
     fn read(inflow: &mut Inflow, next: &mut u32) -> Vec<(u32, String)> {
         let mut blocks = Vec::new();
         loop {

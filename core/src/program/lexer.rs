@@ -1,15 +1,15 @@
-//! Bytes of a program text: full-width characters read as ASCII, blanks,
-//! comments, ends of blocks.
+//! Reads the characters of a program text: full-width characters as ASCII, blanks, comments,
+//! ends of blocks.
 
 use gsk_messages::say;
 
 use super::syntax::BlockError;
 use crate::alarm::number;
 
-/// What [`Lexer::peek`] gives for a character that is none of the language.
+/// The result of [`Lexer::peek`] for a character that the language does not have.
 pub(super) const FOREIGN: u8 = 0xFF;
 
-/// A place in a text. Does not allocate; never moves past the end.
+/// A position in a text. It does not allocate and never moves past the end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lexer<'a> {
     bytes: &'a [u8],
@@ -31,7 +31,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// The bytes from here on.
+    /// The bytes from the position.
     #[inline]
     pub(super) fn rest(&self) -> &'a [u8] {
         self.bytes.get(self.at..).unwrap_or_default()
@@ -42,13 +42,14 @@ impl<'a> Lexer<'a> {
         self.bytes.len()
     }
 
-    /// The same text from another byte on.
+    /// The same text at another byte position.
     pub(super) const fn moved_to(&self, at: usize) -> Self {
         Self { at, ..*self }
     }
 
-    /// The character here and its bytes; `\n` with no bytes at the end of the
-    /// text. A lone carriage return is an end of line like LF (the EOB of EIA).
+    /// The character at the position and its length in bytes; `\n` with
+    /// length 0 at the end of the text. A lone carriage return is an end of line like LF (the
+    /// EOB of EIA).
     #[inline]
     pub(super) fn peek(&self) -> (u8, usize) {
         match self.bytes.get(self.at) {
@@ -59,8 +60,8 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Passes the blanks and the ASCII letters, digits and marks here that neither end a
-    /// block nor begin a comment; whether there is more than blanks.
+    /// Skips blanks and ASCII letters, digits and marks that neither end a block nor begin a
+    /// comment. Returns whether it skipped more than blanks.
     #[inline]
     pub(super) fn skip_plain(&mut self) -> bool {
         let rest = self.rest();
@@ -74,7 +75,7 @@ impl<'a> Lexer<'a> {
         met & PLAIN != 0
     }
 
-    /// Passes the line feed here; whether there is one.
+    /// Skips a line feed. Returns whether there is one.
     #[inline]
     pub(super) fn skip_line_feed(&mut self) -> bool {
         let is_here = self.bytes.get(self.at) == Some(&b'\n');
@@ -82,7 +83,8 @@ impl<'a> Lexer<'a> {
         is_here
     }
 
-    /// Passes a digit, full-width or not, and gives its value; `None` before anything else.
+    /// Skips a digit, full-width or not, and returns its value; `None` before another
+    /// character.
     #[inline]
     pub(super) fn digit(&mut self) -> Option<u8> {
         let (byte, len) = match self.bytes.get(self.at) {
@@ -110,8 +112,8 @@ impl<'a> Lexer<'a> {
         self.at >= self.bytes.len()
     }
 
-    /// Passes blanks and comments. A comment that is not closed on its line is
-    /// an error: the place of its parenthesis.
+    /// Skips blanks and comments. A comment without `)` in its line is an error: the byte
+    /// position of its `(`.
     #[inline]
     pub(super) fn skip_blanks(&mut self) -> Result<(), usize> {
         if self
@@ -131,8 +133,8 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Passes the comment that begins here. Inside, nothing is converted; one that
-    /// was opened by a full-width parenthesis may be closed by either kind.
+    /// Skips the comment at the position. Characters inside are not converted. A comment
+    /// with a full-width `（` may end with either kind.
     pub(super) fn skip_comment(&mut self) -> Result<(), usize> {
         let open = self.at;
         let (_, len) = self.peek();
@@ -159,23 +161,23 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// A byte of a block, or a count in it, as words keep it; the greatest one for all beyond.
+/// A byte position or a count in a block, as words store it; greater values are clamped.
 pub(super) fn narrow(at: usize) -> u16 {
     u16::try_from(at).unwrap_or(u16::MAX)
 }
 
-/// Passes blanks and comments.
+/// Skips blanks and comments.
 pub(super) fn skip_blanks(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
     lexer
         .skip_blanks()
         .map_err(|open| BlockError::at(number::BAD_CHARACTER, open, say::comment_not_closed()))
 }
 
-/// Kinds of bytes outside comments: a character of a word wherever it stands.
+/// Kind of a byte outside comments: a character that belongs to a word.
 const PLAIN: u8 = 1;
-/// A blank.
+/// Kind of a byte: a blank.
 const BLANK: u8 = 2;
-/// Anything else.
+/// Kind of a byte: any other character.
 const OTHER: u8 = 0;
 static KINDS: [u8; 256] = {
     let mut kinds = [OTHER; 256];
@@ -191,9 +193,9 @@ static KINDS: [u8; 256] = {
     kinds
 };
 
-/// The ASCII character of a full-width one (U+FF01–U+FF5E), the blank for the
-/// ideographic and the no-break space and the byte order mark, otherwise
-/// [`FOREIGN`]; and its length in bytes. `bytes` is not empty.
+/// The ASCII form of a full-width character (U+FF01–U+FF5E), and its length in bytes.
+/// Ideographic and no-break space and the byte order mark become a blank, others
+/// [`FOREIGN`]. `bytes` must not be empty.
 #[cold]
 fn ascii_of_wide(bytes: &[u8]) -> (u8, usize) {
     match *bytes {

@@ -1,13 +1,13 @@
-//! Which lines of a text an operator sees, and where a block ends in one.
+//! Selects the lines of a text that the operator sees, and finds the ends of blocks in them.
 
 use super::text::Program;
 
-/// Empty lines at the end of a file that are looked through at most.
+/// Greatest number of empty lines at the end of a file that are skipped.
 const BLANK_LINES: u32 = 1000;
 
 impl Program {
-    /// The line that the listing begins with; a program cut out of a file keeps
-    /// the line numbers of that file.
+    /// The first line of the listing. A program from the middle of a file keeps the line
+    /// numbers of the file.
     pub fn first_listed(&self) -> u32 {
         let mut first = match self.block_count() {
             0 => 1,
@@ -20,8 +20,8 @@ impl Program {
         first
     }
 
-    /// The last line of the listing, which holds the `%`; where the text has none
-    /// it is the line after the last one that is not empty.
+    /// The last line of the listing, which shows the `%`. If the text has none, it is the
+    /// line after the last line that is not empty.
     pub fn last_listed(&self) -> u32 {
         let (last, closed) = self.extent();
         last + u32::from(!closed)
@@ -38,8 +38,7 @@ impl Program {
         (last, last > first && self.line(last).trim() == "%")
     }
 
-    /// The line with the program number, which the editor leaves alone; 0 without
-    /// one.
+    /// The line with the program number, which the editor protects; 0 without one.
     pub(crate) fn name_line(&self) -> u32 {
         self.name_block().map_or(0, |block| self.block_line(block))
     }
@@ -54,7 +53,7 @@ pub fn without_end(line: &str) -> &str {
     text.trim_end_matches([';', '*', '；']).trim_end()
 }
 
-/// The column of the sign that ends a line, in characters.
+/// The column of the sign that ends a line, in characters from 0.
 pub(crate) fn end_column(line: &str) -> u32 {
     without_end(line).chars().count() as u32
 }

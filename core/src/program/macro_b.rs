@@ -8,8 +8,8 @@
 //!                          END 1
 //! ```
 //!
-//! The control has this language as an option. Nothing is worked out here: a statement
-//! holds its formulas as postfix code.
+//! Macro B is an option of the control. These modules only parse: a statement stores its
+//! formulas as postfix code.
 
 mod expression;
 mod statement;

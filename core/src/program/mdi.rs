@@ -1,4 +1,4 @@
-//! The one block keyed in on the MDI page, word by word (manual III-6.1).
+//! The block that is typed word by word on the MDI page (manual III-6.1).
 
 use serde::{Deserialize, Serialize};
 
@@ -11,30 +11,30 @@ use super::text::Program;
 use crate::alarm::Alarm;
 use crate::memory::Parameters;
 
-/// Words keyed in so far, in the order of their first entry.
+/// The words typed so far, in the order of their first entry.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MdiBlock {
     words: Vec<(Slot, String)>,
-    /// They are read as macro B.
+    /// The words are read as macro B.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     macro_b: bool,
 }
 
-/// What a new word replaces: the word of its address; of the G codes the one that
-/// it could not share a block with.
+/// What a new word replaces: the word with the same address. A G code replaces the one that
+/// it cannot share a block with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Slot {
     Address(u8),
     Group(u8),
-    /// A statement of macro B, which is a block alone.
+    /// A statement of macro B, which must be alone in its block.
     Statement,
 }
 
 impl MdiBlock {
-    /// Takes one word or several. A word entered again replaces the earlier one.
+    /// Accepts one or more words. A word that is typed again replaces the earlier one.
     ///
     /// # Errors
-    /// The alarm of the syntax; the block is then as before.
+    /// The alarm of the syntax; the block is then unchanged.
     pub fn enter(
         &mut self,
         text: &str,
@@ -65,7 +65,7 @@ impl MdiBlock {
             ..Syntax::from(parameters)
         };
         next.macro_b = syntax.macro_b;
-        // The whole block must be readable: ranges depend on the G codes.
+        // The whole block must be valid: ranges depend on the G codes.
         parse_block(&next.text(), syntax).map_err(|error| match parse_block(text, syntax) {
             Err(word) => word,
             Ok(_) => error,
@@ -74,7 +74,7 @@ impl MdiBlock {
         Ok(())
     }
 
-    /// A statement of macro B, in the place of whatever was keyed in.
+    /// Replaces the block by a statement of macro B.
     fn enter_statement(&mut self, text: &str, parameters: &Parameters) -> Result<(), Alarm> {
         let text = text.trim().trim_end_matches(';').to_ascii_uppercase();
         let syntax = Syntax {
@@ -87,7 +87,7 @@ impl MdiBlock {
         Ok(())
     }
 
-    /// The statement of macro B that was keyed in.
+    /// The typed statement of macro B; `None` for a block of words.
     pub fn statement(&self) -> Option<&str> {
         match self.words.as_slice() {
             [(Slot::Statement, text)] => Some(text),
@@ -95,20 +95,20 @@ impl MdiBlock {
         }
     }
 
-    /// Forgets everything.
+    /// Removes all words.
     pub fn clear(&mut self) {
         self.words.clear();
     }
 
-    /// Whether nothing is keyed in.
+    /// Whether no word has been typed.
     pub fn is_empty(&self) -> bool {
         self.words.is_empty()
     }
 
-    /// The words of the block.
+    /// Parses the block.
     ///
     /// # Errors
-    /// As `parse_block`; not after a successful [`Self::enter`] with the same
+    /// As `parse_block`. It cannot fail after a successful [`Self::enter`] with the same
     /// parameters.
     pub fn block(&self, parameters: &Parameters) -> Result<Block, BlockError> {
         let text = self.text();
@@ -131,13 +131,13 @@ impl MdiBlock {
         text
     }
 
-    /// The block as a program of one block, for the interpreter.
+    /// A program that consists of this block, for the interpreter.
     pub fn program(&self) -> Program {
         Program::new(self.text())
     }
 
-    /// The value of a block of R alone, which is a nose radius unless the code of
-    /// group 01 takes R (manual II-1.3), mm.
+    /// The value of a block that only has R, mm: a nose radius, unless the code of group 01
+    /// uses R (manual II-1.3).
     pub(crate) fn lone_r(&self, parameters: &Parameters) -> Option<f64> {
         let [(Slot::Address(b'R'), _)] = self.words.as_slice() else {
             return None;
@@ -146,7 +146,7 @@ impl MdiBlock {
         r.variable().is_none().then(|| r.mm())
     }
 
-    /// What was keyed in for an address, number only; of several G the last.
+    /// The typed number of an address, without the letter; of several G the last one.
     pub fn entered(&self, address: u8) -> Option<&str> {
         let word = self.words.iter().rev().map(|(_, word)| word.as_str());
         let mut word = word.filter(|word| word.bytes().next() == Some(address));
@@ -160,8 +160,7 @@ fn is_macro(word: &str) -> bool {
     code.and_then(|code| code.parse::<u8>().ok()) == Some(65)
 }
 
-/// Whether a text is a statement of macro B: it begins with a variable or a name, or
-/// with a call.
+/// Whether a text is a statement of macro B: it begins with a variable, a name or a call.
 fn is_statement(text: &str) -> bool {
     let text = text.trim();
     let code = |number: &str| {
@@ -176,7 +175,7 @@ fn is_statement(text: &str) -> bool {
     call || modal || text.starts_with('#') || letters(bytes.next()) && letters(bytes.next())
 }
 
-/// Cuts a text before each address letter; those in brackets are none.
+/// Splits a text before each address letter. Letters in brackets do not begin a word.
 fn cut(text: &str) -> Vec<(Slot, String)> {
     let mut words: Vec<(Slot, String)> = Vec::new();
     let mut depth = 0_i32;
@@ -208,8 +207,8 @@ fn cut(text: &str) -> Vec<(Slot, String)> {
     words
 }
 
-/// The group of a G code (manual I-3, table 3-7). Groups 00 and 01 cannot share a
-/// block, so they count as one; G20 and G21 have their own.
+/// The group of a G code (manual I-3, table 3-7). Groups 00 and 01 cannot share a block, so
+/// they count as one; G20 and G21 have a separate group.
 const fn group(code: u8) -> u8 {
     match code {
         96 | 97 => 2,

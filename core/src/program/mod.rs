@@ -1,10 +1,9 @@
-//! Program text: programs, their blocks and words, and the program memory.
+//! Programs as text: their blocks and words, editing, and the program memory.
 //!
-//! A *line* is a line of the file, counted from 1; every place shown to the user
-//! is a line. A *block* is what the control executes at a time: it ends at the
-//! end of its line or at a `;` or `*` (manual I-2.1), so a line can hold several
-//! blocks. Lines without words are no blocks, except a `;` that stands alone.
-//! The interpreter walks over blocks:
+//! A *line* is a line of the file, counted from 1; every source position shown to the user
+//! is a line. A *block* is what the control executes at once. It ends at the end of its line
+//! or at a `;` or `*` (manual I-2.1), so a line can contain several blocks. Lines without
+//! words are not blocks, except for a single `;`. The interpreter executes block by block:
 //!
 //! ```
 //! use gsk_core::program::{Program, Syntax};

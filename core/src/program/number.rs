@@ -1,13 +1,13 @@
-//! The number of a word, exact as written.
+//! The number of a word, stored exactly as written.
 
 use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// Units of [`Number`] in one.
+/// 1 in the unit of [`Number`].
 const ONE: i64 = 1_000_000;
 
-/// How a number was written.
+/// The notation of a number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Form {
     #[default]
@@ -17,12 +17,12 @@ enum Form {
     NegativeVariable,
 }
 
-/// The number of a word: an exact decimal in millionths, and how it was written.
+/// The number of a word: an exact decimal in millionths, and its notation.
 ///
-/// On the addresses that take a point (X Z U W R I J K, and F) the value is in mm,
-/// s, mm/min, … with or without one; lengths are rounded to the least input
-/// increment of 0.001 (manual I-1.3.1). Until [`Block::resolve`] has put numbers
-/// in their place, a number can also be a reference to a variable.
+/// On addresses that accept a point (X Z U W R I J K, and F) the value is in mm, s, mm/min,
+/// …, with or without a point. Lengths are rounded to the least input increment of 0.001
+/// (manual I-1.3.1). A number can also be a reference to a variable, until
+/// [`Block::resolve`] replaces it.
 ///
 /// [`Block::resolve`]: super::Block::resolve
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -32,13 +32,13 @@ pub struct Number {
     form: Form,
 }
 
-/// A reference `#i` or `-#i` in the place of a number.
+/// A reference `#i` or `-#i` instead of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Variable {
-    /// The number after `#`; `9nnn` means the variable whose number stands in
-    /// `#nnn` (manual I-3.7.2).
+    /// The number after `#`; `9nnn` means the variable whose number is the value of `#nnn`
+    /// (manual I-3.7.2).
     pub number: u16,
-    /// Whether a minus stands before it.
+    /// Whether a minus sign is before the `#`.
     pub negative: bool,
 }
 
@@ -49,7 +49,7 @@ impl Number {
         form: Form::Integer,
     };
 
-    /// A number written without a point, as these many digits.
+    /// A number written without a point, with this number of digits.
     pub(crate) const fn from_integer(value: i64, digits: u8) -> Self {
         Self {
             millionths: value.saturating_mul(ONE),
@@ -58,7 +58,7 @@ impl Number {
         }
     }
 
-    /// A number written with a point.
+    /// A number written with a point, in millionths.
     pub(crate) const fn from_millionths(millionths: i64) -> Self {
         Self {
             millionths,
@@ -67,8 +67,9 @@ impl Number {
         }
     }
 
-    /// What a formula gives for a word: a `length` to its least increment, a feed as it is,
-    /// anything else a whole number; halves away from zero.
+    /// The number that a formula yields for a word. A length is rounded to its increment
+    /// `length`, in millionths, a feed is not rounded, other numbers are rounded to an
+    /// integer. Halves are rounded away from zero.
     pub(super) fn from_value(value: f64, address: u8, length: Option<i64>) -> Self {
         if address == b'F' {
             return Self::from_millionths(rounded(value, 1));
@@ -91,7 +92,7 @@ impl Number {
         }
     }
 
-    /// The variable that stands here instead of a number.
+    /// The variable that the word refers to; `None` for a number.
     pub const fn variable(self) -> Option<Variable> {
         let negative = match self.form {
             Form::Variable => false,
@@ -109,7 +110,7 @@ impl Number {
         self.millionths
     }
 
-    /// Value in thousandths, fraction dropped: increments of the control.
+    /// Value in thousandths without its fraction: the increments of the control.
     pub const fn thousandths(self) -> i64 {
         self.millionths / 1000
     }
@@ -119,7 +120,7 @@ impl Number {
         self.millionths as f64 / ONE as f64
     }
 
-    /// The value of a length, mm (a diameter stays one).
+    /// The value of a length, mm; a diameter remains a diameter.
     pub fn mm(self) -> f64 {
         self.value()
     }
@@ -134,18 +135,18 @@ impl Number {
         matches!(self.form, Form::Decimal)
     }
 
-    /// How many digits were written, for a number without a point: `T0101` and
-    /// `T1` differ in meaning.
+    /// Number of written digits of a number without a point: `T0101` and `T1` have different
+    /// meanings.
     pub const fn digits(self) -> u8 {
         self.digits
     }
 
-    /// The same length or feed, given in inches, in millimetres.
+    /// Converts a length or a feed from inches to millimetres.
     pub const fn inches_to_mm(self) -> Self {
         Self::from_millionths(self.millionths.saturating_mul(254) / 10)
     }
 
-    /// Rounded to the least input increment, in millionths of its unit.
+    /// Rounds to the least input increment, in millionths of the unit.
     pub(super) const fn rounded_to_increment(self, increment: i64) -> Self {
         let half = if self.millionths < 0 {
             -increment / 2
@@ -157,7 +158,7 @@ impl Number {
     }
 }
 
-/// Addresses whose numbers are lengths in mm.
+/// Whether the numbers of an address are lengths in mm.
 pub(super) const fn is_length(address: u8) -> bool {
     matches!(
         address,
@@ -165,10 +166,11 @@ pub(super) const fn is_length(address: u8) -> bool {
     )
 }
 
-/// A value in millionths, to a multiple of so many of them. The half counts away from
-/// zero, and what binary fractions fall short of it does, too: 1.2345 gives 1.235.
+/// Rounds a value to a multiple of `unit` millionths, in millionths. Halves are rounded away
+/// from zero, including those that a binary fraction represents too small: 1.2345 yields
+/// 1.235.
 fn rounded(value: f64, unit: i64) -> i64 {
-    /// What a value may fall short of the half.
+    /// How far below a half a value may be.
     const SHORT: f64 = 1e-7;
     let size = value.abs() * (ONE as f64) / unit as f64;
     let units = libm::floor(size + 0.5 + SHORT) as i64;

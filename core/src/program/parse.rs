@@ -1,5 +1,4 @@
-//! The word syntax: text of a block to words, with every range (manual I-2.2,
-//! table 2-1).
+//! Parses the words of a block and checks their ranges (manual I-2.2, table 2-1).
 
 use gsk_messages::say;
 
@@ -15,8 +14,8 @@ use crate::alarm::number;
 use crate::dialect::{self, advised};
 use crate::model::GCode;
 
-/// Reads one block: up to the first `;`, `*`, `%` or end of line outside
-/// comments. Does not allocate unless it fails.
+/// Parses one block: up to the first `;`, `*`, `%` or line end outside comments. It does not
+/// allocate unless it fails.
 ///
 /// # Errors
 /// The alarm of the syntax: 002, 005, 006, 007, 009, 012, 018, 043, 125; of macro B 114,
@@ -27,11 +26,11 @@ pub(crate) fn parse_block(text: &str, syntax: Syntax) -> Result<Block, BlockErro
     Ok(block)
 }
 
-/// The same into an empty block.
+/// Parses a block into an empty [`Block`].
 pub(super) fn read_block(text: &str, syntax: Syntax, block: &mut Block) -> Result<(), BlockError> {
     let mut lexer = Lexer::new(text);
     let mut seen = 0;
-    // Their values are in range as they are written.
+    // Plain words are within their ranges if the model does not narrow these.
     let narrows = narrows_words(syntax);
     if !syntax.macro_b && !narrows && plain_words(&mut lexer, &mut seen, syntax, block) {
         return Ok(());
@@ -41,7 +40,8 @@ pub(super) fn read_block(text: &str, syntax: Syntax, block: &mut Block) -> Resul
         .map_err(|error| error.located(text))
 }
 
-/// The words of a block from where the lexer stands, after those of the addresses `seen`.
+/// Reads the words of a block from the position of the lexer. `seen` has the addresses
+/// already read, one bit each.
 fn read_words(
     text: &str,
     mut lexer: Lexer<'_>,
@@ -71,12 +71,12 @@ fn read_words(
         let address = match byte {
             b'A'..=b'Z' => byte,
             b'a'..=b'z' => byte.to_ascii_uppercase(),
-            // The name of a program on other controls.
+            // The program name of other controls.
             b':' if block.is_empty() && block.o.is_none() && block.n.is_none() => b'O',
-            // Where there are formulas it multiplies, and ends nothing.
+            // In a block with formulas it means multiplication and is no end.
             b'*' if block.statement.is_some() => return nothing_more(&mut lexer),
             b'\n' | b';' | b'*' => return Ok(()),
-            // Alone in its line it ends the text; there is no block then.
+            // Alone in its line it ends the text, and the block is empty.
             b'%' if seen == 0 && !block.skip && is_blank_after_mark(&lexer) => return Ok(()),
             _ => return Err(misplaced(text, start, byte)),
         };
@@ -150,14 +150,14 @@ fn read_words(
     }
 }
 
-/// Whether an N stands after a G code (Huaxing): it is no sequence number there.
+/// Whether an N word is after a G code (Huaxing): it is not a sequence number then.
 #[inline]
 fn is_count(address: u8, syntax: Syntax, block: &Block) -> bool {
     address == b'N' && block.has(b'G') && syntax.model.record().n_after_g
 }
 
-/// Whether a G code before it makes a length or a factor of a word that is a whole
-/// number otherwise (Huaxing): L of G31, D of its threads, P as their lead.
+/// Whether a G code earlier in the block makes a word a length or a factor that otherwise is
+/// an integer (Huaxing): L of G31, D of its threads, P as their lead.
 #[inline]
 fn has_point_by_code(address: u8, syntax: Syntax, block: &Block) -> bool {
     let record = syntax.model.record();
@@ -181,9 +181,9 @@ fn has_point_by_code(address: u8, syntax: Syntax, block: &Block) -> bool {
     }
 }
 
-/// N after a code of the Huaxing lathes: a block, a subprogram or a count, with up to
-/// two more numbers after points, which are those of P and L: `G25 N100.140.3` is
-/// `N100 P140 L3`, `G20 N05.3` is `N05 L3`.
+/// Reads an N word after a code of the Huaxing lathes: a block, a subprogram or a count. Up
+/// to two more numbers after points are those of P and L: `G25 N100.140.3` is `N100 P140
+/// L3`, `G20 N05.3` is `N05 L3`.
 #[cold]
 fn count_words(lexer: &mut Lexer<'_>, block: &mut Block, start: usize) -> Result<(), BlockError> {
     let mut numbers = Vec::new();
@@ -225,7 +225,7 @@ fn count_words(lexer: &mut Lexer<'_>, block: &mut Block, start: usize) -> Result
     Ok(())
 }
 
-/// The call that a G code of macro B makes: G66, G67, and G65 without H.
+/// The call of a G code of macro B: G66, G67, and G65 without H.
 #[cold]
 fn call(
     lexer: &mut Lexer<'_>,
@@ -245,7 +245,7 @@ fn call(
     })
 }
 
-/// The variable or the formula that stands for the number of a word.
+/// The variable or the formula that a word has instead of a number; `None` for a number.
 #[cold]
 fn formula(
     lexer: &mut Lexer<'_>,
@@ -280,13 +280,13 @@ fn formula(
     Ok(Some(Number::from_variable(Variable { number, negative })))
 }
 
-/// A macro statement stands alone in its block, behind N.
+/// The error of a macro statement that is not alone in its block after N.
 #[cold]
 fn shares_block(at: usize) -> BlockError {
     BlockError::at(number::MIXED_BLOCK, at, say::macro_statement_not_alone())
 }
 
-/// Nothing but comments follows a macro statement.
+/// Checks that only comments follow a macro statement.
 #[cold]
 fn nothing_more(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
     skip_blanks(lexer)?;
@@ -301,7 +301,7 @@ fn nothing_more(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
     }
 }
 
-/// A letter that no word of this control begins with.
+/// The error of a letter that is not an address of this control.
 #[cold]
 fn foreign_address(text: &str, address: u8, start: usize, syntax: Syntax) -> BlockError {
     let rule = say::address_unknown(char::from(address));
@@ -313,13 +313,13 @@ fn foreign_address(text: &str, address: u8, start: usize, syntax: Syntax) -> Blo
     BlockError::at(number::BAD_ADDRESS, start, advised(rule, advice))
 }
 
-/// Whether nothing but blanks and more end marks follows the `%` at the lexer.
+/// Whether only blanks and further end marks follow the `%` at the position.
 fn is_blank_after_mark(lexer: &Lexer<'_>) -> bool {
     let mut bytes = lexer.rest().iter();
     bytes.all(|byte| *byte == b'%' || byte.is_ascii_whitespace() || *byte < b' ')
 }
 
-/// A character at a place where a word must begin.
+/// The error of a character where a word must begin.
 #[cold]
 fn misplaced(text: &str, at: usize, byte: u8) -> BlockError {
     match byte {
@@ -353,10 +353,10 @@ fn misplaced(text: &str, at: usize, byte: u8) -> BlockError {
     }
 }
 
-/// Digits of a number that a hint writes anew.
+/// Greatest number of digits in a corrected number.
 const LONGEST_HINT: usize = 20;
 
-/// The word around a comma between digits, with a point in its place.
+/// The word around a comma between digits, with a point instead of the comma.
 fn decimal_comma(text: &str, at: usize) -> Option<String> {
     let (before, after) = (text.get(..at)?, text.get(at..)?);
     let comma = after.chars().next()?;
@@ -384,7 +384,7 @@ fn program_number(value: Number, at: usize) -> Result<u16, BlockError> {
     }
 }
 
-/// The number of a block, as far as the model counts.
+/// The sequence number of a block, within the range of the model.
 fn sequence_number(value: Number, syntax: Syntax, at: usize) -> Result<u32, BlockError> {
     let last = syntax.model.record().last_sequence;
     match u32::try_from(value.integer()) {

@@ -1,29 +1,29 @@
-//! Where blocks begin, kept small: a program of ten million blocks has ten million places.
+//! Stores the positions of blocks compactly: a program may have ten million blocks.
 //!
-//! Blocks stand in groups of 16. Of a group whose blocks stand one on a line, none longer
-//! than 255 bytes, only its first place is kept and a byte for each step from one block to
-//! the next; of any other group every place.
+//! Blocks form groups of 16. A group is close if each of its blocks is on the next line and
+//! none is longer than 255 bytes. A close group stores its first position and a byte for
+//! each step to the next block. Other groups store all positions.
 //!
 //! ```text
 //! first      steps
 //! byte line  18  17  21  17 …      its third block: byte + 18 + 17, line + 2
 //! ```
 
-/// Where a block begins.
+/// Position of a block in the text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Place {
     pub(super) byte: u32,
     pub(super) line: u32,
 }
 
-/// Blocks of a group.
+/// Number of blocks in a group.
 const GROUP: usize = 16;
 
-/// The places of blocks, in the order of the text.
+/// The positions of blocks, in the order of the text.
 #[derive(Default)]
 pub(super) struct Places {
     groups: Vec<Group>,
-    /// The places of groups that are not close.
+    /// The positions in groups that are not close.
     wide: Vec<Place>,
     last: Option<Place>,
     count: usize,
@@ -35,17 +35,17 @@ struct Group {
     rest: Rest,
 }
 
-/// The blocks of a group after its first one.
+/// The blocks of a group after the first one.
 #[derive(Clone, Copy)]
 enum Rest {
-    /// Bytes from block to block, each on the next line.
+    /// Bytes from block to block; each block is on the next line.
     Close([u8; GROUP - 1]),
-    /// All places of the group are kept, from this one on.
+    /// Index in `wide` of the first position of the group.
     Wide(u32),
 }
 
 impl Group {
-    /// The place of one of its blocks.
+    /// The position of a block of the group.
     #[inline]
     fn place(&self, within: usize, wide: &[Place]) -> Option<Place> {
         match &self.rest {
@@ -62,12 +62,12 @@ impl Group {
 }
 
 impl Places {
-    /// How many there are.
+    /// Number of blocks.
     pub(super) const fn len(&self) -> usize {
         self.count
     }
 
-    /// Adds the next one.
+    /// Adds the position of the next block.
     pub(super) fn push(&mut self, place: Place) {
         let last = self.last.replace(place);
         let within = self.count % GROUP;
@@ -83,7 +83,7 @@ impl Places {
                 steps[within - 1] = step;
             }
             (Rest::Close(_), _) => {
-                // What was close so far is kept place by place from now on.
+                // The positions of the group so far move to `wide`.
                 let from = self.wide.len() as u32;
                 let before = (0..within).filter_map(|index| group.place(index, &[]));
                 self.wide.extend(before);
@@ -94,13 +94,13 @@ impl Places {
         }
     }
 
-    /// Gives back what was taken for more places to come.
+    /// Releases the memory reserved for more positions.
     pub(super) fn shrink_to_fit(&mut self) {
         self.groups.shrink_to_fit();
         self.wide.shrink_to_fit();
     }
 
-    /// The place of a block.
+    /// The position of a block; `None` beyond the last one.
     #[inline]
     pub(super) fn get(&self, index: usize) -> Option<Place> {
         if index >= self.count {
@@ -110,7 +110,7 @@ impl Places {
         group.place(index % GROUP, &self.wide)
     }
 
-    /// The line of a block.
+    /// The line of a block; `None` beyond the last one.
     #[inline]
     pub(super) fn line(&self, index: usize) -> Option<u32> {
         if index >= self.count {
@@ -123,7 +123,7 @@ impl Places {
         }
     }
 
-    /// All of them in order.
+    /// All positions in order.
     pub(super) fn iter(&self) -> impl Iterator<Item = Place> {
         let mut before = None;
         (0..self.count).filter_map(move |index| {
@@ -140,15 +140,16 @@ impl Places {
         })
     }
 
-    /// The last place.
+    /// The position of the last block.
     pub(super) const fn last(&self) -> Option<Place> {
         self.last
     }
 
-    /// The first block in this line or after it; how many there are, after the last one.
+    /// The first block in this line or after it; the number of blocks if there is none.
     pub(super) fn first_at(&self, line: u32) -> usize {
         let groups = self.groups.partition_point(|group| group.first.line < line);
-        // It is in the group before the first one that begins late enough, or begins that.
+        // It is in the group before the first group that begins late enough, or is the first
+        // block of that group.
         let from = groups.saturating_sub(1) * GROUP;
         let to = (groups * GROUP).min(self.count);
         let (mut low, mut high) = (from, to);
@@ -167,8 +168,8 @@ impl Places {
 mod tests {
     use super::*;
 
-    /// Places as they are met in texts: mostly one a line, now and then several on one,
-    /// long ones, and lines without.
+    /// Positions as in usual texts: mostly one block per line, sometimes several, long
+    /// blocks, and lines without blocks.
     fn some(count: u32, seed: u32) -> Vec<Place> {
         let mut state = seed;
         let mut place = Place { byte: 3, line: 1 };

@@ -1,5 +1,5 @@
-//! Words as most programs have them: `N10 G01 X40.136 Z-1. F200;`, in ASCII, each within
-//! the range of its address by its digits alone.
+//! Reads words in the most common form: `N10 G01 X40.136 Z-1. F200;`, in ASCII, with so few
+//! digits that they cannot exceed the range of their address.
 
 use super::block::{Block, Word};
 use super::lexer::{Lexer, narrow};
@@ -7,8 +7,8 @@ use super::number::Number;
 use super::read_number::{LAST_PLACE, append_digits};
 use super::syntax::Syntax;
 
-/// Passes the words in front that are written as most are: `N10 G01 X40.136 Z-1. F200;`.
-/// Whether they are the whole block; what comes after them is left to
+/// Skips the words at the beginning of a block that have the common form. Returns whether
+/// they are the whole block. The caller reads the rest with
 /// [`read_block`](super::parse::read_block).
 pub(super) fn plain_words(
     lexer: &mut Lexer<'_>,
@@ -40,7 +40,7 @@ pub(super) fn plain_words(
         let (start, end) = (all - rest.len(), all - after.len());
         match address {
             b'G' if value.integer() == 65 => return false,
-            // After a G code it is no sequence number on the Huaxing lathes.
+            // After a G code N is not a sequence number on Huaxing lathes.
             b'N' if !block.is_empty() => return false,
             b'N' => block.n = Some(value.integer() as u32),
             _ => {
@@ -60,18 +60,18 @@ pub(super) fn plain_words(
     }
 }
 
-/// The numbers of an address that are within its range by their digits alone.
+/// The numbers of an address that are in its range because of their number of digits.
 #[derive(Clone, Copy)]
 struct Plain {
-    /// Digits before the point.
+    /// Greatest number of digits before the point.
     digits: u8,
-    /// Digits after it.
+    /// Greatest number of digits after the point.
     places: u8,
     signed: bool,
 }
 
 impl Plain {
-    /// There are none.
+    /// No number is accepted.
     const NONE: Self = Self::of(0, 0, false);
 
     const fn of(digits: u8, places: u8, signed: bool) -> Self {
@@ -83,7 +83,7 @@ impl Plain {
     }
 }
 
-/// Those of the addresses A to Z.
+/// The limits for the addresses A to Z.
 static PLAIN: [Plain; 26] = {
     let mut plain = [Plain::NONE; 26];
     let mut letter = 0;
@@ -100,8 +100,8 @@ static PLAIN: [Plain; 26] = {
     plain
 };
 
-/// A number in ASCII that is within the range of its address by its digits, and what
-/// follows it: something does.
+/// Reads an ASCII number with few enough digits. Returns it with the rest of the text, which
+/// must not be empty.
 #[inline]
 fn plain_number(text: &[u8], plain: Plain, syntax: Syntax) -> Option<(Number, &[u8])> {
     let (negative, text) = match text {

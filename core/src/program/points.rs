@@ -1,11 +1,11 @@
-//! 013.3 PODI: decimal points that the control appends while a block is keyed in.
+//! 013.3 PODI: appends decimal points to the numbers of a typed block.
 
 use super::number::is_length;
 use super::parse::parse_block;
 use super::syntax::Syntax;
 
-/// A block as keyed in, with a point after each number that takes one and has
-/// none. A block that cannot be read stays as it is, and so does G65.
+/// A typed block with a point after each number that accepts one and has none. An invalid
+/// block and a G65 are returned unchanged.
 pub fn with_points(text: &str) -> String {
     let mut pointed = text.to_owned();
     let Ok(block) = parse_block(text, Syntax::default()) else {

@@ -1,4 +1,4 @@
-//! The number of a word, as it is written.
+//! Parses the number of a word.
 
 use gsk_messages::say;
 
@@ -7,7 +7,7 @@ use super::number::{Number, Variable};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm::number;
 
-/// The number after an address letter that stands at `start`.
+/// Reads the number after the address letter at byte `start`.
 pub(super) fn read_number(
     lexer: &mut Lexer<'_>,
     address: u8,
@@ -77,24 +77,24 @@ pub(super) fn read_number(
     )
 }
 
-/// The digits of a number as they are written.
+/// The digits of a number as written.
 struct Digits {
-    /// Where they begin, and where their point stands.
+    /// Byte positions of the first digit and of the point.
     at: usize,
     point: Option<usize>,
-    /// What stands before the point, and its digits.
+    /// Value before the point, and its number of digits.
     whole: i64,
     count: u8,
-    /// What stands after it, in millionths, and its digits.
+    /// Value after the point in millionths, and its number of digits.
     fraction: i64,
     places: u8,
 }
 
-/// Digits as most are written: ASCII, and not very many. Anything else is left to
-/// [`any_digits`].
+/// Reads digits in the most common form: ASCII, and not too many. [`any_digits`] reads all
+/// others.
 #[inline]
 fn plain_digits(lexer: &mut Lexer<'_>) -> Option<Digits> {
-    /// Digits before the point.
+    /// Greatest number of digits before the point.
     const MOST: usize = 12;
     let at = lexer.at;
     let (whole, mut rest) = append_digits(0, lexer.rest());
@@ -121,8 +121,8 @@ fn plain_digits(lexer: &mut Lexer<'_>) -> Option<Digits> {
     })
 }
 
-/// A number with the ASCII digits in front of a text written after its last one, whatever
-/// it is of very many, and what follows them.
+/// Appends the leading ASCII digits of a text to a number. Returns the number, which wraps
+/// if there are too many digits, and the rest of the text.
 #[inline]
 pub(super) fn append_digits(mut value: i64, mut bytes: &[u8]) -> (i64, &[u8]) {
     while let [byte, rest @ ..] = bytes {
@@ -136,7 +136,7 @@ pub(super) fn append_digits(mut value: i64, mut bytes: &[u8]) -> (i64, &[u8]) {
     (value, bytes)
 }
 
-/// Digits however they are written.
+/// Reads digits in any form.
 #[cold]
 fn any_digits(lexer: &mut Lexer<'_>) -> Result<Digits, BlockError> {
     let at = lexer.at;
@@ -176,21 +176,21 @@ fn any_digits(lexer: &mut Lexer<'_>) -> Result<Digits, BlockError> {
     Ok(digits)
 }
 
-/// Numbers this large are out of every range; reading stops to grow there.
+/// A number of this size is out of every range; it does not grow further.
 pub(super) const HUGE: i64 = 1_000_000_000_000;
 
-/// Decimal places of a millionth; what is written after them is dropped.
+/// Decimal places of a millionth; further ones are dropped.
 const PLACES: u8 = 6;
 
-/// What one in the last of so many places is worth, in millionths.
+/// Value of a 1 in the last place, in millionths, by the number of decimal places.
 pub(super) const LAST_PLACE: [i64; PLACES as usize + 1] =
     [1_000_000, 100_000, 10_000, 1000, 100, 10, 1];
 
-/// So many digits the number of a feed may have, but for zeros that say nothing.
+/// Greatest number of significant digits of a feed.
 const FEED_DIGITS: usize = 7;
 
-/// Digits of the number that was read last, from here on, without the zeros in front and
-/// those at the end of a fraction.
+/// Number of digits of the last number from a byte position, without leading zeros and
+/// without zeros at the end of a fraction.
 fn significant_digits(lexer: &Lexer<'_>, at: usize) -> usize {
     let mut lexer = lexer.moved_to(at);
     let mut significant = 0_usize;
@@ -214,7 +214,7 @@ fn significant_digits(lexer: &Lexer<'_>, at: usize) -> usize {
     significant
 }
 
-/// Leading zeros beyond these are not kept.
+/// Greatest stored number of written digits, leading zeros included.
 const MAX_DIGITS: u8 = 20;
 
 #[cold]
@@ -241,7 +241,7 @@ fn no_digits(lexer: &Lexer<'_>, name: char, start: usize, marks: bool) -> BlockE
     }
 }
 
-/// `#i` after an address; the lexer stands on `#`.
+/// Reads `#i` after an address; the lexer is at the `#`.
 #[cold]
 fn read_variable(lexer: &mut Lexer<'_>, address: u8, negative: bool) -> Result<Number, BlockError> {
     let at = lexer.at;

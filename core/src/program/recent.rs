@@ -1,37 +1,38 @@
-//! Blocks read lately. Those of a loop and of a subprogram come again and again: their
-//! text is read once.
+//! Caches parsed blocks: those of loops and subprograms are executed repeatedly, but parsed
+//! once.
 
 use super::block::Block;
 use super::syntax::{BlockError, Syntax};
 use super::text::{Identity, Program};
 
-/// How many blocks are kept: more than a loop or a short subprogram has.
+/// Number of cached blocks: more than a loop or a short subprogram has.
 const KEPT: u32 = 64;
-/// Programs begin so many places apart.
+/// Distance between the cache entries of the first blocks of two programs with consecutive
+/// numbers.
 const APART: u32 = 29;
 
-/// Blocks as they were read, each at a place that its program and its index give. Copies
-/// keep nothing: they read anew.
+/// Parsed blocks, each in an entry that follows from its program and its index. A copy is
+/// empty.
 #[derive(Debug, Default)]
 pub(crate) struct Recent {
     kept: Vec<Kept>,
     work: u64,
 }
 
-/// Bytes of text that are as much work as a block.
+/// Bytes of text that count as the work of one block.
 const BYTES_A_BLOCK: usize = 64;
 
 #[derive(Clone, Debug, Default)]
 struct Kept {
     program: Identity,
-    /// Which of its blocks; none when that was wrong.
+    /// Index of the block; `None` if it was invalid.
     index: Option<u32>,
     syntax: Syntax,
     block: Block,
 }
 
 impl Recent {
-    /// A block, with variables where they stand in it.
+    /// Returns a block; words may still refer to variables.
     ///
     /// # Errors
     /// As [`Program::parse`].
@@ -62,7 +63,7 @@ impl Recent {
         Ok(&kept.block)
     }
 
-    /// Blocks asked for so far, and one more for each 64 bytes of the texts that were read.
+    /// Number of blocks requested so far, plus one for each 64 bytes of parsed text.
     pub(crate) const fn work(&self) -> u64 {
         self.work
     }
@@ -74,7 +75,7 @@ impl Clone for Recent {
     }
 }
 
-/// What is kept makes no difference.
+/// The content of the cache makes no difference.
 impl PartialEq for Recent {
     fn eq(&self, _: &Self) -> bool {
         true
@@ -115,7 +116,7 @@ mod tests {
         let mut recent = Recent::default();
         let syntax = Syntax::default();
         for number in 0..300 {
-            // A new text may come to stand where the last one stood.
+            // A new text may have the address of the previous one.
             let program = Program::new(format!("G01 X{number};\n"));
             let read = recent.read(&program, 0, syntax).expect("a block");
             assert_eq!(read, &program.parse(0, syntax).expect("a block"));

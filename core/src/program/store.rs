@@ -1,5 +1,4 @@
-//! The program memory: programs by number, the one opened from a file, and which
-//! of them is selected.
+//! The program memory: stored programs, the program opened from a file, and the selection.
 
 use core::ops::RangeInclusive;
 use std::collections::BTreeMap;
@@ -12,31 +11,32 @@ use super::text::Program;
 use crate::alarm::{Alarm, number};
 use crate::command::ProgramId;
 
-/// Programs the memory takes; one more raises alarm 072 (manual III-8.2).
+/// Greatest number of stored programs; one more raises alarm 072 (manual III-8.2).
 pub(crate) const PROGRAM_LIMIT: usize = 193;
 
-/// Characters the memory takes; more raise alarm 068.
+/// Greatest number of stored characters; more raise alarm 068.
 pub(crate) const CHARACTER_LIMIT: usize = 3_000_000;
 
-/// Program numbers.
+/// Valid program numbers.
 pub const RANGE: RangeInclusive<u16> = 0..=9999;
 
-/// Stored programs, the external one, and the selection.
+/// Stored programs, the external program, and the selection.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ProgramMemory {
     stored: BTreeMap<u16, Program>,
     external: Option<Program>,
-    /// What comes in through the line while it runs.
+    /// The program that arrives through the serial port while it runs.
+    #[serde(rename = "inflow")]
     inflow: Option<Inflow>,
     current: Option<ProgramId>,
 }
 
 impl ProgramMemory {
-    /// Stores a program under its O number, in place of one that is there, and
-    /// selects it when nothing is selected.
+    /// Stores a program under its O number and replaces an existing one. Selects it if no
+    /// program is selected.
     ///
     /// # Errors
-    /// 074 without an O number, 068 and 072 when the memory is full.
+    /// 074 without an O number, 068 and 072 if the memory is full.
     pub fn store(&mut self, text: impl Into<String>) -> Result<u16, Alarm> {
         let program = Program::new(text);
         let number = program.number().ok_or_else(|| {
@@ -46,10 +46,10 @@ impl ProgramMemory {
         Ok(number)
     }
 
-    /// Stores a received program; an existing one is not replaced.
+    /// Stores a received program. It does not replace an existing one.
     ///
     /// # Errors
-    /// 073 when the number is in use, and those of [`Self::store`].
+    /// 073 if the number is in use, and those of [`Self::store`].
     pub fn receive(&mut self, text: impl Into<String>) -> Result<u16, Alarm> {
         let program = Program::new(text);
         match program.number() {
@@ -60,19 +60,19 @@ impl ProgramMemory {
         }
     }
 
-    /// Creates a program that holds only its name.
+    /// Creates a program that only has its name.
     ///
     /// # Errors
-    /// 110 when it exists, 074 for a number out of range, 068 and 072.
+    /// 110 if it exists, 074 for a number out of range, 068 and 072 if the memory is full.
     pub fn create(&mut self, number: u16) -> Result<(), Alarm> {
         self.must_be_free(number)?;
         self.put(number, Program::new(format!("O{number:04};\n")))
     }
 
-    /// Stores a copy under another number.
+    /// Stores a copy of a program under another number.
     ///
     /// # Errors
-    /// 071 when the original is missing, 110 when the copy exists, 074, 068, 072.
+    /// 071 if the original is missing, 110 if the copy exists, 074, 068, 072.
     pub fn copy(&mut self, from: u16, to: u16) -> Result<(), Alarm> {
         let program = self.stored.get(&from).ok_or_else(|| missing(from))?;
         let program = program.renumbered(to);
@@ -80,8 +80,8 @@ impl ProgramMemory {
         self.put(to, program)
     }
 
-    /// Stores a copy of the selected program under another number, an external one
-    /// too.
+    /// Stores a copy of the selected program, which may be the external one, under another
+    /// number.
     ///
     /// # Errors
     /// As [`Self::copy`].
@@ -97,7 +97,7 @@ impl ProgramMemory {
     /// Replaces the text of a stored program.
     ///
     /// # Errors
-    /// 071 when it is missing, 068 when the memory is full.
+    /// 071 if it is missing, 068 if the memory is full.
     pub fn replace(&mut self, number: u16, program: Program) -> Result<(), Alarm> {
         if !self.stored.contains_key(&number) {
             return Err(missing(number));
@@ -110,7 +110,7 @@ impl ProgramMemory {
         self.put(number, program)
     }
 
-    /// What outlasts power-off: the stored programs and which of them is selected.
+    /// The content that is kept over power-off: the stored programs and their selection.
     #[must_use]
     pub fn retained(&self) -> Self {
         let is_stored = |id: &ProgramId| matches!(id, ProgramId::Stored(_));
@@ -122,12 +122,12 @@ impl ProgramMemory {
         }
     }
 
-    /// The text under a number as it is being typed, not checked yet and not stored.
+    /// Sets the text under a number while it is being typed: neither checked nor limited.
     pub fn overlay(&mut self, number: u16, program: Program) {
         self.stored.insert(number, program);
     }
 
-    /// Gives a program another number; the selection goes with it.
+    /// Changes the number of a program; the selection follows it.
     ///
     /// # Errors
     /// As [`Self::copy`].
@@ -143,10 +143,10 @@ impl ProgramMemory {
         Ok(())
     }
 
-    /// Deletes a program; if it was selected, the next one is selected.
+    /// Deletes a program. If it was selected, the next one is selected.
     ///
     /// # Errors
-    /// 071 when it is missing.
+    /// 071 if it is missing.
     pub fn delete(&mut self, number: u16) -> Result<(), Alarm> {
         self.stored.remove(&number).ok_or_else(|| missing(number))?;
         self.select_existing();
@@ -159,24 +159,24 @@ impl ProgramMemory {
         self.select_existing();
     }
 
-    /// Opens a program outside the memory, in place of an earlier one. It does
-    /// not count against the capacity.
+    /// Opens a program outside the memory and replaces an earlier one. It does not count
+    /// towards the capacity.
     pub fn open_external(&mut self, program: Program) {
         self.external = Some(program);
         self.select_existing();
     }
 
-    /// The external program.
+    /// The external program; `None` if none is open.
     pub const fn external(&self) -> Option<&Program> {
         self.external.as_ref()
     }
 
-    /// The program that comes in through the line, while it runs.
+    /// The program that arrives through the serial port; `None` outside DNC operation.
     pub const fn inflow(&self) -> Option<&Inflow> {
         self.inflow.as_ref()
     }
 
-    /// Begins to take a program in, or ends that.
+    /// Starts the reception of a program, or ends it with `None`.
     pub(crate) fn set_inflow(&mut self, inflow: Option<Inflow>) {
         self.inflow = inflow;
     }
@@ -185,17 +185,18 @@ impl ProgramMemory {
         self.inflow.as_mut()
     }
 
-    /// Whether more of a program may come than can be read now.
+    /// Whether further text of a program may arrive.
     pub(crate) fn goes_on(&self, id: ProgramId) -> bool {
         id == ProgramId::Dnc && self.inflow.as_ref().is_some_and(Inflow::goes_on)
     }
 
-    /// Whether a block behind the last one is worth waiting for.
+    /// Whether waiting for a block after the last one can succeed.
     pub(crate) fn may_bring_another(&self, id: ProgramId) -> bool {
         id == ProgramId::Dnc && self.inflow.as_ref().is_some_and(Inflow::may_bring_another)
     }
 
-    /// A program; the MDI block is none of the memory.
+    /// The text of a program; `None` if it is missing. The MDI block is not part of the
+    /// memory.
     pub fn get(&self, id: ProgramId) -> Option<&Program> {
         match id {
             ProgramId::Stored(number) => self.stored.get(&number),
@@ -205,7 +206,7 @@ impl ProgramMemory {
         }
     }
 
-    /// The program that a call names: a stored one, or the external one when it has the
+    /// The program that a call names: a stored one, or the external one if it has the
     /// number.
     pub(crate) fn find(&self, number: u16) -> Option<ProgramId> {
         if self.stored.contains_key(&number) {
@@ -215,17 +216,17 @@ impl ProgramMemory {
         (external.number() == Some(number)).then_some(ProgramId::External)
     }
 
-    /// A stored program.
+    /// A stored program by its number; `None` if it is missing.
     pub fn stored(&self, number: u16) -> Option<&Program> {
         self.stored.get(&number)
     }
 
-    /// The selected program.
+    /// The selected program; `None` if none is selected.
     pub const fn current(&self) -> Option<ProgramId> {
         self.current
     }
 
-    /// Selects a program; `false` when there is none.
+    /// Selects a program; returns `false` if it is missing.
     pub fn select(&mut self, id: ProgramId) -> bool {
         let found = self.get(id).is_some();
         if found {
@@ -241,22 +242,22 @@ impl ProgramMemory {
             .map(|(&number, program)| (number, program))
     }
 
-    /// How many programs are stored.
+    /// Number of stored programs.
     pub fn count(&self) -> usize {
         self.stored.len()
     }
 
-    /// How many more can be stored.
+    /// Number of programs that can still be stored.
     pub fn free_count(&self) -> usize {
         PROGRAM_LIMIT.saturating_sub(self.count())
     }
 
-    /// Characters in use.
+    /// Number of stored characters.
     pub fn characters(&self) -> usize {
         self.stored.values().map(Program::characters).sum()
     }
 
-    /// Characters left.
+    /// Number of characters that can still be stored.
     pub fn free_characters(&self) -> usize {
         CHARACTER_LIMIT.saturating_sub(self.characters())
     }
@@ -292,7 +293,7 @@ impl ProgramMemory {
         Ok(())
     }
 
-    /// Moves a selection whose program is gone to the next one, else to the last.
+    /// Selects the next program if the selected one was removed, otherwise the last one.
     fn select_existing(&mut self) {
         if self.current.is_some_and(|id| self.get(id).is_some()) {
             return;

@@ -1,4 +1,4 @@
-//! What a block must keep to, and what is said when it does not.
+//! Syntax options of a block, and the error of an invalid block.
 
 use core::fmt;
 
@@ -9,16 +9,16 @@ use crate::alarm::{Alarm, number};
 use crate::memory::Parameters;
 use crate::model::ModelId;
 
-/// What parameters change in the syntax.
+/// The options of the syntax, from parameters and the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Syntax {
-    /// 013 POD: a decimal point is compulsory on X Z U W R I J K F.
+    /// 013 POD: X Z U W R I J K F need a decimal point.
     pub point_required: bool,
-    /// Lengths are inches, to 0.0001.
+    /// Lengths are in inches, with 0.0001 inch as the least increment.
     pub inch: bool,
-    /// The program is written in macro B, and the control reads it.
+    /// The program uses macro B, and the control has the option.
     pub macro_b: bool,
-    /// Whose programs are read.
+    /// The control model whose syntax is read.
     pub model: ModelId,
 }
 
@@ -28,7 +28,7 @@ impl Syntax {
         if self.inch { 100 } else { 1000 }
     }
 
-    /// What `ROUND` rounds to in a word: the least increment of its address.
+    /// The unit that `ROUND` rounds to in a word: the least increment of its address.
     pub(crate) const fn unit(self, address: u8) -> f64 {
         match address {
             b'F' => 0.0001,
@@ -37,13 +37,13 @@ impl Syntax {
         }
     }
 
-    /// Whether the numbers of an address are lengths: on a mill those of Y, A, B
-    /// and C, and those of Q, the depth of a peck, too.
+    /// Whether the numbers of an address are lengths. On a mill Y, A, B, C and Q, the depth
+    /// of a peck, are lengths too.
     pub(super) const fn is_length(self, address: u8) -> bool {
         is_length(address) || self.model.is_mill() && matches!(address, b'A'..=b'C' | b'Q' | b'Y')
     }
 
-    /// Whether the numbers of an address may have a decimal point: on a mill those of G,
+    /// Whether the numbers of an address may have a decimal point. On a mill G may have one
     /// too, for G54.1.
     pub(super) const fn takes_point(self, address: u8) -> bool {
         self.is_length(address) || address == b'F' || self.model.is_mill() && address == b'G'
@@ -66,14 +66,14 @@ impl From<&Parameters> for Syntax {
     }
 }
 
-/// Why a text is no block.
+/// The reason why a text is not a valid block.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BlockError {
-    /// Alarm number.
+    /// Number of the alarm that it raises.
     pub alarm: u16,
     /// Column in the text of the block, in characters from 1.
     pub column: u32,
-    /// The rule that is broken.
+    /// The violated rule, with advice if available.
     pub detail: Message,
 }
 
@@ -93,7 +93,7 @@ impl BlockError {
         Self::at(number::TOO_MANY_WORDS, 0, say::block_words_too_many())
     }
 
-    /// Turns the byte column into one of characters.
+    /// Converts the column from bytes to characters.
     pub(super) fn located(mut self, text: &str) -> Self {
         let byte = (self.column - 1) as usize;
         let before = text.char_indices().take_while(|(at, _)| *at < byte).count();
@@ -106,7 +106,7 @@ impl BlockError {
 }
 
 impl BlockError {
-    /// Alarm, column and rule.
+    /// The text for the operator: alarm, column and rule.
     pub fn message(&self) -> Message {
         say::alarm_at_column(self.alarm, self.column, self.detail.clone())
     }
@@ -126,8 +126,8 @@ impl From<BlockError> for Alarm {
     }
 }
 
-/// Whether a comment before a byte has a bracket within it: the first `)` closes it, and
-/// what follows is no comment.
+/// Whether a comment before a byte contains a bracket: the first `)` ends it, and the text
+/// after that is not a comment.
 fn has_nested_comment(text: &str, byte: usize) -> bool {
     let before = text.as_bytes().get(..byte).unwrap_or(text.as_bytes());
     let (mut open, mut nested, mut found) = (false, false, false);

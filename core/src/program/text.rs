@@ -1,4 +1,4 @@
-//! A program: its text and where its blocks begin.
+//! A program: its text and the index of its blocks.
 
 use std::sync::{Arc, OnceLock, Weak};
 
@@ -17,14 +17,15 @@ use crate::alarm::number;
 
 /// A program text with the index of its blocks; cheap to clone.
 ///
-/// Besides the text it keeps a byte and a half a block; eight where they do not stand one a line.
+/// The index needs a byte and a half per block if each line has one block, otherwise eight
+/// bytes.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(into = "Plain", from = "Plain")]
 pub struct Program {
     shared: Arc<Shared>,
 }
 
-/// Which program a text is; it does not keep the text.
+/// Identifies the text of a program without keeping it in memory.
 #[derive(Clone, Default)]
 pub(super) struct Identity(Weak<Shared>);
 
@@ -38,9 +39,9 @@ struct Shared {
     characters: u32,
     number: Option<u16>,
     full_width: Option<u32>,
-    /// The first line with text after the `%` that ends it.
+    /// The first line with text after the `%` at the end of the program.
     after_end: Option<u32>,
-    /// Whether it is written in macro B, once that was asked.
+    /// Whether the program uses macro B; unset until it is first queried.
     macro_b: OnceLock<bool>,
 }
 
@@ -64,11 +65,11 @@ const fn is_one(line: &u32) -> bool {
     *line == 1
 }
 
-/// Longer texts are cut here, so that places fit 32 bits; files end at 256 MB.
+/// Longer texts are truncated so that positions fit 32 bits; files are limited to 256 MB.
 const MAX_BYTES: usize = u32::MAX as usize - 16;
 
 impl Program {
-    /// Indexes a text; one that is handed over is not copied.
+    /// Indexes a text. A `String` is not copied.
     pub fn new(text: impl Into<String>) -> Self {
         Self::from_line(text.into(), 1)
     }
@@ -101,17 +102,17 @@ impl Program {
         }
     }
 
-    /// Which program this is.
+    /// The identity of the program's text.
     pub(super) fn identity(&self) -> Identity {
         Identity(Arc::downgrade(&self.shared))
     }
 
-    /// Whether this is it.
+    /// Whether the program has this identity.
     pub(super) fn is(&self, identity: &Identity) -> bool {
         core::ptr::eq(Arc::as_ptr(&self.shared), identity.0.as_ptr())
     }
 
-    /// How many hold its text.
+    /// Number of references to the text.
     #[cfg(test)]
     pub(super) fn holders(&self) -> usize {
         Arc::strong_count(&self.shared)
@@ -122,30 +123,30 @@ impl Program {
         &self.shared.text
     }
 
-    /// Characters of the text, as the capacity of the memory counts them.
+    /// Number of characters, as counted for the capacity of the memory.
     pub fn characters(&self) -> usize {
         self.shared.characters as usize
     }
 
-    /// The program number: the first O word, among the first blocks, or `%P01` at the
-    /// very start.
+    /// The program number: the first O word within the first blocks, or `%P01` at the start
+    /// of the text; `None` without one.
     pub fn number(&self) -> Option<u16> {
         self.shared.number
     }
 
-    /// The first line with full-width letters or digits outside comments; they
-    /// are read as ASCII.
+    /// The first line with full-width letters or digits outside comments, which are read as
+    /// ASCII; `None` without one.
     pub fn full_width_line(&self) -> Option<u32> {
         self.shared.full_width
     }
 
-    /// The first line with text after the `%` that ends the program: it is not read.
+    /// The first line with text after the `%` at the end of the program: the control does
+    /// not read it.
     pub(crate) fn line_after_end(&self) -> Option<u32> {
         self.shared.after_end
     }
 
-    /// The line and the text of a name that begins with `:`, which other controls write for
-    /// O.
+    /// The line and the number of a program name that begins with `:`, as on other controls.
     pub(crate) fn colon_name(&self) -> Option<(u32, u16)> {
         let within = self.shared.blocks.len().min(NAME_WITHIN);
         (0..within).find_map(|index| {
@@ -155,17 +156,17 @@ impl Program {
         })
     }
 
-    /// Whether it has statements, formulas or variables that only macro B has.
+    /// Whether the program has statements, formulas or variables that only macro B has.
     pub(crate) fn uses_macro_b(&self) -> bool {
         let shared = &self.shared;
         *shared.macro_b.get_or_init(|| uses_macro_b(&shared.text))
     }
 
-    /// The call that a block makes by the G or M code it begins with, as `program_of`
-    /// says.
+    /// The call by the G or M code at the beginning of a block; `None` if it calls no
+    /// program. `program_of` returns the program that a code calls.
     ///
     /// # Errors
-    /// 114, 129.
+    /// 114 for an invalid word, 129 for an address that cannot be an argument.
     pub(crate) fn code_call(
         &self,
         index: u32,
@@ -174,28 +175,29 @@ impl Program {
         code_call::read(self.block(index), program_of)
     }
 
-    /// Lines of the text.
+    /// Number of lines of the text.
     pub fn line_count(&self) -> u32 {
         self.shared.lines
     }
 
-    /// The text of a line of the file, from 1, without its end; empty outside.
+    /// The text of a line of the file, from 1, without its line end; empty for a line
+    /// outside.
     pub fn line(&self, line: u32) -> &str {
         self.shared.line(line)
     }
 
-    /// How many blocks there are.
+    /// Number of blocks.
     pub fn block_count(&self) -> u32 {
         self.shared.blocks.len() as u32
     }
 
-    /// The text of a block, from 0, with what follows it up to the next block.
+    /// The text of a block, from 0, up to the next block.
     pub fn block(&self, index: u32) -> &str {
         self.shared.block(index as usize)
     }
 
-    /// The line of the file a block stands in; the line after the last block for
-    /// an index beyond it.
+    /// The line of a block in the file; for an index beyond the last block the line after
+    /// it.
     pub fn block_line(&self, index: u32) -> u32 {
         let blocks = &self.shared.blocks;
         let after_all = || {
@@ -205,13 +207,12 @@ impl Program {
         blocks.line(index as usize).unwrap_or_else(after_all)
     }
 
-    /// The column of the first character of a block in its line, from 1: 1 unless another
-    /// block stands before it.
+    /// The column of the first character of a block in its line, from 1.
     pub(crate) fn block_column(&self, index: u32) -> u32 {
         self.before_block(index).chars().count() as u32 + 1
     }
 
-    /// Whether nothing but a `;` stands before a block in its line.
+    /// Whether only a `;` is before a block in its line.
     #[inline]
     pub(crate) fn follows_semicolon(&self, index: u32) -> bool {
         let blocks = &self.shared.blocks;
@@ -223,7 +224,7 @@ impl Program {
             && self.shared.block(index.saturating_sub(1)).trim() == ";"
     }
 
-    /// What stands before a block in its line.
+    /// The text before a block in its line.
     #[cold]
     fn before_block(&self, index: u32) -> &str {
         let shared = &self.shared;
@@ -233,17 +234,17 @@ impl Program {
         before.unwrap_or_default()
     }
 
-    /// The first block in this line of the file or after it; [`Self::block_count`]
-    /// after the last one.
+    /// The first block in this line of the file or after it; [`Self::block_count`] if there
+    /// is none.
     pub fn block_from_line(&self, line: u32) -> u32 {
         self.shared.blocks.first_at(line) as u32
     }
 
-    /// Reads a block without variables, except in G65, whose words are kept as
-    /// they are. An index beyond the last one gives an empty block.
+    /// Parses a block without variables, except in G65, whose words remain unchanged. An
+    /// index beyond the last block yields an empty block.
     ///
     /// # Errors
-    /// As `parse_block`; 115 where a variable stands for a number.
+    /// As `parse_block`; 115 if a variable takes the place of a number.
     pub fn parse(&self, index: u32, syntax: Syntax) -> Result<Block, BlockError> {
         let mut block = Block::default();
         self.read(index, syntax, &mut block)?;
@@ -260,8 +261,8 @@ impl Program {
         })
     }
 
-    /// Reads a block that may refer to variables; [`Block::resolve`] must come
-    /// before its numbers are used.
+    /// Parses a block that may refer to variables. [`Block::resolve`] must be called before
+    /// its numbers are used.
     ///
     /// # Errors
     /// As `parse_block`.
@@ -271,7 +272,7 @@ impl Program {
         Ok(block)
     }
 
-    /// The same into a block, whatever it held: blocks are large to be moved.
+    /// Parses into an existing block: a block is large to move. Its old content is lost.
     ///
     /// # Errors
     /// As `parse_block`.
@@ -292,13 +293,13 @@ impl Program {
         if index == 0 && !syntax.model.is_main() {
             self.check_percent_name(syntax)?;
         }
-        // It ends by itself where the next one begins.
+        // The block ends where the next one begins.
         let text = shared.text.get(place.byte as usize..shared.end as usize);
         read_block(text.unwrap_or(""), syntax, block).map_err(|error| self.located(error, index))
     }
 
-    /// An error of a block with its column in the line, and what is to be said of a `;`
-    /// that begins a comment in other languages.
+    /// Converts the column of an error to one in the line. Adds a message about a `;` that
+    /// begins a comment in other languages.
     #[cold]
     fn located(&self, mut error: BlockError, index: u32) -> BlockError {
         error.column = error.column.saturating_add(self.block_column(index) - 1);
@@ -308,8 +309,8 @@ impl Program {
         error
     }
 
-    /// The number of `%P01`, where the model names its programs so: alarm 043 beyond its
-    /// range.
+    /// Checks the number of `%P01` on models that name programs so: alarm 043 if it is out
+    /// of range.
     #[cold]
     fn check_percent_name(&self, syntax: Syntax) -> Result<(), BlockError> {
         let record = syntax.model.record();
@@ -324,15 +325,15 @@ impl Program {
         Err(BlockError::at(number::OUT_OF_RANGE, start, rule))
     }
 
-    /// The line of the first block with this sequence number, in `from_line` or
-    /// after it. Only N at the start of a block counts (manual I-2.1).
+    /// The line of the first block with this sequence number, in `from_line` or after it.
+    /// Only an N at the beginning of a block counts (manual I-2.1).
     pub fn find_sequence(&self, number: u32, from_line: u32) -> Option<u32> {
         let from = self.block_from_line(from_line);
         self.find_sequence_block(number, from..self.block_count())
             .map(|index| self.block_line(index))
     }
 
-    /// The first block of a range with this sequence number.
+    /// The first block with this sequence number within a range of blocks.
     pub(crate) fn find_sequence_block(
         &self,
         number: u32,
@@ -342,7 +343,7 @@ impl Program {
         range.find(|&index| Head::read(self.block(index)).n == Some(number))
     }
 
-    /// The sequence number at the start of a block.
+    /// The sequence number at the beginning of a block; `None` without one.
     pub fn sequence(&self, index: u32) -> Option<u32> {
         Head::read(self.block(index)).n
     }
@@ -352,7 +353,7 @@ impl Program {
         Head::read(self.block(index)).skip
     }
 
-    /// The block with the program number.
+    /// The block with the program number; `None` without one.
     pub(super) fn name_block(&self) -> Option<u32> {
         let within = self.shared.blocks.len().min(NAME_WITHIN);
         (0..within)
@@ -360,8 +361,8 @@ impl Program {
             .map(|block| block as u32)
     }
 
-    /// The same program with text in the place of the lines from `first` up to
-    /// `end`; each of the new lines is ended.
+    /// The program with the lines from `first` up to, but not including, `end` replaced by
+    /// text. Each new line gets a line end.
     pub(super) fn with_lines(&self, first: u32, end: u32, text: &str) -> Self {
         let shared = &self.shared;
         let (start, stop) = (shared.line_byte(first), shared.line_byte(end.max(first)));
@@ -385,7 +386,7 @@ impl Program {
         Self::from_line(whole, shared.first_line)
     }
 
-    /// The text from a line of the file on, with more text after it; lines keep their
+    /// The text from a line of the file on, followed by more text. The lines keep their
     /// numbers.
     pub(super) fn moved_on(&self, first: u32, more: &str) -> Self {
         let first = first.max(self.shared.first_line);
@@ -394,8 +395,8 @@ impl Program {
         Self::from_line(whole, first)
     }
 
-    /// The same program under another number: its O word is replaced, or put in
-    /// front when it has none.
+    /// The program under another number: its O word is replaced, or inserted at the
+    /// beginning.
     #[must_use]
     pub fn renumbered(&self, number: u16) -> Self {
         let shared = &self.shared;
@@ -427,7 +428,7 @@ impl Program {
     }
 }
 
-/// The number of `%P01` at the start of a text (Huaxing), and where its digits stand.
+/// The number of `%P01` at the start of a text (Huaxing), and the byte range of its digits.
 fn percent_name(text: &str) -> Option<(u16, (usize, usize))> {
     let line = text.lines().next()?;
     let after = line.trim_start().strip_prefix('%')?.trim_start();
@@ -440,7 +441,7 @@ fn percent_name(text: &str) -> Option<(u16, (usize, usize))> {
     Some((number.parse().ok()?, (start, start + count)))
 }
 
-/// The O word of a program is looked for in so many blocks.
+/// Number of blocks in which the O word of a program is searched.
 const NAME_WITHIN: usize = 16;
 
 impl PartialEq for Program {
@@ -505,7 +506,7 @@ impl Shared {
             return "";
         }
         let at = self.line_byte(line);
-        // Its last block is near its end, however many stand in front.
+        // The last block of a line is near its end, whatever is before it.
         let last = self.last_block_up_to(line);
         let last = last.filter(|place| place.line == line);
         let near = last.map_or(at, |place| at.max(place.byte as usize));
@@ -519,8 +520,8 @@ impl Shared {
         self.blocks.get(known.checked_sub(1)?)
     }
 
-    /// Where a line begins; the length of the text for one beyond the end. A line may
-    /// hold the whole program: no more of it is read than one of its blocks.
+    /// Byte position of the beginning of a line; beyond the end the length of the text. A
+    /// line may contain the whole program: only one block of it is read.
     fn line_byte(&self, line: u32) -> usize {
         let first = self.blocks.first_at(line);
         if let Some(place) = self.blocks.get(first)
@@ -541,9 +542,9 @@ impl Shared {
     }
 }
 
-/// Cuts a file that holds several programs, each beginning with an O word at the
-/// start of a block, into programs. Lines keep the numbers of the file. A text of one
-/// program that is handed over is not copied.
+/// Splits a file with several programs, each with an O word at the beginning of a block.
+/// Lines keep the numbers of the file. The text of a single program is not copied if it is a
+/// `String`.
 pub fn split(text: impl Into<String>) -> Vec<Program> {
     let whole = Program::new(text);
     let text = whole.text().get(..whole.shared.end as usize).unwrap_or("");
@@ -555,7 +556,7 @@ pub fn split(text: impl Into<String>) -> Vec<Program> {
     let end = whole.shared.end as usize;
     let mut programs = Vec::with_capacity(starts.len());
     for (index, place) in starts.iter().enumerate() {
-        // What stands before the first O word belongs to the first program.
+        // The text before the first O word belongs to the first program.
         let (byte, line) = if index == 0 {
             (0, 1)
         } else {

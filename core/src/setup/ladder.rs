@@ -1,28 +1,28 @@
-//! The ladder of a machine.
+//! The ladder of a machine, built-in or loaded.
 
 use std::sync::{Arc, LazyLock};
 
 use gsk_plc::{Area, ByteAddress, Ladder, LadderDeclarations, MCode};
 
-/// The standard ladder, as instruction list.
+/// Source of the standard ladder as an instruction list.
 pub const STANDARD_LADDER: &str = include_str!("../../../assets/ladder/standard.il");
 
-/// The standard ladder with keys for DNC and teach-in, as instruction list.
+/// Source of the standard ladder with keys for DNC and teach-in, as an instruction list.
 const DNC_TEACH_LADDER: &str = include_str!("../../../assets/ladder/dnc-teach.il");
 
-/// The ladder that a machine starts with. The standard one is compiled when somebody asks
-/// for its steps: to check a program, what it declares is enough.
+/// The ladder that a machine starts with. The standard one is compiled at the first use of
+/// its steps: to check a program, its declarations are enough.
 #[derive(Clone, Debug, Default)]
 pub enum MachineLadder {
-    /// The one that comes with the program.
+    /// The built-in standard ladder.
     #[default]
     Standard,
-    /// One of its own.
+    /// Another ladder, already compiled.
     Own(Arc<Ladder>),
 }
 
 impl MachineLadder {
-    /// Compiled.
+    /// The compiled ladder; the standard one is compiled at the first call.
     pub fn compiled(&self) -> Arc<Ladder> {
         match self {
             Self::Standard => standard_ladder(),
@@ -30,12 +30,12 @@ impl MachineLadder {
         }
     }
 
-    /// Whether it is the standard one.
+    /// Whether it is the built-in standard ladder.
     pub const fn is_standard(&self) -> bool {
         matches!(self, Self::Standard)
     }
 
-    /// The M codes that it carries out beside the control's own.
+    /// The M codes that the ladder executes in addition to those of the control.
     pub(crate) fn m_codes(&self) -> &[MCode] {
         match self {
             Self::Standard => &declared().m_codes,
@@ -43,7 +43,7 @@ impl MachineLadder {
         }
     }
 
-    /// A byte of K where the retained store is blank.
+    /// The initial value of a byte of K when the retained memory is empty.
     pub(crate) fn start_value_of_k(&self, byte: u16) -> u8 {
         let values = match self {
             Self::Standard => &declared().start_values,
@@ -65,7 +65,7 @@ impl From<Arc<Ladder>> for MachineLadder {
     }
 }
 
-/// What the standard ladder declares, read once.
+/// The declarations of the standard ladder, read once.
 fn declared() -> &'static LadderDeclarations {
     static DECLARED: LazyLock<LadderDeclarations> =
         LazyLock::new(|| LadderDeclarations::read(STANDARD_LADDER));

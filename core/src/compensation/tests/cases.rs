@@ -1,4 +1,4 @@
-//! The worked cases of `cases.txt`, through interpreter and preview.
+//! Runs the worked cases of `cases.txt` through interpreter and preview.
 
 use crate::command::{ExecutedMove, MoveKind};
 use crate::memory::ToolOffset;
@@ -21,7 +21,7 @@ struct Case {
     alarm: Option<(u16, u32)>,
 }
 
-/// What a program does with a nose in row 01, the tool on `start`.
+/// Runs a program with a nose in row 01 from a start position.
 pub(super) fn run(text: &str, nose: ToolOffset, start: Point) -> (Vec<ExecutedMove>, Preview) {
     let mut setup = Setup {
         start: Some(start),
@@ -36,7 +36,7 @@ pub(super) fn run(text: &str, nose: ToolOffset, start: Point) -> (Vec<ExecutedMo
     (moves, preview)
 }
 
-/// From the centre of the nose to its tip, worked out apart from the code.
+/// Displacement from the nose centre to its tip, computed independently of the code.
 pub(super) fn tip_of(nose: &ToolOffset) -> Point {
     let (z, x) = [
         (0, 0),
@@ -116,7 +116,7 @@ fn cases() -> Vec<Case> {
 }
 
 fn near(a: Point, b: Point) -> bool {
-    // X as a diameter, like the rows.
+    // X counts as a diameter, as in the rows.
     (a.x - b.x).abs() * 2.0 <= TOLERANCE && (a.z - b.z).abs() <= TOLERANCE
 }
 
@@ -134,7 +134,7 @@ fn the_worked_cases() {
 }
 
 fn check(case: &Case) -> Result<(), String> {
-    // The first block says where the tool stands.
+    // The first block is the start position.
     let start = numbers(&case.blocks[0].replace("G00 X", "").replace('Z', ""));
     let text = format!("T0101 F100\n{}", case.blocks[1..].join("\n"));
     let (moves, preview) = run(&text, case.nose, start);
@@ -148,7 +148,7 @@ fn check(case: &Case) -> Result<(), String> {
     if case.alarm.is_some() {
         return Ok(());
     }
-    // Moves of no length are not reported.
+    // Moves without length are not reported.
     let mut at = start;
     let mut expected = Vec::new();
     for target in &case.targets {
@@ -168,7 +168,7 @@ fn check(case: &Case) -> Result<(), String> {
     let mut before = 1;
     for (made, (block, target, about)) in moves.iter().zip(expected) {
         let line = made.source.line as usize - 1;
-        // A corner is run by the block after it.
+        // The block after a corner runs it.
         let box_leg = case.blocks[block].contains("G9");
         let own = block != before || box_leg;
         if (own && line != block) || (!own && line <= block && block != 1) {

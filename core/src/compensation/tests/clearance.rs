@@ -1,5 +1,5 @@
-//! Random profiles: the nose circle stays outside the part to 1 µm, or there is
-//! an alarm; nothing third. The part is looked at with geometry of its own.
+//! Random profiles: the nose circle stays outside the part within 1 µm, or an alarm is
+//! raised. The test has its own geometry of the part.
 
 use std::fmt::Write;
 use std::ops::RangeInclusive;
@@ -11,26 +11,27 @@ use crate::command::{ExecutedMove, MoveKind};
 use crate::memory::ToolOffset;
 use crate::units::Point;
 
-/// How near the nose may come beyond its radius, mm.
+/// How far the nose may cut in, mm.
 const TOLERANCE: f64 = 0.001;
-/// Distance of the points at which the path of the nose is looked at, mm.
+/// Distance of the sampled points on the nose path, mm.
 const STEP: f64 = 0.02;
 
-/// One piece of a profile in thousandths of a millimetre, X as a radius.
+/// One element of a profile in thousandths of a millimetre, X as a radius.
 #[derive(Clone, Copy, Debug)]
 struct Step {
     dz: i64,
     dx: i64,
-    /// Radius of an arc over the half chord, in 1/64; none: a line.
+    /// Radius of an arc in excess of half the chord, in thousandths of a millimetre, and
+    /// whether it is clockwise. `None`: a line.
     arc: Option<(i64, bool)>,
 }
 
-/// A piece of the part's surface.
+/// An element of the part's surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surface {
     pub(super) from: Point,
     pub(super) to: Point,
-    /// Centre and whether it turns clockwise.
+    /// Centre, and whether the arc is clockwise.
     pub(super) about: Option<(Point, bool)>,
 }
 
@@ -38,7 +39,7 @@ fn angle(center: Point, point: Point) -> f64 {
     libm::atan2(point.x - center.x, point.z - center.z)
 }
 
-/// Angle swept from `from` to `to`, 0 to a full turn.
+/// Angle swept from `from` to `to`, 0 to a full turn, rad.
 fn swept(center: Point, from: Point, to: Point, clockwise: bool) -> f64 {
     use core::f64::consts::TAU;
     let way = angle(center, to) - angle(center, from);
@@ -73,7 +74,7 @@ impl Surface {
     }
 }
 
-/// Points along a move.
+/// Sampled points along a move.
 fn points(made: &ExecutedMove) -> Vec<Point> {
     let (from, to) = (made.from, made.to);
     let pieces = |length: f64| (length / STEP).ceil().max(1.0) as usize;
@@ -107,7 +108,7 @@ pub(super) fn mm(thousandths: i64) -> String {
     )
 }
 
-/// Radius in thousandths and centre of an arc of at most half a turn.
+/// Radius in thousandths of a millimetre and centre of an arc of at most half a turn.
 fn circle(from: Point, to: Point, more: i64, clockwise: bool) -> (i64, Point) {
     let chord = (to - from).length();
     let thousandths = (chord * 500.0).ceil() as i64 + more;
@@ -119,7 +120,7 @@ fn circle(from: Point, to: Point, more: i64, clockwise: bool) -> (i64, Point) {
     (thousandths, from + (to - from) * 0.5 + normal * height)
 }
 
-/// Whether an arc never goes away from the chuck: a surface over Z.
+/// Whether an arc never moves away from the chuck: the surface is a function of Z.
 fn never_back(from: Point, to: Point, (more, clockwise): (i64, bool), left: bool) -> bool {
     let clockwise = clockwise != left;
     let (_, center) = circle(from, to, more, clockwise);
@@ -133,7 +134,7 @@ fn never_back(from: Point, to: Point, (more, clockwise): (i64, bool), left: bool
     })
 }
 
-/// A program over the profile, from the first point, and its surface.
+/// A program for the profile from the first point, and its surface.
 fn program(steps: &[Step], left: bool) -> (String, Vec<Surface>) {
     let mut text = String::from("T0101 F100\n");
     let (mut x, mut z) = (20_000_i64, 0_i64);
@@ -143,7 +144,7 @@ fn program(steps: &[Step], left: bool) -> (String, Vec<Surface>) {
     let mut surface = Vec::new();
     for step in steps {
         let from = point(x, z);
-        // G41 runs over the mirrored profile, inside a bore.
+        // G41 runs on the mirrored profile, inside a bore.
         let dx = if left { -step.dx } else { step.dx };
         (x, z) = (x + dx, z + step.dz);
         let to = point(x, z);
@@ -175,10 +176,10 @@ fn program(steps: &[Step], left: bool) -> (String, Vec<Surface>) {
     (text, surface)
 }
 
-/// What became of a profile.
+/// The result of running a profile.
 enum Outcome {
     Alarm(u16),
-    /// How far the nose came into the part, mm, and where.
+    /// Depth of the nose in the part, mm, and where.
     Cut(f64, String),
 }
 
@@ -193,7 +194,7 @@ fn outcome(steps: &[Step], nose: ToolOffset, left: bool) -> Outcome {
     Outcome::Cut(deep, format!("{place} in\n{text}"))
 }
 
-/// How far the nose comes into the part on the moves of these lines, mm, and where.
+/// Depth of the nose in the part on the moves of these lines, mm, and where.
 pub(super) fn deepest(
     surface: &[Surface],
     moves: &[ExecutedMove],
@@ -220,7 +221,7 @@ pub(super) fn deepest(
     worst
 }
 
-/// Steps toward the chuck that never come back in Z.
+/// Steps towards the chuck that never come back in Z.
 fn steps() -> impl Strategy<Value = Vec<Step>> {
     let long = (1_000_i64..8_000, -4_000_i64..4_000);
     let short = (0_i64..800, -600_i64..600);
@@ -234,14 +235,14 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
         2 => (0_i64..6_000, any::<bool>()).prop_map(Some),
     ];
     let step = (way, arc).prop_map(|((dz, dx), arc)| Step { dz: -dz, dx, arc });
-    // Room to come and to go, wherever the profile begins and ends.
+    // Free length to approach and to leave, wherever the profile begins and ends.
     let room = Step {
         dz: -5_000,
         dx: 0,
         arc: None,
     };
     prop::collection::vec(step, 1..9).prop_map(move |mut steps| {
-        // A wall that comes back on itself bounds no part.
+        // A wall that reverses on itself does not bound a part.
         let mut down = false;
         for step in &mut steps {
             if step.dz == 0 && down {

@@ -1,4 +1,4 @@
-//! The distance of curves against a count over their points.
+//! Compares the distance of curves with the least distance of sampled points.
 
 use proptest::prelude::*;
 
@@ -14,7 +14,7 @@ fn point() -> impl Strategy<Value = Point> {
     (coordinate(), coordinate()).prop_map(|(x, z)| Point::new(x, z))
 }
 
-/// A line, or an arc about a centre from one angle on.
+/// A line, or an arc about a centre that begins at a random angle.
 fn piece() -> impl Strategy<Value = Piece> {
     let line =
         (point(), point()).prop_filter_map("no length", |(from, to)| Piece::line(from, to).ok());
@@ -70,7 +70,7 @@ proptest! {
         prop_assert!(counted - exact <= 0.08, "{} {}", exact, counted);
     }
 
-    /// What is told apart by boxes and sides is as far apart as that.
+    /// Curves that boxes and sides separate are as far apart as `distance` computes.
     #[test]
     fn nearer_is_what_the_distance_says(a in piece(), b in piece(), least in 0.01_f64..3.0) {
         let (a, b) = (Curve::surface(&a), Curve::surface(&b));

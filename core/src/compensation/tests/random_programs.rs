@@ -1,4 +1,4 @@
-//! Any program under G41 and G42 is a run or an alarm.
+//! Every program under G41 and G42 ends or raises an alarm.
 
 use std::fmt::Write;
 

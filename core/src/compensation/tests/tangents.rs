@@ -1,4 +1,4 @@
-//! Tangent contours as CAM systems write them: arcs with I and K, rounded. What
+//! Tangent contours as CAM systems write them: arcs with rounded I and K. A contour that
 //! runs with R runs with I and K, and the nose stays outside the part.
 
 use std::fmt::Write;
@@ -12,26 +12,26 @@ use super::clearance::{Surface, deepest, mm};
 use crate::memory::ToolOffset;
 use crate::units::Point;
 
-/// How near the nose may come beyond its radius, mm.
+/// How far the nose may cut in, mm.
 const TOLERANCE: f64 = 0.001;
-/// The limits of the arc itself: ends farther apart than its diameter, and its end
-/// too far from its circle.
+/// Alarms of the arc itself: its ends are farther apart than its diameter, or its end is too
+/// far from its circle.
 const OWN_LIMITS: [u16; 2] = [13, 48];
-/// The most by which a radius changes on an arc, mm: beyond that the centre moves.
+/// The greatest change of radius along an arc, mm; beyond it the centre moves.
 const FIT: f64 = 0.002;
 
-/// A line of this length, or an arc to this heading: radius, or as large as the nose.
+/// A line of this length, or an arc to this heading: with a radius, or as large as the nose.
 #[derive(Clone, Copy, Debug)]
 enum Step {
     Line(f64),
     Arc { to: f64, radius: Option<f64> },
 }
 
-/// A piece with its programmed end and centre, X as a radius.
+/// An element with its programmed end and centre, X as a radius.
 #[derive(Clone, Copy, Debug)]
 struct Written {
     to: Point,
-    /// Centre as it comes out of I and K, whether it turns clockwise, R.
+    /// Centre from the rounded I and K, whether the arc is clockwise, R.
     arc: Option<(Point, bool, f64)>,
 }
 
@@ -39,12 +39,12 @@ fn on(value: f64, grid: f64) -> f64 {
     (value / grid).round() * grid
 }
 
-/// A point on the grid of the axes.
+/// Rounds a point to the grid of the axes.
 fn place(point: Point) -> Point {
     Point::new(on(point.x, 0.0005), on(point.z, 0.001))
 }
 
-/// The centre that the control takes for the programmed one.
+/// The centre that the control uses for the programmed one.
 fn kept(from: Point, to: Point, center: Point) -> Point {
     let radius = (from - center).length();
     let chord = to - from;
@@ -62,7 +62,7 @@ fn kept(from: Point, to: Point, center: Point) -> Point {
     }
 }
 
-/// The contour, written with centres on a grid.
+/// The contour with centres on a grid.
 fn written(steps: &[Step], nose: f64, grid: f64) -> (Point, Vec<Written>) {
     let first = Point::new(20.0, 0.0);
     let (mut at, mut heading, mut from) = (first, 0.0_f64, first);
@@ -76,7 +76,7 @@ fn written(steps: &[Step], nose: f64, grid: f64) -> (Point, Vec<Written>) {
             }
             Step::Arc { to, .. } if (to - heading).abs() < 0.05 => continue,
             Step::Arc { to, radius } => {
-                // An inner arc turns toward the nose, an outer one away from it.
+                // An inner arc turns towards the nose, an outer one away from it.
                 let inner = to > heading;
                 let radius = match radius {
                     Some(more) if inner => nose + more,
@@ -207,7 +207,7 @@ proptest! {
 
     #[test]
     fn centres_on_a_hundredth(steps in steps(), nose in noses()) {
-        // Coarser centres need coarser contours: no arc that the nose only just fits.
+        // Coarser centres need coarser contours: no arc that the nose barely fits into.
         let steps: Vec<Step> = steps
             .into_iter()
             .map(|step| match step {
@@ -219,12 +219,12 @@ proptest! {
     }
 }
 
-/// How many contours: `NOSE_CONTOURS=20000` tries them in full.
+/// Number of contours; `NOSE_CONTOURS=20000` runs the full test.
 fn contours() -> usize {
     std::env::var("NOSE_CONTOURS").map_or(300, |count| count.parse().unwrap())
 }
 
-/// The same contours on every run: none with rounded centres is refused that runs with R.
+/// The same contours on every run: each one that runs with R runs with rounded centres.
 #[test]
 fn what_runs_with_r_runs_with_rounded_centres() {
     let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
@@ -263,8 +263,8 @@ fn a_short_line_between_inner_arcs_runs() {
     assert_eq!(preview.alarm.map(|alarm| alarm.line_text()), None);
 }
 
-/// A move shorter than what rounding does to the direction at its ends, beside an arc
-/// of hundredths or an inner arc as large as the nose.
+/// A move that is turned more by rounding than its length allows, beside an arc of
+/// hundredths of a millimetre or an inner arc as large as the nose.
 #[test]
 fn short_moves_beside_arcs_run() {
     let bore = |lines: &str| {

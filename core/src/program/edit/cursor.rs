@@ -1,23 +1,23 @@
-//! Where the cursor goes: by lines, characters and screens, and to what is searched for.
+//! Moves the cursor by lines, characters and screens, and searches for text.
 
 use super::Editing;
 use crate::program::head::Head;
 
 impl Editing {
-    /// To the first line.
+    /// Moves to the first line.
     pub fn to_head(&mut self) {
         self.leave();
         (self.line, self.column) = (self.program.first_listed(), 0);
     }
 
-    /// To a line.
+    /// Moves to a line; beyond the ends to the first or last one.
     pub fn to_line(&mut self, line: u32) {
         self.leave();
         let (first, last) = (self.program.first_listed(), self.program.last_listed());
         (self.line, self.column) = (line.clamp(first, last), 0);
     }
 
-    /// One line up.
+    /// Moves one line up.
     pub fn up(&mut self) {
         if self.line > self.program.first_listed() {
             self.leave();
@@ -26,7 +26,7 @@ impl Editing {
         }
     }
 
-    /// One line down.
+    /// Moves one line down.
     pub fn down(&mut self) {
         let open = self.open;
         self.leave();
@@ -39,7 +39,7 @@ impl Editing {
         }
     }
 
-    /// One character to the left; from the start of a line to the end of the one
+    /// Moves one character to the left; from the beginning of a line to the end of the line
     /// above.
     pub fn left(&mut self) {
         if self.column > 0 {
@@ -51,7 +51,8 @@ impl Editing {
         }
     }
 
-    /// One character to the right; from the end of a line to the start of the next.
+    /// Moves one character to the right; from the end of a line to the beginning of the next
+    /// one.
     pub fn right(&mut self) {
         if self.column < self.end_of(self.line) {
             self.column += 1;
@@ -63,7 +64,7 @@ impl Editing {
         }
     }
 
-    /// A screen of so many lines on or back. The first screen begins behind the
+    /// Moves a screen of `rows` lines forward or back. The first screen begins after the
     /// name, the last one ends at the last line.
     pub fn turn_page(&mut self, forward: bool, rows: u32) {
         self.leave();
@@ -77,9 +78,8 @@ impl Editing {
         (self.line, self.column) = (line.min(last), 0);
     }
 
-    /// Moves to the next place of a text behind the cursor or in front of it; to the
-    /// next block with a sequence number, wherever it stands. `false` when there is
-    /// none.
+    /// Moves to the next occurrence of a text after or before the cursor. A sequence number
+    /// is found in the whole program. Returns `false` if the text does not occur.
     pub fn find(&mut self, wanted: &str, forward: bool) -> bool {
         let Some(place) = self.found(wanted, forward) else {
             return false;
@@ -117,13 +117,13 @@ impl Editing {
     }
 }
 
-/// The number of a text that is a sequence number.
+/// The number in a text such as `N10`; `None` for another text.
 fn sequence_number(wanted: &str) -> Option<u32> {
     wanted.strip_prefix('N')?.parse().ok()
 }
 
-/// The columns at which a text stands in a line; a sequence number only at the
-/// start of a block, with or without leading zeros.
+/// The columns at which a text occurs in a line. A sequence number, with or without leading
+/// zeros, occurs only at the beginning of a block.
 fn places(line: &str, wanted: &str) -> Vec<u32> {
     if let Some(number) = sequence_number(wanted) {
         let blank = line.chars().take_while(|c| *c == '/' || c.is_whitespace());

@@ -1,16 +1,17 @@
-//! Teach-in: an axis word takes the place where the axis stands.
+//! Teach-in: writes the current position of an axis into its word.
 
 use super::Editing;
 use crate::units::Axis;
 
 impl Editing {
-    /// The axis whose word the cursor is at: on its letter, or right behind it.
+    /// The axis of the word at the cursor, if the cursor is on its letter or directly after
+    /// it.
     pub fn axis_word(&self) -> Option<Axis> {
         self.axis_letter().map(|(axis, _)| axis)
     }
 
-    /// Gives the axis word at the cursor a value in the place of the one it has, and
-    /// puts the cursor behind it. `false` when there is no such word.
+    /// Replaces the number of the axis word at the cursor and moves the cursor to the end of
+    /// it. Returns `false` without such a word.
     pub fn teach(&mut self, value: &str) -> bool {
         let Some((_, letter)) = self.axis_letter().filter(|_| self.editable()) else {
             return false;
@@ -19,7 +20,7 @@ impl Editing {
         let (before, after) = self.split_line();
         let number = after.trim_start();
         let rest = number.trim_start_matches(|c: char| matches!(c, '0'..='9' | '.' | '+' | '-'));
-        // A blank in front of the next word stays.
+        // A blank before the next word is kept.
         let rest = if rest == number { &after } else { rest };
         self.put(self.line, self.line + 1, &format!("{before}{value}{rest}"));
         self.column += value.chars().count() as u32;
@@ -27,7 +28,7 @@ impl Editing {
         true
     }
 
-    /// The letter X or Z at the cursor or in front of it, and its column.
+    /// The letter X or Z at or before the cursor, and its column.
     fn axis_letter(&self) -> Option<(Axis, u32)> {
         if self.in_comment() || self.on_end_mark() {
             return None;

@@ -1,10 +1,10 @@
-//! Formulas: text to postfix code.
+//! Compiles formulas to postfix code.
 //!
 //! ```text
 //!   #1+#2*SIN[30]      1 var  2 var  30 sin  *  +
 //! ```
 //!
-//! Priority, highest first: functions and signs; `*` `/` `AND` `MOD`; `+` `-` `OR` `XOR`.
+//! Priority, from high to low: functions and signs; `*` `/` `AND` `MOD`; `+` `-` `OR` `XOR`.
 
 use gsk_messages::say;
 
@@ -12,27 +12,27 @@ use super::super::lexer::{Lexer, skip_blanks};
 use super::super::syntax::BlockError;
 use crate::alarm::number;
 
-/// Brackets that may stand in each other, those of functions among them.
+/// Greatest nesting of brackets, including those of functions.
 const DEPTH: u8 = 5;
 
-/// One step of a formula, on a stack of values.
+/// One step of a formula. It operates on a stack of values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Step {
-    /// A number as it is written.
+    /// Pushes a number.
     Number(f64),
-    /// The variable whose number is on the stack.
+    /// Replaces the number on the stack by the value of the variable with that number.
     Variable,
-    /// The other sign.
+    /// Negates the value on the stack.
     Negate,
-    /// Two values to one.
+    /// Combines two values to one.
     Operator(Operator),
-    /// One value to one.
+    /// Replaces one value by another.
     Function(Function),
-    /// `ATAN[y]/[x]`.
+    /// Computes `ATAN[y]/[x]` from two values.
     ArcTangent,
 }
 
-/// What stands between two values.
+/// An operator between two values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Operator {
     Add,
@@ -45,7 +45,7 @@ pub(crate) enum Operator {
     Xor,
 }
 
-/// What stands before a bracket.
+/// A function before a bracket.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Function {
     Sine,
@@ -56,19 +56,19 @@ pub(crate) enum Function {
     Root,
     Absolute,
     Round,
-    /// Toward zero.
+    /// Rounds towards zero.
     Fix,
-    /// Away from zero.
+    /// Rounds away from zero.
     Up,
     Logarithm,
     Exponential,
-    /// Decimal code to binary.
+    /// Converts BCD to binary.
     Binary,
-    /// Binary to decimal code.
+    /// Converts binary to BCD.
     DecimalCode,
 }
 
-/// Functions by their names; the first two letters are enough.
+/// The functions by name. The first two letters are sufficient.
 const FUNCTIONS: [(&str, Function); 14] = [
     ("SIN", Function::Sine),
     ("COS", Function::Cosine),
@@ -86,49 +86,49 @@ const FUNCTIONS: [(&str, Function); 14] = [
     ("BCD", Function::DecimalCode),
 ];
 
-/// Steps of a formula; a line of the control holds far fewer.
+/// Greatest number of steps of a formula; a line of the control has far fewer.
 const MOST_STEPS: usize = 1000;
 
-/// A formula.
+/// A formula in postfix code.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Expression(Vec<Step>);
 
 impl Expression {
-    /// What is to be done, in order.
+    /// The steps of the formula, in order.
     pub(crate) fn steps(&self) -> &[Step] {
         &self.0
     }
 
-    /// A number alone.
+    /// A formula that consists of a number.
     pub(in crate::program) fn number(value: f64) -> Self {
         Self(vec![Step::Number(value)])
     }
 
-    /// Reads a formula as long as it goes.
+    /// Reads a formula to its end.
     ///
     /// # Errors
-    /// 114 for what is none, 118 for brackets too deep.
+    /// 114 for an invalid formula, 118 for brackets that are nested too deep.
     pub(super) fn read(lexer: &mut Lexer<'_>) -> Result<Self, BlockError> {
         let mut reader = Reader::new(lexer);
         reader.sum()?;
         Ok(Self(reader.steps))
     }
 
-    /// Reads the value of a word or of a macro call: a number, a variable or a formula in
-    /// brackets, with its sign.
+    /// Reads the value of a word or of a macro argument: a signed number, variable or
+    /// formula in brackets.
     ///
     /// # Errors
-    /// As for [`Self::read`].
+    /// As [`Self::read`].
     pub(super) fn value(lexer: &mut Lexer<'_>) -> Result<Self, BlockError> {
         let mut reader = Reader::new(lexer);
         reader.signed(Reader::operand)?;
         Ok(Self(reader.steps))
     }
 
-    /// Reads `#i` or `#[formula]`: the number of the variable.
+    /// Reads `#i` or `#[formula]`. The result is the formula of the variable number.
     ///
     /// # Errors
-    /// As for [`Self::read`].
+    /// As [`Self::read`].
     pub(super) fn variable(lexer: &mut Lexer<'_>) -> Result<Self, BlockError> {
         let mut reader = Reader::new(lexer);
         reader.variable_number()?;
@@ -136,21 +136,21 @@ impl Expression {
     }
 }
 
-/// Reads the `#i`, `#[formula]` or `[formula]` that stands for the number of a word.
+/// Reads the `#i`, `#[formula]` or `[formula]` that a word has instead of a number.
 pub(in crate::program) fn in_word(lexer: &mut Lexer<'_>) -> Result<Expression, BlockError> {
     let mut reader = Reader::new(lexer);
     reader.operand()?;
     Ok(Expression(reader.steps))
 }
 
-/// The number after a `#`, without anything else being read; none for a formula.
+/// The number after a `#`, without moving the lexer; `None` for a formula.
 pub(in crate::program) fn word_variable(text: &[u8]) -> Option<u32> {
     let digits = text.iter().take_while(|byte| byte.is_ascii_digit()).count();
     let digits = core::str::from_utf8(text.get(..digits)?).ok()?;
     digits.parse().ok()
 }
 
-/// Reads letters as one word of the language, in capitals; the lexer stands behind them.
+/// Reads letters as one word of the language, in upper case, and moves past them.
 pub(super) fn letters(lexer: &mut Lexer<'_>) -> String {
     let mut letters = String::new();
     while let (byte, len @ 1..) = lexer.peek() {
@@ -163,7 +163,7 @@ pub(super) fn letters(lexer: &mut Lexer<'_>) -> String {
     letters
 }
 
-/// Passes the one of these names that stands here.
+/// Skips one of these names and returns its meaning; `None` if the text has none of them.
 pub(super) fn keyword<T: Copy>(lexer: &mut Lexer<'_>, of: &[(&str, T)]) -> Option<T> {
     let mut ahead = *lexer;
     let (meant, taken) = leading(&letters(&mut ahead), of)?;
@@ -178,8 +178,8 @@ pub(super) fn names(letters: &str, name: &str) -> bool {
     letters == name || (letters.len() == 2 && name.starts_with(letters))
 }
 
-/// The first of these names that letters begin with, and how many of them it takes: the
-/// whole of it or two letters, before nothing or before a function, as in `ANDABS[#1]`.
+/// The first of these names that letters begin with, and the number of letters it takes: its
+/// full length or two. Only a function may follow directly, as in `ANDABS[#1]`.
 fn leading<'n, T: Copy>(letters: &str, of: &'n [(&'n str, T)]) -> Option<(T, usize)> {
     let fits = |name: &str, taken: usize| {
         let (head, rest) = letters.split_at_checked(taken)?;
@@ -195,7 +195,7 @@ fn is_function(letters: &str) -> bool {
     names(letters, "ATAN") || FUNCTIONS.iter().any(|(name, _)| names(letters, name))
 }
 
-/// A formula that is not one.
+/// The error of an invalid formula.
 #[cold]
 pub(super) fn wrong(lexer: &Lexer<'_>, rule: gsk_messages::Message) -> BlockError {
     BlockError::at(number::BAD_OPERATION, lexer.at, rule)
@@ -218,13 +218,13 @@ impl<'l, 't> Reader<'l, 't> {
         }
     }
 
-    /// The byte that comes next, blanks passed.
+    /// The next byte after blanks.
     fn next(&mut self) -> Result<u8, BlockError> {
         skip_blanks(self.lexer)?;
         Ok(self.lexer.peek().0)
     }
 
-    /// Passes this byte, if it comes next.
+    /// Skips this byte if it is the next one.
     fn pass(&mut self, wanted: u8) -> Result<bool, BlockError> {
         let here = self.next()? == wanted;
         if here {
@@ -233,7 +233,7 @@ impl<'l, 't> Reader<'l, 't> {
         Ok(here)
     }
 
-    /// The operator that comes next, of those in the list.
+    /// The next operator if it is in the list.
     fn operator(&mut self, of: &[(&str, Operator)]) -> Result<Option<Operator>, BlockError> {
         let first = self.next()?;
         if !first.is_ascii_alphabetic() {
@@ -285,7 +285,7 @@ impl<'l, 't> Reader<'l, 't> {
         read(self)
     }
 
-    /// A number, a variable, a formula in brackets or a function.
+    /// Reads a number, a variable, a formula in brackets or a function.
     fn operand(&mut self) -> Read {
         if self.steps.len() >= MOST_STEPS {
             return Err(wrong(self.lexer, say::formula_too_long(MOST_STEPS)));
@@ -355,7 +355,7 @@ impl<'l, 't> Reader<'l, 't> {
                 self.steps.push(Step::Number(value));
                 Ok(())
             }
-            // A point alone.
+            // Only a point.
             Err(_) => Err(wrong(self.lexer, say::formula_value_missing())),
         }
     }

@@ -1,4 +1,4 @@
-//! Statements: what stands in a block instead of words.
+//! Parses the statements of macro B.
 
 use gsk_messages::say;
 
@@ -7,7 +7,7 @@ use super::super::syntax::BlockError;
 use super::expression::{self, Expression, letters, names, wrong};
 use crate::alarm::number;
 
-/// What a block says in the language of macros.
+/// The macro B statement of a block.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Statement {
     /// `#i=formula`.
@@ -16,7 +16,7 @@ pub(crate) enum Statement {
     Goto(Expression),
     /// `IF [condition] GOTO n`, `IF [condition] THEN #i=formula`.
     If(Condition, Then),
-    /// `WHILE [condition] DO m`; without a condition for ever.
+    /// `WHILE [condition] DO m`; without a condition it repeats forever.
     Do(Option<Condition>, u8),
     /// `END m`.
     End(u8),
@@ -26,28 +26,28 @@ pub(crate) enum Statement {
     ModalCall(MacroCall),
     /// `G67`.
     CancelModalCall,
-    /// Ordinary words; those with formulas hold the index of theirs in this list.
+    /// Ordinary words. Words with formulas hold the index of their formula in this list.
     Words(Vec<Expression>),
 }
 
 /// `#i=formula`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Assignment {
-    /// The number of the variable.
+    /// The formula of the variable number.
     pub(crate) variable: Expression,
     pub(crate) value: Expression,
-    /// What stands in parentheses behind it: the text of an alarm.
+    /// The comment after it: the text of an alarm.
     pub(crate) comment: String,
 }
 
-/// What an `IF` does.
+/// The consequence of an `IF`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Then {
     Goto(Expression),
     Assign(Assignment),
 }
 
-/// `[a EQ b]`.
+/// A comparison such as `[a EQ b]`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Condition {
     pub(crate) left: Expression,
@@ -55,7 +55,7 @@ pub(crate) struct Condition {
     pub(crate) right: Expression,
 }
 
-/// How two values are compared.
+/// The comparison of two values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Relation {
     Equal,
@@ -66,7 +66,7 @@ pub(crate) enum Relation {
     LessOrEqual,
 }
 
-/// The words of a call: addresses and values in the order of the text.
+/// The words of a macro call: addresses and values in the order of the text.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MacroCall {
     pub(crate) program: Option<Expression>,
@@ -83,7 +83,7 @@ const RELATIONS: [(&str, Relation); 6] = [
     ("LE", Relation::LessOrEqual),
 ];
 
-/// Whether a macro statement begins here: a variable, or two letters in a row.
+/// Whether a macro statement begins at the position: a variable, or two consecutive letters.
 pub(in crate::program) fn begins(lexer: &Lexer<'_>) -> bool {
     let (byte, len) = lexer.peek();
     let next = lexer.moved_to(lexer.at + len).peek().0;
@@ -91,10 +91,11 @@ pub(in crate::program) fn begins(lexer: &Lexer<'_>) -> bool {
 }
 
 impl Statement {
-    /// Reads the statement that begins here.
+    /// Reads the statement at the position.
     ///
     /// # Errors
-    /// 114 for what is none, 118 for brackets too deep, 126 for a number of a loop.
+    /// 114 for an invalid statement, 118 for brackets that are nested too deep, 126 for an
+    /// invalid loop number.
     pub(in crate::program) fn read(lexer: &mut Lexer<'_>) -> Result<Self, BlockError> {
         if lexer.peek().0 == b'#' {
             return Ok(Self::Assign(assignment(lexer)?));
@@ -124,10 +125,10 @@ impl Statement {
     }
 }
 
-/// Reads what follows G65 and G66.
+/// Reads the words after G65 and G66.
 ///
 /// # Errors
-/// 114 for what is none, 129 for an address that carries no argument.
+/// 114 for an invalid word, 129 for an address that cannot be an argument.
 pub(in crate::program) fn arguments(lexer: &mut Lexer<'_>) -> Result<MacroCall, BlockError> {
     let mut call = MacroCall {
         program: None,
@@ -173,7 +174,7 @@ fn assignment(lexer: &mut Lexer<'_>) -> Result<Assignment, BlockError> {
     })
 }
 
-/// The last comment up to a byte.
+/// The last comment before a byte position.
 fn comment(mut lexer: Lexer<'_>, end: usize) -> String {
     let mut last = String::new();
     while lexer.at < end {

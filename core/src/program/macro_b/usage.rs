@@ -1,11 +1,11 @@
-//! Whether a program is written in macro B, or in the macro language of G65 H.
+//! Detects whether a program uses macro B or the macro language of G65 H.
 
 use super::super::lexer::Lexer;
 use super::expression::word_variable;
 use crate::memory::Variables;
 
-/// Whether both languages have a variable: what macro A has, directly or through another
-/// one, and the signals of the ladder.
+/// Whether both languages have a variable: the variables of macro A, direct or indirect, and
+/// the signals of the ladder.
 fn is_of_both(number: u32) -> bool {
     let Ok(number) = u16::try_from(number) else {
         return false;
@@ -17,8 +17,8 @@ fn is_of_both(number: u32) -> bool {
 }
 
 /// Whether a text has a statement, a formula or a variable that only macro B has. In a
-/// program without any of them a variable in a word counts in increments, as G65 H leaves
-/// it.
+/// program without any of them, a variable in a word counts least increments, as G65 H
+/// stores it.
 pub(in crate::program) fn uses_macro_b(text: &str) -> bool {
     let mut lexer = Lexer::new(text);
     let mut before = 0_u8;

@@ -1,4 +1,4 @@
-//! Properties over generated and arbitrary texts.
+//! Properties of generated and arbitrary texts.
 
 use proptest::prelude::*;
 
@@ -40,7 +40,7 @@ fn number(address: char) -> BoxedStrategy<String> {
     }
 }
 
-/// A readable block, with blanks, comments, lower case and full-width letters.
+/// A valid block with blanks, comments, lower case and full-width letters.
 fn block_text() -> impl Strategy<Value = String> {
     let letters = prop::sample::subsequence("NFGHKMPQRSTUWXZ".chars().collect::<Vec<_>>(), 0..=10);
     let gap = prop::sample::select(vec!["", " ", "\t", "(车;*)", "（外圆）", "　"]);
@@ -66,7 +66,7 @@ fn block_text() -> impl Strategy<Value = String> {
     })
 }
 
-/// Texts that look like programs, with everything that may be wrong in them.
+/// Texts that resemble programs, with all kinds of errors.
 fn messy_text() -> impl Strategy<Value = String> {
     let piece = prop_oneof![
         block_text(),
@@ -87,7 +87,7 @@ fn file_lines(text: &str) -> Vec<String> {
 }
 
 proptest! {
-    /// A comment in front keeps a block from being read as plain words.
+    /// A comment before a block prevents that it is read as plain words.
     #[test]
     fn plain_words_are_read_as_all_others(
         text in prop_oneof![
@@ -99,7 +99,7 @@ proptest! {
         inch in any::<bool>(),
     ) {
         let syntax = Syntax { point_required, inch, ..Syntax::default() };
-        // A block that begins with a variable has a message of its own.
+        // A block that begins with a variable has a separate message.
         prop_assume!(!text.trim_start().starts_with('#'));
         let behind = format!("(){text}");
         match (parse_block(&text, syntax), parse_block(&behind, syntax)) {

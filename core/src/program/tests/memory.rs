@@ -131,7 +131,7 @@ fn a_percent_name_is_a_number_too() {
     let again = program.renumbered(7);
     assert_eq!(again.text(), "%P07\nN10 G00 X1\nM02\n");
     assert_eq!(again.number(), Some(7));
-    // An O word goes before it, and a bare % is the start of a tape.
+    // An O word has precedence, and a single % is the start of a tape.
     assert_eq!(Program::new("%P55\nO0001\nM30\n").number(), Some(1));
     for text in ["%\nG00 X1\n", "%P\nG00\n", "%P12345\n", "P55\n"] {
         assert_eq!(Program::new(text).number(), None, "{text:?}");
