@@ -1,13 +1,13 @@
-//! Saving and opening a text beside the window: neither the dialog nor a slow disk
-//! holds it up.
+//! Saves and opens text files without blocking the window: neither the file dialog nor a slow
+//! disk delays a frame.
 
 use crate::files::{atomic, program_file};
 use crate::kernel::Console;
 use crate::window::files::{Wanted, choose};
 use gsk_messages::{Language, say};
 
-/// Asks for a file and writes what `make` gives. `kind` is the proposed name and the
-/// extension. What comes of it is said on the window's line of messages.
+/// Shows a save dialog and writes the text that `make` returns. `kind` is the proposed name
+/// and the extension. The result is shown on the window's message line.
 pub fn save(
     console: &Console,
     context: &egui::Context,
@@ -24,8 +24,8 @@ pub fn save(
     });
 }
 
-/// Asks for a file with this extension and hands its text to `take`. What stands
-/// against it is said on the window's line of messages.
+/// Shows an open dialog for files with this extension and passes the text to `take`. An error
+/// is shown on the window's message line.
 pub fn open(
     console: &Console,
     context: &egui::Context,

@@ -1,5 +1,5 @@
-//! The fault bench: what a real machine does wrong, at a switch; inputs held at a
-//! value against their sensors.
+//! The fault bench: switches that simulate faults of a real machine, and inputs held at a
+//! value regardless of their sensors.
 
 use std::sync::Arc;
 
@@ -16,23 +16,23 @@ use crate::kernel::{Command, Console};
 use crate::window::{at_end, focus, reader};
 use gsk_messages::{Language, Message, say};
 
-/// Height of a line, points.
+/// Height of a row, points.
 const LINE: f32 = 24.0;
-/// Room for the bar of a list, points.
+/// Width reserved for the scroll bar of a list, points.
 const SCROLL_BAR: f32 = 12.0;
 /// Widths of the columns of lamps, points.
 const CONTACT: f32 = 48.0;
 const ACCEPTED: f32 = 34.0;
-/// What the column of inputs needs, points.
+/// Width of the column of inputs, points.
 const INPUTS: f32 = 470.0;
-/// The least and the most that the column of faults takes, points.
+/// Least and greatest width of the column of faults, points.
 const NARROW: f32 = 240.0;
 const WIDE: f32 = 420.0;
-/// A fault and its name for scripts need as much, points.
+/// Column width from which a fault's script name is shown, too, points.
 const BOTH_NAMES: f32 = 380.0;
-/// The group of buttons that hold an input.
+/// Key of the group of buttons that hold an input.
 const HELD_AT: &str = "held";
-/// Bytes of X that machine contacts have plugs for.
+/// Bytes of X whose inputs are plugs for machine contacts.
 const PLUGGED: std::ops::Range<u16> = 0..4;
 
 const LIT: Color32 = Color32::from_rgb(110, 230, 120);
@@ -40,17 +40,16 @@ const DARK: Color32 = Color32::from_gray(62);
 const BROKEN: Color32 = Color32::from_rgb(255, 120, 96);
 const HELD: Color32 = Color32::from_rgb(255, 196, 90);
 
-/// The bench's state.
 pub struct Bench {
     console: Console,
     entry: String,
     complaint: Option<String>,
-    /// Inputs beyond the plugs that were asked for.
+    /// Inputs beyond the plugs that the user has added.
     others: Vec<BitAddress>,
 }
 
 impl Bench {
-    /// With nothing broken.
+    /// Creates a bench without faults.
     pub fn new(console: Console) -> Self {
         Self {
             console,
@@ -60,7 +59,8 @@ impl Bench {
         }
     }
 
-    /// Draws the bench and takes its input.
+    /// Draws the bench and handles its input. `machine`: the newest state, `None` before the
+    /// first.
     pub fn show(&mut self, ui: &mut Ui, language: Language, machine: Option<&Arc<MachineView>>) {
         let Some(machine) = machine else {
             ui.centered_and_justified(|ui| ui.label(say::window_one_moment().text(language)));
@@ -124,7 +124,7 @@ impl Bench {
                             }
                         });
                     });
-                    // What comes of it, while it stands.
+                    // The effect, while the fault is active.
                     if machine.lathe.has_fault(fault) {
                         ui.indent(name, |ui| {
                             ui.add(Label::new(RichText::new(effect).weak()).wrap());
@@ -215,7 +215,7 @@ impl Bench {
         });
     }
 
-    /// What an input is held at, or its sensor.
+    /// Draws the buttons that hold an input at 0 or 1, or release it to its sensor.
     fn held_at(&self, ui: &mut Ui, language: Language, address: BitAddress, held: Option<bool>) {
         for (value, word) in [
             (None, say::bench_sensor().text(language)),
@@ -260,7 +260,7 @@ impl Bench {
     }
 }
 
-/// A line with its content from the right.
+/// Allocates a row that is filled from the right.
 fn line(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     let size = vec2(ui.available_width(), LINE);
     let (rect, _) = ui.allocate_exact_size(size, Sense::HOVER);
@@ -270,7 +270,7 @@ fn line(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     ui.scope_builder(place, content);
 }
 
-/// The heading of a column of lamps, in its middle.
+/// Draws the heading of a lamp column, centred.
 fn heading(ui: &mut Ui, words: &str, width: f32) {
     let (rect, _) = ui.allocate_exact_size(vec2(width, LINE), Sense::HOVER);
     let font = egui::TextStyle::Body.resolve(ui.style());
@@ -279,7 +279,7 @@ fn heading(ui: &mut Ui, words: &str, width: f32) {
     ui.painter().text(rect.center(), middle, words, font, ink);
 }
 
-/// A lamp in a column of its own.
+/// Draws a lamp with 1 or 0 in a column of this width, points.
 fn lamp(ui: &mut Ui, lit: bool, name: &str, width: f32) {
     let (rect, response) = ui.allocate_exact_size(vec2(width, LINE), Sense::HOVER);
     let colour = if lit { LIT } else { DARK };
@@ -300,7 +300,7 @@ fn lamp(ui: &mut Ui, lit: bool, name: &str, width: f32) {
     reader::state(ui, &response, text);
 }
 
-/// What the machine does and what the control says to it.
+/// Draws the state of the machine and the alarms of the control.
 fn state_line(ui: &mut Ui, language: Language, machine: &MachineView) {
     let lathe = &machine.lathe;
     let station = lathe

@@ -1,4 +1,4 @@
-//! The line above a view: its name, and signs that dock it, give it a window of its own,
+//! The header line of a view: its name, and icons that dock it, move it to a separate window
 //! or close it.
 
 use egui::{
@@ -9,36 +9,35 @@ use egui::{
 use crate::window::view::{ViewRow, key_name};
 use gsk_messages::{Language, say};
 
-/// Height of the line, points.
+/// Height of the header line, points.
 pub const HEIGHT: f32 = 22.0;
-/// Side of a sign, and what can be clicked around it, points.
+/// Side of an icon and size of its clickable area, points.
 const SIGN: f32 = 10.0;
 const PLACE: Vec2 = vec2(28.0, HEIGHT);
 const GROUND: Color32 = Color32::from_gray(40);
 
-/// Where the view is.
+/// Where the view is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// In a pane.
+    /// In a pane of the main window.
     Docked,
-    /// In a pane of the only window there is.
+    /// In a pane, where the platform has no other windows.
     Only,
-    /// In a window of its own, which has a name and closes by itself.
+    /// In a separate window, whose frame shows the name and a close button.
     Floating,
 }
 
-/// What was asked for.
+/// What the user clicked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Asked {
-    /// Into the window.
+    /// Move the view into the main window.
     Dock,
-    /// Into a window of its own.
+    /// Move the view into a separate window.
     Float,
-    /// Close it.
     Close,
 }
 
-/// Draws the line.
+/// Draws the header line. Returns the action of the icon that was clicked.
 pub fn show(ui: &mut Ui, row: &ViewRow, language: Language, place: Place) -> Option<Asked> {
     let size = vec2(ui.available_width(), HEIGHT);
     let (line, _) = ui.allocate_exact_size(size, Sense::HOVER);
@@ -76,7 +75,7 @@ pub fn show(ui: &mut Ui, row: &ViewRow, language: Language, place: Place) -> Opt
     asked
 }
 
-/// A sign that can be clicked; its name stands in the tip.
+/// Draws a clickable icon with `name` as its hover text. Returns whether it was clicked.
 fn sign(ui: &Ui, place: Rect, what: Asked, name: &str) -> bool {
     let id = ui.scope_id().with((name, "sign"));
     let response = ui.interact(place, id, Sense::click());

@@ -1,4 +1,4 @@
-//! Lessons: the list of them, and the step under way beside the panel.
+//! The lesson view: the list of lessons, and the current step beside the panel.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::kernel::{Command, Console, LessonOrder, LessonState, Snapshot};
 use crate::window::focus;
 use crate::window::samples::{SampleRequest, good_samples};
 
-/// Seconds without progress after which the hint is shown by itself.
+/// Seconds without progress after which the hint appears.
 const HINT_AFTER: f64 = 40.0;
 /// Diameter of the mark of a step, points.
 const MARK: f32 = 12.0;
@@ -24,17 +24,15 @@ const OPEN: Color32 = Color32::from_gray(90);
 const WRONG: Color32 = Color32::from_rgb(255, 150, 110);
 const HINT: Color32 = Color32::from_rgb(255, 214, 130);
 
-/// The view of lessons.
 pub struct LessonView {
     console: Console,
     lessons: Vec<Arc<Lesson>>,
-    /// What is wrong with files of a teacher.
+    /// Errors in a teacher's lesson files.
     wrong: Vec<Message>,
-    /// Those that were done to their end, by name.
+    /// Names of the lessons that were completed.
     finished: BTreeSet<String>,
     state: Option<LessonState>,
-    /// When the step under way began, seconds of the window's clock; none: with the next
-    /// picture.
+    /// Start of the current step, seconds of the window's clock; `None` until the next frame.
     since: Option<f64>,
     hint: bool,
     /// A sample was chosen.
@@ -44,7 +42,8 @@ pub struct LessonView {
 }
 
 impl LessonView {
-    /// With the lessons of the program. `finished`: those that were done before.
+    /// Creates the view with the built-in lessons. `finished`: names of lessons completed
+    /// earlier.
     pub fn new(console: Console, finished: BTreeSet<String>) -> Self {
         Self {
             console,
@@ -69,18 +68,18 @@ impl LessonView {
         core::mem::replace(&mut self.has_begun, false)
     }
 
-    /// Other lessons than those of the program, and what is wrong with others.
+    /// Replaces the built-in lessons. `wrong`: errors in the files of lessons.
     pub fn set_lessons(&mut self, lessons: Vec<Lesson>, wrong: Vec<Message>) {
         self.lessons = lessons.into_iter().map(Arc::new).collect();
         self.wrong = wrong;
     }
 
-    /// Those that were done to their end, by name.
+    /// Names of the lessons that were completed.
     pub const fn finished(&self) -> &BTreeSet<String> {
         &self.finished
     }
 
-    /// Takes what a picture says of the lesson under way.
+    /// Takes the state of the current lesson from a snapshot.
     pub fn seen(&mut self, picture: &Snapshot) {
         let step = |state: &Option<LessonState>| {
             let state = state.as_ref();
@@ -101,14 +100,14 @@ impl LessonView {
         }
     }
 
-    /// The lesson under way.
+    /// The current lesson and its state.
     fn under_way(&self) -> Option<(&Arc<Lesson>, &LessonState)> {
         let state = self.state.as_ref()?;
         let lesson = self.lessons.iter().find(|it| it.name == state.name)?;
         Some((lesson, state))
     }
 
-    /// The keys to be marked on the panel.
+    /// The keys that the panel marks: those of the current step of a lesson or demonstration.
     pub fn marked(&self) -> Vec<Key> {
         let shown = self.state.as_ref().and_then(|state| {
             let shown = demonstration_named(&state.name)?;
@@ -125,11 +124,11 @@ impl LessonView {
         self.console.send(Command::Lesson(order));
     }
 
-    /// Draws the view and takes its input.
+    /// Draws the view and handles its input.
     pub fn show(&mut self, ui: &mut Ui, language: Language) {
         let lesson = self.under_way().map(|(lesson, _)| Arc::clone(lesson));
         if let Some(lesson) = &lesson {
-            // They stay where they are, however long the text above is.
+            // The buttons keep their position, whatever the length of the text above.
             Panel::bottom("lesson buttons")
                 .frame(super::bar_frame())
                 .show(ui, |ui| self.buttons(ui, language, lesson));
@@ -296,7 +295,7 @@ impl LessonView {
         });
     }
 
-    /// All steps are done.
+    /// Draws the end of a lesson whose steps are all done, with a button for the next lesson.
     fn end(&self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {
         let done = RichText::new(say::lesson_done().text(language));
         ui.label(done.size(17.0).color(DONE));
@@ -313,7 +312,7 @@ impl LessonView {
     }
 }
 
-/// What is printed on a key, in brackets: `[X 手轮]`; its English words are left out.
+/// The legend of a key in brackets, without its English words: `[X 手轮]`.
 fn printed(key: Key) -> String {
     let legend = key.row().legend;
     let english = |line: &str| line.len() > 1 && line.is_ascii();
@@ -324,7 +323,7 @@ fn printed(key: Key) -> String {
     format!("[{}]", lines.join(if blank { " " } else { "" }))
 }
 
-/// The mark of a step or a lesson; one that is done has a tick.
+/// Draws the mark of a step or lesson. `done` adds a tick.
 fn mark(ui: &mut Ui, colour: Color32, done: bool) {
     let (place, _) = ui.allocate_exact_size(vec2(MARK + 2.0, MARK + 4.0), Sense::HOVER);
     let (centre, radius) = (place.center(), MARK / 2.0);
@@ -338,7 +337,7 @@ fn mark(ui: &mut Ui, colour: Color32, done: bool) {
     }
 }
 
-/// What is said of the state of the machine.
+/// The remark about the state of the machine; `None` if there is none.
 fn remark(step: &Step, remark: Remark, language: Language) -> Option<String> {
     let said = match remark {
         Remark::None => return None,

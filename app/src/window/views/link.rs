@@ -1,4 +1,4 @@
-//! The link page: the pulse board, its wire, and whether its count agrees.
+//! The link page: the pulse board, its traffic, and the comparison of its pulse count.
 
 mod figures;
 mod words;
@@ -19,7 +19,7 @@ const BUSY: Color32 = Color32::from_rgb(120, 190, 255);
 const WAITS: Color32 = Color32::from_rgb(255, 196, 90);
 const BAD: Color32 = Color32::from_rgb(255, 120, 96);
 
-/// The link page's state.
+/// The state of the link page.
 pub struct LinkPage {
     console: Console,
     view: Option<LinkView>,
@@ -27,7 +27,7 @@ pub struct LinkPage {
 }
 
 impl LinkPage {
-    /// Before anything is known of a board.
+    /// Creates the page before the first report about a board.
     pub fn new(console: Console) -> Self {
         Self {
             console,
@@ -36,18 +36,17 @@ impl LinkPage {
         }
     }
 
-    /// From now on the kernel tells about the board.
+    /// Asks the kernel to report about the board.
     pub fn open(&self) {
         self.console.send(Command::WatchLink(true));
     }
 
-    /// No more.
+    /// Stops the reports of the kernel.
     pub fn close(&mut self) {
         self.console.send(Command::WatchLink(false));
         self.view = None;
     }
 
-    /// Draws the page.
     pub fn show(&mut self, ui: &mut Ui, language: Language) {
         if let Some(view) = self.console.link.pop() {
             self.rates.take(&view.traffic, ui.input(|input| input.time));
@@ -69,7 +68,7 @@ impl LinkPage {
             ScrollArea::vertical()
                 .auto_shrink([false, false])
                 .show(ui, |ui| {
-                    // The figures stand at the right edge, beside the bar that scrolls them.
+                    // The figures are right-aligned beside the scroll bar.
                     ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
                     figures::show(ui, language, &view, &self.rates);
                     focus::follow(ui);
@@ -123,7 +122,7 @@ impl LinkPage {
         }
     }
 
-    /// What was said on the wire, under what has to be done first.
+    /// Draws the traffic with the board, below the differing settings and position checks.
     fn wire(&self, ui: &mut Ui, language: Language, view: &LinkView) {
         if !view.differences.is_empty() {
             self.differences(ui, language, view);
@@ -161,11 +160,11 @@ impl LinkPage {
             });
     }
 
-    /// Settings of the board that are not as they must be.
+    /// Draws the settings of the board that differ from the required ones.
     fn differences(&self, ui: &mut Ui, language: Language, view: &LinkView) {
         ui.heading(say::link_page_settings_differ().text(language));
         ui.add_space(2.0);
-        // A board may differ in all it has; the button stays in sight.
+        // Every setting may differ: the button must stay visible below a long table.
         let most = ui.available_height() * 0.6;
         ScrollArea::both()
             .id_salt("differences")
@@ -183,7 +182,7 @@ impl LinkPage {
     }
 }
 
-/// One row for each setting that differs.
+/// Draws a row for each setting that differs.
 fn differences(ui: &mut Ui, language: Language, view: &LinkView) {
     egui::Grid::new("differences")
         .num_columns(4)
@@ -210,14 +209,14 @@ fn differences(ui: &mut Ui, language: Language, view: &LinkView) {
         });
 }
 
-/// A sentence with options of the command line in it.
+/// Draws a sentence that contains command line options.
 fn sentence(ui: &mut Ui, text: &str) {
     let font = egui::TextStyle::Body.resolve(ui.style());
     ui.label(fonts::words(text, font, ui.visuals().text_color()));
 }
 
 fn nothing(ui: &mut Ui, language: Language) {
-    // Of a page that is wider than its pane only words are here: they are not scrolled.
+    // A page wider than its pane does not scroll here: the text wraps at the pane.
     ui.set_max_width(ui.max_rect().intersect(ui.clip_rect()).width() - 8.0);
     ui.add_space(12.0);
     ui.heading(say::link_page_no_board().text(language));
@@ -237,7 +236,7 @@ const fn colour(state: LinkState) -> Color32 {
     }
 }
 
-/// Everything on the page as a text.
+/// The contents of the page as English text.
 fn report(view: &LinkView) -> String {
     let mut out = format!(
         "{}  {}  {}\n\n",

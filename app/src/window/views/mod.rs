@@ -1,6 +1,6 @@
-//! Views beside the panel: machine, program, scope, fault bench, ladder, link page, lessons,
-//! commissioning, transfer, parameters and offsets, project. They stand in panes of the window or in
-//! windows of their own; closed they cost nothing.
+//! The views beside the panel: machine, program, scope, fault bench, ladder, link page,
+//! lessons, commissioning, transfer, parameters and offsets, project. Each is drawn in a pane
+//! of the window or in a separate window. A closed view costs no time.
 
 mod aside;
 mod bench;
@@ -50,11 +50,11 @@ use project::{ProjectView, Projects};
 use scope::Scope;
 use transfer::TransferView;
 
-/// The views.
+/// All views, and which of them are open.
 pub struct Views {
-    /// Those that are open, as the last frame left them.
+    /// The views that were open in the last frame.
     shown: Vec<View>,
-    /// Where the open windows of their own were put.
+    /// Initial corner and size of the open separate windows, points.
     opened: Vec<(View, Option<Pos2>, Vec2)>,
     scope: Scope,
     bench: Bench,
@@ -69,14 +69,14 @@ pub struct Views {
     project: ProjectView,
     console: Console,
     machine: Option<Arc<MachineView>>,
-    /// A view that another one wants to be open.
+    /// The view that another view requests to open.
     wanted: Option<View>,
 }
 
 impl Views {
-    /// All closed. `solid`: the machine view shows the part as a solid; `finished`: lessons
-    /// that were done before; `transfer`: port, speed and files of the last time; `projects`:
-    /// those of the last time.
+    /// Creates all views closed. `solid`: the machine view shows the part as a solid.
+    /// `finished`: names of the lessons that were completed earlier. `transfer`: port, speed
+    /// and files of the last session. `projects`: the projects of the last session.
     pub fn new(
         console: &Console,
         solid: bool,
@@ -104,7 +104,8 @@ impl Views {
         }
     }
 
-    /// Opens and closes what the layouts say, and takes what the kernel has sent.
+    /// Opens and closes views to match `layouts`. Starts or stops the monitoring of the
+    /// machine in the kernel and receives the newest machine state.
     pub fn follow(&mut self, context: &Context, layouts: &Layouts) {
         self.lathe.receive(context);
         let before = self.monitors();
@@ -156,7 +157,6 @@ impl Views {
         self.lessons.take_sample()
     }
 
-    /// The program view.
     pub const fn program(&mut self) -> &mut ProgramView {
         &mut self.program
     }
@@ -166,7 +166,6 @@ impl Views {
         &mut self.lathe
     }
 
-    /// The lessons.
     pub const fn lessons(&mut self) -> &mut LessonView {
         &mut self.lessons
     }
@@ -176,12 +175,12 @@ impl Views {
         &self.transfer
     }
 
-    /// The project.
     pub const fn project(&mut self) -> &mut ProjectView {
         &mut self.project
     }
 
-    /// What closing the window would lose.
+    /// The first item that closing the window would lose: program text, then job, then
+    /// project.
     pub fn unsaved(&self) -> Option<Unsaved> {
         let text = self.program.is_unsaved().then_some(Unsaved::Text);
         let job = || self.lathe.is_unsaved().then_some(Unsaved::Job);
@@ -189,12 +188,12 @@ impl Views {
         text.or_else(job).or_else(project)
     }
 
-    /// Whether an open view shows the machine and the PLC.
+    /// Whether an open view needs the state of the machine and the PLC.
     fn monitors(&self) -> bool {
         self.shown.iter().any(|view| view.monitors())
     }
 
-    /// Draws a view; `native`: in a window of its own, with all keys.
+    /// Draws a view. `native`: it is in a separate window and receives all keys.
     fn content(&mut self, ui: &mut Ui, view: View, language: Language, native: bool) {
         match view {
             View::Scope => self.scope.show(ui, language, native),
@@ -210,7 +209,8 @@ impl Views {
                 self.carry_out_wish();
             }
             View::Lesson => self.lessons.show(ui, language),
-            // A page has no ports, and need not have what works at them.
+            // The web page has no ports: this arm lets the compiler drop the transfer view's
+            // code.
             View::Transfer if !platform::has_ports() => {}
             View::Transfer => self.transfer.show(ui, language),
             View::Commission => {
@@ -220,7 +220,8 @@ impl Views {
                     self.wanted = Some(View::Scope);
                 }
             }
-            // A page has no folders, and need not have what reads them.
+            // The web page has no folders: this arm lets the compiler drop the project view's
+            // code.
             View::Project if !platform::has_folders() => {}
             View::Project => self.project.show(ui, language),
             View::Data => self.data.show(ui, language, self.machine.as_ref()),
@@ -232,7 +233,7 @@ impl Views {
         }
     }
 
-    /// What the machine view asks of the program view.
+    /// Passes a request of the machine view to the program view.
     fn carry_out_wish(&mut self) {
         let Some(wish) = self.lathe.take_wish() else {
             return;
@@ -253,12 +254,12 @@ impl Views {
         }
     }
 
-    /// A view that another one wants to be open.
+    /// Takes the view that another view requests to open.
     pub const fn take_wanted(&mut self) -> Option<View> {
         self.wanted.take()
     }
 
-    /// Draws a docked view into its pane. One that is larger than the pane is scrolled.
+    /// Draws a docked view into its pane, with scroll bars if it is larger than the pane.
     pub fn show_docked(
         &mut self,
         ui: &mut Ui,
@@ -289,8 +290,8 @@ impl Views {
         asked
     }
 
-    /// Draws the views in windows of their own. What their windows leave to the panel
-    /// of the keyboard comes back, and whether one of them has the focus.
+    /// Draws the views in separate windows. Returns the keyboard input that they leave to the
+    /// panel, and whether one of them has the focus.
     pub fn show_floating(
         &mut self,
         context: &Context,
@@ -346,41 +347,39 @@ impl Views {
     }
 }
 
-/// What was typed into the windows of views and is meant for the panel.
+/// Keyboard input in the windows of views that is meant for the panel.
 #[derive(Debug, Default)]
 pub struct Typed {
     /// A window of a view has the focus.
     pub focused: bool,
-    /// Keys of the PC.
     pub events: Vec<Event>,
-    /// Where the keys of the cursor move in a list an axis was to be jogged.
+    /// A jog key was suppressed because a list uses the cursor keys.
     pub jogs_in_list: bool,
-    /// A key of another view.
+    /// The view whose key was pressed in the window of another view.
     toggled: Option<View>,
-    /// A key of a layout.
+    /// The layout whose key was pressed.
     chosen: Option<Layout>,
 }
 
-/// A view's own window.
+/// A separate window of one view.
 struct OwnWindow {
     row: &'static ViewRow,
     language: Language,
     board: Option<LinkState>,
-    /// Where it was put when it was opened, and how large.
+    /// Initial corner, points; `None`: the window manager places the window.
     corner: Option<Pos2>,
     size: Vec2,
 }
 
-/// What came out of a view's own window in a frame.
+/// What a view's window reports after a frame.
 #[derive(Debug, Default)]
 struct Left {
     asked: Option<header::Asked>,
-    /// Where it is now.
+    /// The current position and size of the window.
     place: Option<Place>,
 }
 
 impl OwnWindow {
-    /// Draws it.
     fn show(
         &self,
         context: &Context,
@@ -426,10 +425,9 @@ impl OwnWindow {
     }
 }
 
-/// Whether a key typed into a view's window is meant for the panel. Feed hold and
-/// emergency stop always are, and every release; of a view without keys of its own
-/// for them the function keys and what is held with Ctrl or Alt, unless a field is
-/// being filled.
+/// Whether a key pressed in a view's window is meant for the panel. Feed hold, emergency stop
+/// and every release always are. Function keys and combinations with Ctrl or Alt are, unless
+/// the view uses these keys itself or a text field is being filled.
 fn for_panel(event: &Event, view: View, typing: bool) -> bool {
     let Event::Key { key, modifiers, .. } = event else {
         return false;
@@ -488,7 +486,7 @@ mod tests {
             }
             assert!(!for_panel(&press(Key::F9, plain), view, true));
         }
-        // F9 saves in the ladder view, Ctrl+Z takes back.
+        // F9 saves in the ladder view, Ctrl+Z undoes.
         assert!(!for_panel(&press(Key::F9, plain), View::Ladder, false));
         assert!(!for_panel(
             &press(Key::Z, Modifiers::CTRL),

@@ -1,24 +1,24 @@
-//! What a view has written into the control, and the button that takes the last of it back.
+//! Lists what a view has written into the control, with a button that undoes the last entry.
 
 use egui::{Button, Ui};
 use gsk_commission::UndoList;
 use gsk_messages::{Language, Message, say};
 
-/// Changes of an entry that are listed when it is pointed at.
+/// Number of changes of an entry that its hover text lists.
 const LISTED: usize = 12;
 
-/// How a view speaks of what it has written.
+/// Functions that describe the entries and changes of an undo list.
 pub struct Words<Label, Change> {
-    /// Of an entry as a whole.
+    /// Describes an entry as a whole.
     pub label: fn(&Label) -> Message,
-    /// Of a change: what stands where.
+    /// Describes a change: the item and its value.
     pub change: fn(&Change) -> Message,
-    /// What is needed to take it back.
+    /// What the control needs before it takes values back: hover text of the disabled button.
     pub hint: Message,
 }
 
-/// Lists the entries; `allowed`: the control would take these changes now. What has to be
-/// written to take the last entry back comes out when its button was pressed.
+/// Lists the entries and draws the undo button. `allowed`: whether the control would accept
+/// these changes now. Returns the values that undo the last entry when the button is clicked.
 pub fn show<Label, Change: Clone>(
     ui: &mut Ui,
     language: Language,

@@ -1,4 +1,4 @@
-//! The box of a function instruction: what its operands are and hold.
+//! Draws the box of a function instruction: its operands and their current values.
 
 use egui::{Align2, Color32, FontId, Rect, Stroke, StrokeKind, pos2, vec2};
 use gsk_core::plc::{Operand, Statement};

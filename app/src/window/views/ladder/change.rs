@@ -1,26 +1,25 @@
-//! Changes to a rung as it is drawn: the drawing is changed and written out again as
-//! instructions.
+//! Changes a contact or coil of a drawn rung and writes the rung as instructions again.
 
 use gsk_core::plc::address::BitAddress;
 use gsk_core::plc::{Branch, Contact, Element, Mnemonic, Network, Operand, RungBody, Statement};
 
-/// What is done to a contact or a coil.
+/// A change to a contact or coil.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// Normally open to normally closed and back; OUT to SET to RST.
+    /// Toggle normally open and normally closed; cycle OUT, SET, RST.
     Kind,
-    /// Another address.
+    /// Set another address.
     Address(BitAddress),
-    /// A contact behind it.
+    /// Add a contact in series after it.
     Series(BitAddress),
-    /// A contact, or a coil, below it.
+    /// Add a contact or coil in parallel below it.
     Parallel(BitAddress),
-    /// It goes.
+    /// Remove it.
     Delete,
 }
 
-/// The instructions of a rung after a change to its statement `at`; none if the
-/// change makes no sense there.
+/// The instructions of a rung after a change to its statement `at`; `None` if the change is
+/// not possible there.
 pub fn changed(network: &Network, at: usize, change: Change) -> Option<Vec<String>> {
     let RungBody::Rung { contacts, outputs } = &network.body else {
         return None;
@@ -46,7 +45,6 @@ pub fn changed(network: &Network, at: usize, change: Change) -> Option<Vec<Strin
     Some(lines(&changed))
 }
 
-/// The instructions of a rung.
 pub fn lines(network: &Network) -> Vec<String> {
     let statements = network.statements();
     statements.iter().map(ToString::to_string).collect()
@@ -68,7 +66,7 @@ const fn branch(element: Element) -> Branch {
     }
 }
 
-/// The element after the change; nothing if it is gone.
+/// The element after the change; `None` if it was removed.
 fn element_changed(element: Element, at: usize, change: Change) -> Option<Element> {
     match element {
         Element::Contact(found) if found.at == at => match change {
@@ -105,8 +103,8 @@ fn element_changed(element: Element, at: usize, change: Change) -> Option<Elemen
     }
 }
 
-/// The members after the change. A contact that became two of the way its fellows
-/// are joined becomes two fellows.
+/// The members after the change. A contact that became a group of the same kind, series
+/// or parallel, as `members` is replaced by the members of its group.
 fn members_changed(
     members: Vec<Branch>,
     at: usize,
@@ -132,7 +130,7 @@ fn members_changed(
     changed
 }
 
-/// One member stands for itself.
+/// Joins members to a group; a single member needs no group.
 fn joined(mut members: Vec<Branch>, way: impl Fn(Vec<Branch>) -> Element) -> Option<Element> {
     match members.len() {
         0 => None,
@@ -180,11 +178,10 @@ mod tests {
     use super::*;
     use gsk_core::plc::Ladder;
 
-    /// The rung after a change to its `at`-th instruction.
     fn after(rung: &str, at: usize, change: Change) -> Option<String> {
         let ladder = Ladder::compile(&format!("END1\n{rung}\nEND2")).unwrap();
         let changed = changed(&ladder.network(2).unwrap(), at, change)?.join("\n");
-        // Whatever comes of it is a ladder.
+        // Every change must give a valid ladder.
         Ladder::compile(&format!("END1\n{changed}\nEND2")).unwrap();
         Some(changed.replace("000", ""))
     }

@@ -1,11 +1,12 @@
-//! Rows of the tables as lines of the instruction list: `.MSG`, `.CMT`, `.INIT`.
+//! Writes rows of the ladder's tables as lines of the instruction list: `.MSG`, `.CMT`,
+//! `.INIT`.
 
 use gsk_core::plc::PlcAddress;
 use gsk_core::plc::address::{BitAddress, ByteAddress};
 
 use gsk_messages::{Message, say};
 
-/// A table that belongs to a ladder.
+/// A table of a ladder, by its directive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Table {
     /// `.MSG`.
@@ -25,7 +26,7 @@ impl Table {
         }
     }
 
-    /// Names of the fields of a row, the address first.
+    /// Headings of the fields of a row, the address first.
     pub fn fields(self) -> Vec<Message> {
         match self {
             Self::Messages => vec![
@@ -45,7 +46,7 @@ impl Table {
         }
     }
 
-    /// The line of a row; why there is none.
+    /// The line of a row; the error if a field contains a quotation mark.
     fn line(self, fields: &[String]) -> Result<String, Message> {
         let quoted = |text: &str| format!("\"{}\"", text.trim());
         if fields.iter().any(|field| field.contains(['"', '\n'])) {
@@ -74,14 +75,14 @@ impl Table {
         })
     }
 
-    /// The list with a row put in, in the place of the one with its address.
+    /// The instruction list with a row added. It replaces the row with the same address.
     pub fn with(self, list: &str, fields: &[String]) -> Result<String, Message> {
         let line = self.line(fields)?;
         let subject = fields.first().and_then(|address| subject(address));
         Ok(self.replaced(list, subject, Some(&line)))
     }
 
-    /// The list without the row of an address.
+    /// The instruction list without the row of an address.
     pub fn without(self, list: &str, address: &str) -> String {
         self.replaced(list, subject(address), None)
     }
@@ -92,7 +93,7 @@ impl Table {
             list.lines()
                 .position(|text| row(text) == Some(Some(wanted)))
         });
-        // A new row stands behind the last of its kind, else in front of everything.
+        // A new row is inserted after the last of its table, or at the start of the list.
         let behind = list
             .lines()
             .enumerate()
@@ -112,7 +113,8 @@ impl Table {
         text
     }
 
-    /// The address of a line of this kind; nothing of other lines.
+    /// The address in a line of this table: the outer `None` means another line, the inner an
+    /// invalid address.
     fn subject_of(self, line: &str) -> Option<Option<PlcAddress>> {
         let mut words = line.split_whitespace();
         let name = words.next()?;

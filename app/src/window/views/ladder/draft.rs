@@ -1,29 +1,28 @@
-//! A ladder in the making: its text, what the compiler says, undo and redo.
+//! A ladder that is being edited: its text, the compiler's messages, undo and redo.
 
 use std::sync::Arc;
 
 use gsk_core::plc::{CompileError, Ladder};
 
-/// Steps that can be taken back.
+/// Greatest number of undo steps.
 const UNDO: usize = 200;
 
-/// A ladder being edited.
 #[derive(Clone, Debug)]
 pub struct Draft {
     text: String,
-    /// The last text that compiled.
+    /// The last ladder that compiled.
     ladder: Arc<Ladder>,
     errors: Vec<CompileError>,
     undo: Vec<String>,
     redo: Vec<String>,
-    /// What the last change was to: further ones to the same are one step.
+    /// What was typed into by the last change. Further changes to the same are one undo step.
     last: Option<u32>,
     /// The text that was saved or begun with.
     saved: String,
 }
 
 impl Draft {
-    /// Begins with a ladder.
+    /// Starts a draft with a ladder.
     pub fn new(ladder: &Arc<Ladder>) -> Self {
         Self {
             text: ladder.source().to_owned(),
@@ -36,22 +35,21 @@ impl Draft {
         }
     }
 
-    /// The text.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The last text that compiled.
+    /// The ladder of the last text that compiled.
     pub const fn ladder(&self) -> &Arc<Ladder> {
         &self.ladder
     }
 
-    /// Why the text does not compile.
+    /// The compiler errors of the text; empty if it compiles.
     pub fn errors(&self) -> &[CompileError] {
         &self.errors
     }
 
-    /// What the compiler says: errors, or the warnings of a text that compiles.
+    /// The compiler errors, or the warnings of a text that compiles.
     pub fn findings(&self) -> &[CompileError] {
         if self.errors.is_empty() {
             self.ladder.warnings()
@@ -60,18 +58,18 @@ impl Draft {
         }
     }
 
-    /// Whether there is something to be saved.
+    /// Whether the text differs from the saved one.
     pub fn is_changed(&self) -> bool {
         self.text != self.saved
     }
 
-    /// It was saved.
+    /// Marks the current text as saved.
     pub fn saved(&mut self) {
         self.saved.clone_from(&self.text);
         self.last = None;
     }
 
-    /// Takes a new text. Changes of one `typing` in a row are one step for undo.
+    /// Replaces the text. Consecutive changes with the same `typing` are one undo step.
     pub fn set(&mut self, text: String, typing: Option<u32>) {
         if text == self.text {
             return;
@@ -88,7 +86,7 @@ impl Draft {
         self.put(text);
     }
 
-    /// Takes a step back.
+    /// Undoes a step.
     pub fn undo(&mut self) {
         if let Some(text) = self.undo.pop() {
             self.redo.push(self.text.clone());
@@ -97,7 +95,7 @@ impl Draft {
         }
     }
 
-    /// Takes a step again.
+    /// Redoes a step.
     pub fn redo(&mut self) {
         if let Some(text) = self.redo.pop() {
             self.undo.push(self.text.clone());
@@ -106,7 +104,7 @@ impl Draft {
         }
     }
 
-    /// Whether a step can be taken back, and taken again.
+    /// Whether undo and redo are possible.
     pub const fn steps(&self) -> (bool, bool) {
         (!self.undo.is_empty(), !self.redo.is_empty())
     }
@@ -137,7 +135,7 @@ mod tests {
         let mut draft = Draft::new(&Arc::new(ladder));
         assert!(!draft.is_changed());
         draft.set(text("LD R1.1\nOUT R2.0"), None);
-        // Typing goes on: one step.
+        // Typing continues: one step.
         draft.set(text("LD R1.\nOUT R2.0"), Some(2));
         assert_eq!(draft.errors().len(), 1);
         assert_eq!(draft.ladder().source(), text("LD R1.1\nOUT R2.0"));

@@ -1,4 +1,4 @@
-//! Draws a rung: power rails, contacts, coils, boxes, and where power flows.
+//! Draws a rung: power rails, contacts, coils, boxes, and the power flow.
 
 use egui::{
     Align2, Color32, FontId, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2,
@@ -14,11 +14,11 @@ use gsk_panel::pages::signal_meaning;
 use super::layout::{self, OUTPUT_COLUMNS, Placed, TITLE, cells};
 use gsk_messages::{Language, say};
 
-/// Room for the number of a rung, points.
+/// Width of the column with the rung's number, points.
 pub const GUTTER: f32 = 62.0;
-/// The wire's height in a cell, points from its top.
+/// Height of the wire in a cell, points from the cell's top.
 pub(super) const WIRE: f32 = 30.0;
-/// From the last contact to the outputs, points.
+/// Distance from the last contact to the outputs, points.
 pub(super) const LEAD: f32 = 22.0;
 
 pub const LIVE: Color32 = Color32::from_rgb(96, 226, 118);
@@ -30,48 +30,49 @@ pub const HELD: Color32 = Color32::from_rgb(255, 196, 90);
 const CHOSEN: Color32 = Color32::from_rgb(92, 190, 255);
 const FOUND: Color32 = Color32::from_rgba_unmultiplied_const(255, 214, 90, 38);
 
-/// What a drawing needs to know beside the rung.
+/// The inputs of the drawing beside the rung.
 pub struct Sheet<'a> {
     pub ladder: &'a Ladder,
-    /// Memory, if the ladder is the one that runs.
+    /// The PLC memory, if the ladder is the running one.
     pub memory: Option<&'a PlcMemory>,
     pub language: Language,
     pub comments: bool,
-    /// The statement that is chosen, as an index in the program.
+    /// The selected statement, as an index in the program.
     pub chosen: Option<usize>,
-    /// Whether a bit is forced, and to what.
+    /// The forced value of a bit; `None` if the bit is not forced.
     pub forced: &'a dyn Fn(BitAddress) -> Option<bool>,
-    /// The address that is looked for.
+    /// The address that is searched for.
     pub sought: Option<PlcAddress>,
-    /// The rung that a halted scan runs next.
+    /// The rung that a halted scan executes next.
     pub next: Option<u32>,
-    /// Errors and warnings of the compiler: rung and words.
+    /// Compiler messages: rung, whether it is an error, text.
     pub complaints: &'a [(u32, bool, String)],
-    /// Right rail of a rung that fits, points from the left edge.
+    /// Least position of the right rail, points from the left edge.
     pub width: f32,
 }
 
-/// Least width of a rung with so many columns of contacts, points.
+/// Least width of a rung with `columns` columns of contacts, points.
 pub fn width(columns: usize, comments: bool) -> f32 {
     let cells = (columns + OUTPUT_COLUMNS) as f32 * layout::cell(comments).x;
     GUTTER + cells + 2.0 * LEAD
 }
 
-/// A rung being drawn.
+/// The state while a rung is being drawn.
 pub(super) struct Pen<'a> {
     pub(super) ui: &'a Ui,
     pub(super) sheet: &'a Sheet<'a>,
     power: &'a [PowerFlow],
-    /// Statements of its contacts.
+    /// The number of statements that are contacts or join contacts.
     of_contacts: usize,
-    /// Index of the rung's first statement.
+    /// Index of the rung's first statement in the program.
     first: usize,
-    /// Left rail and upper edge of the first row.
+    /// Position of the left rail at the upper edge of the first row.
     origin: Pos2,
     clicked: Option<usize>,
 }
 
-/// Draws a rung whose upper left corner is given; tells which statement was clicked.
+/// Draws a rung with its upper left corner at `corner`. Returns the statement that was
+/// clicked.
 pub fn rung(
     ui: &Ui,
     sheet: &Sheet<'_>,
@@ -209,7 +210,7 @@ impl Pen<'_> {
         );
     }
 
-    /// Draws contacts in so many columns; gives the power that leaves on the right.
+    /// Draws contacts in `wide` columns. Returns whether power leaves on the right.
     fn element(
         &mut self,
         element: &Element,
@@ -297,7 +298,7 @@ impl Pen<'_> {
         out
     }
 
-    /// The address above the wire and the comment below it.
+    /// Draws the address above the wire and the comment below it.
     fn names(&self, bit: BitAddress, corner: Pos2, cell: egui::Vec2) {
         let painter = self.ui.painter();
         let forced = (self.sheet.forced)(bit);
@@ -376,7 +377,7 @@ impl Pen<'_> {
         self.choose(at, place, &format!("{bit} {kind}"));
     }
 
-    /// Marks what is looked for.
+    /// Draws the background of an element whose address is searched for.
     fn back(&self, place: Rect, subject: PlcAddress) {
         let place = place.shrink2(vec2(3.0, 1.0));
         if self.sheet.sought == Some(subject) {
@@ -384,11 +385,11 @@ impl Pen<'_> {
         }
     }
 
-    /// Makes a place answer to the pointer and the keyboard, under a name.
+    /// Makes a rectangle selectable by pointer and keyboard, with a name for screen readers.
     pub(super) fn choose(&mut self, at: usize, place: Rect, name: &str) {
         let index = self.first + at;
         let id = self.ui.scope_id().with(("statement", index));
-        // Tab goes through the rungs in view alone: a ladder has thousands of elements.
+        // Tab reaches only elements in view: a ladder has thousands of elements.
         let sense = match self.ui.clip_rect().contains_rect(place) {
             true => Sense::click(),
             false => Sense::CLICK,
@@ -412,7 +413,7 @@ impl Pen<'_> {
         }
     }
 
-    /// A wire from one column to another.
+    /// Draws a wire from one column to another.
     fn reach(&self, from: usize, to: usize, row: usize, live: bool) {
         if from < to {
             let y = self.wire_y(row);
@@ -443,7 +444,7 @@ impl Pen<'_> {
     }
 }
 
-/// What an address is called: the ladder's comment, else the table of signals.
+/// The ladder's comment of an address, or the meaning in the signal table.
 pub fn comment(ladder: &Ladder, subject: PlcAddress, language: Language) -> String {
     let own = ladder.comment(subject).map(|comment| match language {
         Language::Zh => comment.chinese.as_str(),

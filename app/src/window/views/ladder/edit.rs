@@ -1,5 +1,5 @@
-//! Editing in the ladder view: a rung as instructions or element by element, the
-//! whole list, undo; saved for the next power-on.
+//! Edits the ladder: a rung as instructions or element by element, or the whole list, with
+//! undo. A saved ladder runs after the next power-on.
 
 use std::sync::Arc;
 
@@ -17,29 +17,29 @@ use crate::window::focus;
 use crate::window::views::aside;
 use gsk_messages::{Language, say};
 
-/// Colour of what the compiler finds wrong.
+/// Colour of compiler errors.
 pub const WRONG: Color32 = Color32::from_rgb(255, 130, 104);
-/// What a typed change to the whole list counts as; rungs begin with 1.
+/// Undo key of changes typed into the whole list. Rungs count from 1.
 const WHOLE: u32 = 0;
-/// What a new rung begins with.
+/// Instructions of a new rung.
 const NEW_RUNG: &str = "LD X0.0\nOUT R0.0";
 
-/// The rung whose instructions are being typed.
+/// The editor of a rung's instructions.
 #[derive(Clone, Debug)]
 pub struct Editor {
-    /// Its number.
     rung: u32,
-    /// Its first line in the text of the ladder.
+    /// First line of the rung in the list, from 1.
     line: u32,
     text: String,
-    /// The ladder it began with.
+    /// The ladder from which the editor started.
     base: Arc<Ladder>,
-    /// The list that came of it; another one makes the editor begin anew.
+    /// The list after the last change here. If the draft has another list, the editor
+    /// restarts.
     source: String,
 }
 
 impl LadderView {
-    /// The ladder that is drawn: the one being edited, or the one that runs.
+    /// The ladder that is drawn: the draft while editing, else the running one.
     pub(super) fn shown(&self, machine: &MachineView) -> Arc<Ladder> {
         let draft = self.draft.as_ref().filter(|_| self.editing);
         let ladder = draft.map_or(machine.plc.ladder(), Draft::ladder);
@@ -54,7 +54,8 @@ impl LadderView {
         }
     }
 
-    /// Keys of editing: undo, redo, compile and save.
+    /// Handles the keys of editing: F9 saves, Ctrl+Z undoes, Ctrl+Y redoes, Delete removes the
+    /// selected element.
     pub(super) fn editing_keys(&mut self, ui: &Ui) {
         if !self.editing {
             return;
@@ -98,14 +99,15 @@ impl LadderView {
         }
     }
 
-    /// Takes over what the control has taken over, and a list that was opened.
+    /// Marks the draft as saved once the control has taken it, and takes a list that was
+    /// opened.
     pub(super) fn follow(&mut self, machine: &MachineView) {
         self.refused = machine.ladder_refused;
         let Some(draft) = &mut self.draft else { return };
         if let Some(list) = self.opened.pop() {
             draft.set(list, None);
             if !draft.errors().is_empty() {
-                // Its errors stand by its lines.
+                // The errors are shown beside the lines of the list.
                 self.tab = Tab::List;
             }
         }
@@ -116,7 +118,7 @@ impl LadderView {
         }
     }
 
-    /// The bar with the tools of editing.
+    /// Draws the bar with the editing tools.
     pub(super) fn edit_bar(&mut self, ui: &mut Ui, language: Language) {
         let Some(draft) = &self.draft else { return };
         let (back, again) = draft.steps();
@@ -203,7 +205,7 @@ impl LadderView {
         }
     }
 
-    /// What is done to the chosen contact or coil.
+    /// Draws the tools that change the selected contact or coil.
     fn element_tools(&mut self, ui: &mut Ui, language: Language, right: bool) {
         let on = right && self.chosen.is_some();
         if ui
@@ -263,7 +265,7 @@ impl LadderView {
                 rung.push(NEW_RUNG.to_owned());
                 Some(rung)
             });
-            // The new rung is chosen.
+            // Select the new rung.
             let rung = self.chosen_network().map(|network| network.number + 1);
             let next = rung.and_then(|rung| self.draft.as_ref()?.ladder().network(rung));
             if let Some(next) = next {
@@ -277,7 +279,7 @@ impl LadderView {
         }
     }
 
-    /// The rung of the chosen statement, as it is being edited.
+    /// The rung of the selected statement in the draft.
     fn chosen_network(&self) -> Option<Network> {
         let ladder = self.draft.as_ref()?.ladder();
         let statement = ladder.statements().get(self.chosen?)?;
@@ -289,7 +291,7 @@ impl LadderView {
         self.replace_rung(|network| changed(network, at.checked_sub(network.first)?, change));
     }
 
-    /// Puts other instructions in the place of the chosen rung.
+    /// Replaces the instructions of the selected rung.
     fn replace_rung(&mut self, lines: impl Fn(&Network) -> Option<Vec<String>>) {
         let Some(network) = self.chosen_network() else {
             return;
@@ -309,7 +311,8 @@ impl LadderView {
         }
     }
 
-    /// The instructions of the chosen rung, to be typed, and what the compiler says.
+    /// Draws the selected rung's instructions as a text field, and the messages of the
+    /// compiler.
     pub(super) fn rung_editor(&mut self, ui: &mut Ui, language: Language) {
         let Some(draft) = &self.draft else { return };
         let network = self.chosen_network();
@@ -376,7 +379,7 @@ impl LadderView {
         }
     }
 
-    /// The whole list.
+    /// Draws the whole instruction list, with line numbers.
     pub(super) fn list(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
         let mut chosen = None;
         let editing = self.editing;
@@ -410,7 +413,7 @@ impl LadderView {
                     .map(|line| format!("{line:4}"))
                     .collect();
                 let numbers = RichText::new(numbers.join("\n")).monospace().weak();
-                // The field has a margin of its own.
+                // The text field has a margin.
                 ui.vertical(|ui| {
                     ui.add_space(2.0);
                     ui.label(numbers);
@@ -434,7 +437,7 @@ impl LadderView {
         });
     }
 
-    /// Chooses the first statement of a line.
+    /// Selects the first statement of a line.
     fn choose_line(&mut self, line: u32) {
         let Some(draft) = &self.draft else { return };
         let ladder = draft.ladder();
@@ -448,8 +451,8 @@ impl LadderView {
     }
 }
 
-/// Draws what the compiler says; tells the line of one that was clicked. Lines of
-/// the edited rung count from its first.
+/// Draws the messages of the compiler. Lines of the edited rung count from its first line.
+/// Returns the line of a message that was clicked.
 fn complaints(
     ui: &mut Ui,
     language: Language,

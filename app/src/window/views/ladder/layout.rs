@@ -1,4 +1,4 @@
-//! How much room a rung takes, in cells, and where it stands.
+//! Computes the size of rungs in cells and their position in the drawing.
 
 use std::sync::Arc;
 
@@ -7,18 +7,18 @@ use gsk_core::plc::{Element, Ladder, Network, RungBody, Statement};
 
 use super::value::operand_count;
 
-/// Height of a title or a mark, points.
+/// Height of a title or a structure mark, points.
 pub const TITLE: f32 = 26.0;
-/// Room between two rungs, points.
+/// Distance between two rungs, points.
 pub const BETWEEN: f32 = 14.0;
-/// Height of a line in a box, points.
+/// Height of an operand line in a box, points.
 pub const LINE: f32 = 16.0;
 /// Height of the heading of a box, points.
 pub const HEADING: f32 = 20.0;
-/// Cells that the outputs take at the right.
+/// Columns of cells that the outputs take on the right.
 pub const OUTPUT_COLUMNS: usize = 2;
 
-/// The cell of one contact, points.
+/// Size of the cell of one contact, points. `comments`: with comments below the contacts.
 pub const fn cell(comments: bool) -> Vec2 {
     if comments {
         vec2(104.0, 76.0)
@@ -27,35 +27,33 @@ pub const fn cell(comments: bool) -> Vec2 {
     }
 }
 
-/// A rung and its place in the drawing.
+/// A rung and its position in the drawing.
 #[derive(Clone, Debug)]
 pub struct Placed {
-    /// The rung.
     pub network: Network,
-    /// Its upper edge, points from the top.
+    /// Upper edge, points from the top of the drawing.
     pub top: f32,
-    /// With title and the room below, points.
+    /// Height with the title and the distance to the next rung, points.
     pub height: f32,
     /// Columns of contacts.
     pub columns: usize,
 }
 
-/// All rungs of a ladder, placed.
+/// The positions of all rungs of a ladder.
 #[derive(Clone, Debug)]
 pub struct Drawing {
-    /// The ladder they are of.
+    /// The ladder that is drawn.
     pub ladder: Arc<Ladder>,
     comments: bool,
-    /// The rungs from top to bottom.
     pub rungs: Vec<Placed>,
-    /// Height of all, points.
+    /// Height of all rungs, points.
     pub height: f32,
     /// Columns of contacts of the widest rung.
     pub columns: usize,
 }
 
 impl Drawing {
-    /// Places the rungs of a ladder.
+    /// Computes the positions of the rungs. `comments`: with comments below the contacts.
     pub fn new(ladder: &Arc<Ladder>, comments: bool) -> Self {
         let mut top = 0.0;
         let mut columns = 1;
@@ -87,12 +85,12 @@ impl Drawing {
         }
     }
 
-    /// Whether it is the drawing of this ladder.
+    /// Whether the drawing was made of this ladder with this choice of comments.
     pub fn is_of(&self, ladder: &Arc<Ladder>, comments: bool) -> bool {
         self.comments == comments && Arc::ptr_eq(&self.ladder, ladder)
     }
 
-    /// The rungs that lie between two heights.
+    /// The rungs between two heights, points from the top.
     pub fn between(&self, from: f32, to: f32) -> &[Placed] {
         let first = self
             .rungs
@@ -101,7 +99,7 @@ impl Drawing {
         self.rungs.get(first..end).unwrap_or_default()
     }
 
-    /// One rung.
+    /// The rung with this number.
     pub fn rung(&self, number: u32) -> Option<&Placed> {
         let at = self
             .rungs
@@ -112,7 +110,7 @@ impl Drawing {
     }
 }
 
-/// Columns and rows of contacts and outputs.
+/// Columns of contacts, and rows of contacts and outputs.
 fn size(network: &Network, comments: bool) -> (usize, usize) {
     match &network.body {
         RungBody::Structure(_) => (0, 1),
@@ -132,7 +130,7 @@ fn size(network: &Network, comments: bool) -> (usize, usize) {
     }
 }
 
-/// Columns and rows of contacts.
+/// Columns and rows of an element's contacts.
 pub fn cells(element: &Element) -> (usize, usize) {
     match element {
         Element::Contact(_) => (1, 1),
@@ -151,13 +149,13 @@ pub fn cells(element: &Element) -> (usize, usize) {
     }
 }
 
-/// Rows of an output: a coil has one, a box as many as its lines need.
+/// Rows of an output: one for a coil; for a box those that its lines need.
 pub fn output_rows(output: &Statement, comments: bool) -> usize {
     let lines = operand_count(output);
     if lines == 0 {
         return 1;
     }
-    // The room below a rung takes the rest.
+    // A small excess fits into the distance to the next rung.
     let height = HEADING + lines as f32 * LINE + 4.0;
     (height / cell(comments).y).ceil() as usize
 }

@@ -1,5 +1,5 @@
-//! The ladder view: rungs with live power flow, search, cross reference, forced bits,
-//! halt and step; messages, comments and initial data as tables; editing.
+//! The ladder view: rungs with live power flow, search, cross reference, forced bits, halt and
+//! step; messages, comments and initial data as tables; editing.
 
 mod block;
 mod change;
@@ -33,10 +33,10 @@ use gsk_messages::{Language, Message, say};
 use layout::Drawing;
 use search::Search;
 
-/// A view of this width shows a rung whole beside what is chosen, points.
+/// Width from which the side list is always shown beside the rungs, points.
 const WIDE: f32 = 940.0;
 
-/// What the view shows.
+/// The tabs of the view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Tab {
     Rungs,
@@ -66,40 +66,40 @@ impl Tab {
     }
 }
 
-/// The ladder view's state.
+/// The state of the ladder view.
 pub struct LadderView {
     console: Console,
     tab: Tab,
     comments: bool,
     drawing: Option<Drawing>,
-    /// How often each address is used; of the drawn ladder.
+    /// The number of uses of each address in the drawn ladder.
     uses: Vec<(PlcAddress, usize)>,
-    /// The statement that is chosen, as an index in the program.
+    /// The selected statement, as an index in the program.
     chosen: Option<usize>,
-    /// A height that comes into view with the next picture.
+    /// The height to scroll to in the next frame, points from the top.
     scroll_to: Option<f32>,
     search: Search,
     editing: bool,
     draft: Option<Draft>,
     editor: Option<Editor>,
-    /// Fields of the row of a table.
+    /// Fields of the selected row of a table.
     row: Vec<String>,
-    /// Why the row was not taken.
+    /// Why the row was refused.
     complaint: Option<String>,
-    /// Address for the tools of editing.
+    /// The address that the editing tools use, as typed.
     address: String,
-    /// A rung that comes into view once it is drawn.
+    /// The rung to scroll to once it is drawn.
     show_rung: Option<u32>,
-    /// A line that comes into view in the list.
+    /// The line to scroll to in the list, from 1.
     list_line: Option<u32>,
-    /// Why the control would not take a ladder now.
+    /// Why the control would refuse a ladder now; `None` if it would take one.
     refused: Option<Refusal>,
-    /// Lists that were read from files.
+    /// A list that was read from a file.
     opened: Arc<ArrayQueue<String>>,
 }
 
 impl LadderView {
-    /// At the first rung.
+    /// Creates the view at the first rung.
     pub fn new(console: Console) -> Self {
         Self {
             console,
@@ -123,7 +123,7 @@ impl LadderView {
         }
     }
 
-    /// The view is closed: a halted ladder runs on.
+    /// Lets a halted ladder run again when the view is closed.
     pub fn close(&mut self) {
         self.ask(Request::HaltLadder(false));
     }
@@ -132,7 +132,8 @@ impl LadderView {
         self.console.send(Command::Ask(Box::new(request)));
     }
 
-    /// Draws the view and takes its input; `own_keys`: in a window of its own.
+    /// Draws the view and handles its input. `own_keys`: the view is in a separate window and
+    /// handles editing keys.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -155,7 +156,8 @@ impl LadderView {
             let tools = Panel::top("ladder tools").frame(super::bar_frame());
             tools.show(ui, |ui| self.edit_bar(ui, language));
         }
-        // Where there is little room the coils stand there as long as nothing is chosen.
+        // In a narrow view the coils use the width of the side list until an element is
+        // selected.
         let has_room = ui.available_width() >= WIDE;
         let has_side = has_room || self.chosen.is_some() || !machine.plc.forces().is_empty();
         let line = Panel::bottom("ladder state").frame(super::bar_frame());
@@ -189,7 +191,8 @@ impl LadderView {
             });
     }
 
-    /// Places the rungs when the ladder is another one.
+    /// Computes the positions of the rungs when the ladder or the choice of comments has
+    /// changed.
     fn draw_anew(&mut self, ladder: &Arc<Ladder>) {
         let known = self.drawing.as_ref();
         if known.is_some_and(|drawing| drawing.is_of(ladder, self.comments)) {
@@ -204,7 +207,7 @@ impl LadderView {
             self.uses = ladder.addresses().into_iter().map(uses).collect();
         }
         let drawing = Drawing::new(ladder, self.comments);
-        // With comments or without, the chosen rung stays in view.
+        // The selected rung remains in view when comments are switched on or off.
         let rung = self.chosen.and_then(|at| ladder.statements().get(at));
         let place = rung.and_then(|statement| drawing.rung(statement.rung));
         self.scroll_to = place.filter(|_| same).map(|placed| placed.top);
@@ -264,14 +267,14 @@ impl LadderView {
         });
     }
 
-    /// Brings a rung into view.
+    /// Scrolls to a rung.
     fn jump(&mut self, rung: u32) {
         self.tab = Tab::Rungs;
         let placed = self.drawing.as_ref().and_then(|drawing| drawing.rung(rung));
         self.scroll_to = placed.map(|placed| placed.top);
     }
 
-    /// Chooses a statement and brings it into view.
+    /// Selects a statement and scrolls to its rung.
     fn go_to(&mut self, ladder: &Ladder, at: usize) {
         self.chosen = Some(at);
         if let Some(statement) = ladder.statements().get(at) {
@@ -337,7 +340,7 @@ impl LadderView {
         self.drawing = Some(drawing);
     }
 
-    /// What the compiler says of rungs: rung, error or warning, words.
+    /// The compiler's messages about rungs: rung, whether it is an error, text.
     fn complaints(&self, ladder: &Ladder, language: Language) -> Vec<(u32, bool, String)> {
         let errors = self.draft.as_ref().filter(|_| self.editing);
         let errors = errors.map_or(&[][..], Draft::errors).iter();
@@ -398,7 +401,7 @@ impl LadderView {
     }
 }
 
-/// The statement and what it is about.
+/// The addresses that a statement uses.
 fn subjects(statement: &Statement) -> Vec<PlcAddress> {
     use gsk_core::plc::Operand;
     let named = |operand: &Operand| match operand {

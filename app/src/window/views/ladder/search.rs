@@ -1,4 +1,5 @@
-//! Search as in the manufacturer's tool: an address, an instruction or a comment.
+//! Searches the ladder as the manufacturer's tool does: for an address, an instruction or a
+//! comment.
 
 use egui::{RichText, Ui};
 use gsk_core::plc::address::{BitAddress, ByteAddress};
@@ -8,32 +9,32 @@ use super::draw::comment;
 use super::{LadderView, subjects};
 use gsk_messages::{Language, say};
 
-/// What is looked for, and where it was found.
+/// The search text and its results.
 #[derive(Clone, Debug, Default)]
 pub struct Search {
     text: String,
     subject: Option<PlcAddress>,
     /// Statements, as indices in the program.
     found: Vec<usize>,
-    /// Which of them is shown.
+    /// Index in `found` of the statement that is shown.
     at: usize,
     done: bool,
 }
 
 impl Search {
-    /// Forgets what was found; the text stays.
+    /// Clears the results and keeps the text.
     pub fn clear(&mut self) {
         self.found.clear();
         self.subject = None;
         self.done = false;
     }
 
-    /// The address that is looked for.
+    /// The address that is searched for, if the text is an address.
     pub const fn subject(&self) -> Option<PlcAddress> {
         self.subject
     }
 
-    /// Looks through a ladder.
+    /// Searches a ladder for the text.
     fn run(&mut self, ladder: &Ladder) {
         let text = self.text.trim().to_uppercase();
         self.subject = subject(&text);
@@ -58,7 +59,7 @@ fn subject(text: &str) -> Option<PlcAddress> {
     bit.or_else(|| text.parse::<ByteAddress>().ok().map(PlcAddress::Byte))
 }
 
-/// Statements of this name, or about an address whose comment has the words.
+/// Statements with this instruction name, or with an address whose comment contains the text.
 fn by_words(ladder: &Ladder, text: &str) -> Vec<usize> {
     let about = |subject: &PlcAddress| {
         [Language::Zh, Language::En].into_iter().any(|language| {
@@ -121,7 +122,7 @@ impl LadderView {
         }
     }
 
-    /// Looks for an address, as if it had been keyed in.
+    /// Searches for an address as if the user had typed it.
     pub(super) fn look_for(&mut self, ladder: &Ladder, subject: PlcAddress) {
         self.search.text = subject.to_string();
         self.search.run(ladder);

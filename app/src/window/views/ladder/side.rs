@@ -1,4 +1,4 @@
-//! Beside the rungs: the chosen element, what uses its address, forced bits.
+//! The list beside the rungs: the selected element, the uses of its addresses, forced bits.
 
 use egui::{Color32, RichText, ScrollArea, Ui, vec2};
 use gsk_core::cnc::Request;
@@ -13,7 +13,7 @@ use crate::kernel::monitor::MachineView;
 use crate::window::focus;
 use gsk_messages::{Language, say};
 
-/// Width of the list beside the rungs in a view of a width, points.
+/// Width of the list beside the rungs for a view of this width, points.
 pub fn width(view: f32) -> f32 {
     (view * 0.3).clamp(190.0, 304.0)
 }
@@ -44,7 +44,7 @@ impl LadderView {
             });
     }
 
-    /// One address: name, state, force, uses.
+    /// Draws one address: name, state, force, uses.
     fn subject(
         &mut self,
         ui: &mut Ui,
@@ -114,7 +114,7 @@ impl LadderView {
         }
     }
 
-    /// Three buttons: held at 1, at 0, free.
+    /// Draws three buttons that force a bit to 1 or 0, or release it.
     fn force(&self, ui: &mut Ui, language: Language, machine: &MachineView, bit: BitAddress) {
         let forces = machine.plc.forces().iter();
         let held = forces

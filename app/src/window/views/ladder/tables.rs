@@ -1,5 +1,4 @@
-//! The tables that belong to a ladder: messages, comments, initial data (manual
-//! PLC-III 4 and 5).
+//! Draws the tables of a ladder: messages, comments, initial data (manual PLC-III 4 and 5).
 
 use egui::{
     Align, Color32, Label, Layout, Panel, RichText, ScrollArea, Sense, TextEdit, Ui, UiBuilder,
@@ -17,7 +16,7 @@ use gsk_messages::{Language, Message, say};
 /// Height of a row, points.
 const ROW: f32 = 22.0;
 
-/// A column: heading and width; the last one takes what is left.
+/// A column: heading and width, points. The last column takes the remaining width.
 type Column = (Message, f32);
 
 impl LadderView {
@@ -122,7 +121,7 @@ impl LadderView {
         }
     }
 
-    /// Goes to the first place that uses an address; while editing the row stays.
+    /// Shows the first use of an address, except while editing.
     fn show_uses(&mut self, ladder: &Ladder, subject: PlcAddress) {
         if self.editing {
             return;
@@ -133,7 +132,8 @@ impl LadderView {
         }
     }
 
-    /// The fields of the row that was clicked, or of a new one.
+    /// Draws the fields of the row that was clicked, or of a new row, with buttons that write
+    /// and delete it.
     fn row_editor(&mut self, ui: &mut Ui, language: Language, kind: Table) {
         let names: Vec<String> = kind.fields().iter().map(|it| it.text(language)).collect();
         self.row.resize(names.len(), String::new());
@@ -177,7 +177,7 @@ impl LadderView {
         }
     }
 
-    /// Takes a changed list if it compiles; else the first thing that is wrong.
+    /// Takes a changed list into the draft if it compiles. Returns the first error otherwise.
     fn take_list(&mut self, list: String, language: Language) -> Option<String> {
         if let Err(errors) = Ladder::compile(&list) {
             let first = errors.errors.first();
@@ -190,7 +190,7 @@ impl LadderView {
     }
 }
 
-/// Draws a table; tells which row was clicked.
+/// Draws a table. Returns the index of the row that was clicked.
 fn table(
     ui: &mut Ui,
     language: Language,
@@ -236,7 +236,7 @@ fn table(
     clicked.or(list.entered())
 }
 
-/// One row of texts; gives its place.
+/// Draws one row of texts. Returns its rectangle.
 fn cells(ui: &mut Ui, columns: &[Column], texts: Vec<RichText>) -> egui::Rect {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::HOVER);
     let mut left = place.left() + 10.0;

@@ -1,10 +1,10 @@
-//! What the operands of an instruction are called, and what they hold.
+//! Names the operands of an instruction and formats their current values.
 
 use gsk_core::plc::{Area, ByteAddress, Mnemonic, Operand, OperandKind, PlcMemory, Statement};
 
 use gsk_messages::{Language, say};
 
-/// Lines that a function instruction's box has for its operands; none for a coil.
+/// The number of operand lines in the box of a function instruction; 0 for a coil.
 pub fn operand_count(output: &Statement) -> usize {
     match output.mnemonic {
         Mnemonic::Out | Mnemonic::Set | Mnemonic::Rst => 0,
@@ -12,7 +12,7 @@ pub fn operand_count(output: &Statement) -> usize {
     }
 }
 
-/// What an operand is for.
+/// What an operand is used for, as text.
 pub fn role(kind: OperandKind, language: Language) -> String {
     let role = match kind {
         OperandKind::Contact => say::ladder_operand_reset(),
@@ -39,7 +39,7 @@ pub fn role(kind: OperandKind, language: Language) -> String {
     role.text(language)
 }
 
-/// What an operand holds now; nothing for a number.
+/// The current value of an operand; `None` for a constant.
 pub fn held(
     statement: &Statement,
     kind: OperandKind,
@@ -65,7 +65,7 @@ pub fn held(
     }
 }
 
-/// Bytes that an operand of a statement covers.
+/// The number of bytes that an operand covers.
 fn width(statement: &Statement, kind: OperandKind) -> usize {
     if !kind.has_instruction_length() {
         return 1;
@@ -81,7 +81,7 @@ fn width(statement: &Statement, kind: OperandKind) -> usize {
     length.unwrap_or(1)
 }
 
-/// A byte, a value of several bytes, or an entry.
+/// Formats a byte, a value of `width` bytes, or an entry of a timer or counter area.
 pub fn number(address: ByteAddress, width: usize, memory: &PlcMemory) -> String {
     let entry = matches!(address.area, Area::T | Area::C | Area::Dc | Area::Dt);
     let value = match width {

@@ -1,12 +1,12 @@
-//! What the compiler and the control say, in the language of the window.
+//! Texts of the compiler's messages and the control's refusals, in the language of the window.
 
 use gsk_core::memory::Refusal;
 use gsk_core::plc::{CompileError, Rule};
 
 use gsk_messages::{Language, Message, say};
 
-/// An error or warning of the compiler: its code, in Chinese what the rule is, and
-/// what is wrong here.
+/// The text of a compiler error or warning: its code and message, in Chinese with the rule
+/// that it breaks.
 pub fn finding(error: &CompileError, language: Language) -> String {
     let (code, message) = (error.code, error.message.text(language));
     match language {
@@ -15,7 +15,7 @@ pub fn finding(error: &CompileError, language: Language) -> String {
     }
 }
 
-/// The closing line of a compilation without errors, in Chinese in the words of the
+/// The closing line of a compilation without errors. The Chinese text is that of the
 /// manufacturer's tool.
 pub fn compiled(warnings: usize, language: Language) -> String {
     gsk_core::plc::compile_summary(0, warnings).text(language)
@@ -38,7 +38,7 @@ fn rule(rule: Rule) -> Message {
     }
 }
 
-/// Why the control would not take a ladder, and what to do.
+/// Why the control refuses a ladder, and what the user must do.
 pub fn refusal(refusal: Refusal) -> Message {
     match refusal {
         Refusal::Mode => say::ladder_save_wants_edit_mode(),

@@ -1,4 +1,4 @@
-//! What moves in the lathe beside the slides: the spindle turns, coolant flows.
+//! Animates the turning spindle and the coolant.
 
 use std::f32::consts::TAU;
 
@@ -8,27 +8,27 @@ use gsk_workpiece::stock::Stock;
 use super::camera::Camera;
 use crate::kernel::part::PartView;
 
-/// The jaws whose middle is marked on the chuck.
+/// Angles of the jaws at whose middle the chuck is marked, radians.
 const JAWS: [f32; 3] = [0.0, TAU / 3.0, 2.0 * TAU / 3.0];
-/// A spindle that turns faster is drawn turning so fast, r/min: the eye still sees which
-/// way.
+/// Greatest speed at which the spindle is drawn, r/min. At this speed the eye still sees the
+/// direction.
 const FASTEST: f32 = 90.0;
-/// Time between two pictures of a spindle that turns, s.
+/// Time between two frames of a turning spindle, s.
 const PAUSE: f32 = 1.0 / 30.0;
 const MARK: Color32 = Color32::from_rgb(150, 164, 186);
 const COOLANT: Color32 = Color32::from_rgba_premultiplied(40, 84, 120, 130);
-/// Where the nozzle is, from the tip, mm.
+/// Position of the nozzle relative to the tip, Z and X, mm.
 const NOZZLE: (f32, f32) = (14.0, 34.0);
-/// How far the jets spread at the tip, mm.
+/// Half width of the jets at the tip, mm.
 const SPREAD: f32 = 2.5;
 const JETS: i8 = 2;
 
-/// How far the spindle has turned in the picture, radians.
+/// Angle of the drawn spindle, radians.
 #[derive(Default)]
 pub struct Turning(f32);
 
 impl Turning {
-    /// Draws the marks of the jaws on the outside of the chuck, on the side that is not cut
+    /// Draws the marks of the jaws on the outside of the chuck, on the half that is not cut
     /// open:
     ///
     /// ```text
@@ -59,7 +59,7 @@ impl Turning {
     }
 }
 
-/// The cylinders of chuck and jaws: from, to, radius.
+/// The cylinders of chuck and jaws: first Z, last Z, radius, mm.
 fn marked(stock: &Stock) -> impl Iterator<Item = (f32, f32, f32)> {
     let (body, jaws) = stock.chuck_section();
     let bounds = [body.bounds(), jaws.bounds()];

@@ -1,4 +1,4 @@
-//! The bar above the picture, and below it what is to be read.
+//! The tool bar above the picture, and the state lines, findings and clock below it.
 
 use egui::text::LayoutJob;
 use egui::{Color32, Label, RichText, ScrollArea, TextFormat, TextStyle, Ui};
@@ -14,7 +14,7 @@ use crate::kernel::Command;
 use crate::window::alarm_line;
 use crate::window::focus;
 
-/// Height of the list of collisions, points.
+/// Greatest height of the list of collisions, points.
 const LIST: f32 = 72.0;
 const DOUBTFUL: Color32 = Color32::from_rgb(255, 196, 90);
 
@@ -74,13 +74,14 @@ impl LatheView {
         });
     }
 
-    /// Where the pointer is, which block is meant, what was guessed, what was hit.
+    /// Draws the pointer's position, the block, the text of the instrument in use, the clock,
+    /// what is guessed about the job, and the collisions.
     pub(super) fn state(&mut self, ui: &mut Ui, language: Language) {
         ui.horizontal(|ui| {
             let pointer = self.pointer.map_or_else(String::new, |at| {
                 say::lathe_pointer(f64::from(at.y) * 2.0, f64::from(at.x)).text(language)
             });
-            // As wide as it gets, so that what stands beside it does not move.
+            // A fixed width, so that the label beside it does not move.
             ui.label(RichText::new(format!("{pointer:<24}")).monospace());
             let running = self.part.as_ref().and_then(|part| part.block);
             let chosen = self.chosen.as_ref().map(|chosen| chosen.block);
@@ -99,7 +100,7 @@ impl LatheView {
             Instrument::Caliper => {
                 let said = self.instruments.caliper.words();
                 let said = said.iter().map(|words| words.text(language));
-                // Always as many rows: what is pointed at must not move.
+                // Always three rows: the picture under the pointer must not move.
                 for words in said.chain(std::iter::repeat(String::new())).take(3) {
                     ui.label(RichText::new(words).monospace());
                 }
@@ -147,7 +148,7 @@ impl LatheView {
         self.collisions(ui, language);
     }
 
-    /// Why the pass that was clicked lies there, and the words of its cycle.
+    /// Draws why the selected pass is where it is, and the words of its cycle.
     fn xray(&mut self, ui: &mut Ui, language: Language) {
         let pass = self.chosen.as_ref().and_then(|chosen| chosen.pass.as_ref());
         if let Some(why) = pass.and_then(|pass| pass.why.as_ref()) {
@@ -179,7 +180,7 @@ impl LatheView {
         let words = say::lathe_collisions(findings.len()).text(language);
         ui.label(RichText::new(words).color(HIT));
         let mut meant = None;
-        // The bar shows that there are more.
+        // A solid scroll bar shows that the list is longer.
         ui.spacing_mut().scroll = egui::style::ScrollStyle::solid();
         ScrollArea::vertical()
             .max_height(LIST)
@@ -213,13 +214,12 @@ impl LatheView {
         }
     }
 
-    /// A block: program, line and text.
     fn words_of(&self, block: Block) -> String {
         let text = self.made.path.text(block).trim();
         format!("{}  {text}", Self::name_of(block))
     }
 
-    /// Program and line of a block.
+    /// The program and line of a block.
     fn name_of(block: Block) -> String {
         let line = block.line;
         match block.program {
@@ -229,7 +229,7 @@ impl LatheView {
     }
 }
 
-/// What the colours of the path mean, in one row.
+/// Draws the kinds of moves in the colours of the path, in one row.
 fn legend(ui: &mut Ui, language: Language) {
     let font_id = TextStyle::Body.resolve(ui.style());
     let mut job = LayoutJob::default();

@@ -1,5 +1,4 @@
-//! The drawn caliper: what the pointer is at, with its measures, and the distance
-//! between two features.
+//! The caliper: measures the feature under the pointer, and the distance between two features.
 
 use std::sync::Arc;
 
@@ -15,31 +14,31 @@ use super::path::nearest_on;
 use super::place;
 use super::rest::Rest;
 
-/// How near the pointer must be to an edge, points.
+/// Greatest distance of the pointer from an edge, points.
 const REACH: f32 = 14.0;
-/// A part that is being cut is measured that often, s.
+/// Interval of the measurements while a part is being cut, s.
 const PAUSE: f64 = 0.25;
 const MEANT: Color32 = Color32::from_rgb(255, 240, 120);
 const KEPT: Color32 = Color32::from_rgb(255, 150, 220);
 const JAW: Color32 = Color32::from_rgb(190, 220, 255);
 const GROUND: Color32 = Color32::from_rgba_premultiplied(10, 12, 16, 220);
-/// How far the jaws stand out over the edge, points.
+/// Length of the jaws beyond the edge, points.
 const JAW_LENGTH: f32 = 26.0;
 
-/// The caliper.
+/// The state of the caliper.
 #[derive(Default)]
 pub struct Caliper {
     section: Arc<Region>,
     rest: Rest,
     features: Vec<MeasuredFeature>,
-    /// The feature under the pointer, and the pointer as the part has it.
+    /// The feature under the pointer, and the pointer in part coordinates.
     meant: Option<(usize, Pos2)>,
-    /// The feature that was clicked.
+    /// The feature that the user has clicked.
     kept: Option<MeasuredFeature>,
 }
 
 impl Caliper {
-    /// Measures the part anew when it has changed.
+    /// Measures the part again when it has changed.
     pub fn take(&mut self, section: &Arc<Region>, context: &Context) {
         if Arc::ptr_eq(&self.section, section) || !self.rest.is_over(context, PAUSE) {
             return;
@@ -52,7 +51,8 @@ impl Caliper {
             .collect();
     }
 
-    /// The pointer is there; none: it is elsewhere. Both halves of the picture count.
+    /// Sets the pointer's position on the part; `None`: it is outside. Both halves of the
+    /// picture count.
     pub fn point(&mut self, at: Option<Pos2>, camera: &Camera) {
         self.meant = None;
         let Some(at) = at else { return };
@@ -67,7 +67,7 @@ impl Caliper {
             .map(|(index, _)| (index, at));
     }
 
-    /// A click keeps the feature under the pointer, or lets go of the one that was kept.
+    /// Keeps the feature under the pointer; a click on the kept feature releases it.
     pub fn click(&mut self) {
         let meant = self.meant.and_then(|(index, _)| self.features.get(index));
         self.kept = match (meant, self.kept.take()) {
@@ -76,8 +76,8 @@ impl Caliper {
         };
     }
 
-    /// What is measured: the feature under the pointer, the one that was kept, and the
-    /// distance between them.
+    /// The measurements as text: the feature under the pointer, the kept one, and the distance
+    /// between them.
     pub fn words(&self) -> Vec<Message> {
         let meant = self.meant_feature();
         let hint = say::caliper_hint();
@@ -94,7 +94,7 @@ impl Caliper {
         self.features.get(index)
     }
 
-    /// Draws what is meant and kept, the jaws and the measure.
+    /// Draws both features, the jaws and the measurement.
     pub fn draw(&self, painter: &Painter, camera: &Camera, language: Language) {
         if let Some(kept) = &self.kept {
             trace(painter, camera, &kept.outline, KEPT);
@@ -112,7 +112,7 @@ impl Caliper {
     }
 }
 
-/// The measure beside the pointer.
+/// The measurement beside the pointer.
 fn short(feature: &Feature) -> Message {
     match *feature {
         Feature::Cylinder { diameter, .. } => say::caliper_diameter(diameter.0),
@@ -125,7 +125,7 @@ fn short(feature: &Feature) -> Message {
     }
 }
 
-/// The distance of two features: along Z between faces, across between cylinders.
+/// The distance between two features: along Z between faces, along X between cylinders.
 fn between(from: &Feature, to: &Feature) -> Option<Message> {
     match (*from, *to) {
         (Feature::Face { z: from, .. }, Feature::Face { z: to, .. }) if from != to => {
@@ -140,7 +140,7 @@ fn between(from: &Feature, to: &Feature) -> Option<Message> {
     }
 }
 
-/// From a point to a line of points, mm.
+/// The distance from a point to a polyline, mm.
 fn distance(outline: &[Point], at: Pos2) -> f32 {
     let pairs = outline.windows(2);
     let each = pairs.map(|pair| {
@@ -150,7 +150,7 @@ fn distance(outline: &[Point], at: Pos2) -> f32 {
     each.fold(f32::INFINITY, f32::min)
 }
 
-/// An outline and its mirror image beyond the axis.
+/// Draws an outline and its mirror image below the axis.
 fn trace(painter: &Painter, camera: &Camera, outline: &[Point], color: Color32) {
     for side in [1.0, -1.0] {
         let points = outline.iter().map(|point| {
@@ -161,7 +161,7 @@ fn trace(painter: &Painter, camera: &Camera, outline: &[Point], color: Color32) 
     }
 }
 
-/// The jaws of a caliper over a diameter, and the measure's arrows.
+/// Draws the jaws of a caliper at a diameter, and the arrows of the measurement.
 fn jaws(painter: &Painter, camera: &Camera, z: f32, radius: f32) {
     let stroke = Stroke::new(1.5, JAW);
     let ends = [1.0, -1.0].map(|side| camera.screen(pos2(z, radius * side)));
@@ -181,7 +181,7 @@ fn jaws(painter: &Painter, camera: &Camera, z: f32, radius: f32) {
     painter.line_segment([ends[0] + bar, ends[1] + bar], Stroke::new(1.0, JAW));
 }
 
-/// Words on a dark ground, kept within the picture.
+/// Draws words on a dark background, kept within the picture.
 fn label(painter: &Painter, at: Pos2, words: String) {
     let galley = painter.layout_no_wrap(words, FontId::monospace(16.0), MEANT);
     let place = Align2::LEFT_BOTTOM.anchor_size(at, galley.size());

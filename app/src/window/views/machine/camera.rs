@@ -1,45 +1,46 @@
-//! Which piece of the part is seen, from where, and how large: from mm in the plane of
-//! the tools to points of the window.
+//! The camera of the machine view: which section of the part is visible, from which direction
+//! and at which scale. Converts mm in the plane of the tools to points of the window and back.
 
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
 use gsk_runner::solid::{Turn, View};
 use gsk_workpiece::region::Region;
 
-/// Points a millimetre, least and most.
+/// Least and greatest scale, points a millimetre.
 const SCALES: (f32, f32) = (0.02, 20_000.0);
-/// Room around what is fitted, share of a side.
+/// Margin around a fitted picture, as a share of a side.
 const MARGIN: f32 = 0.06;
-/// A point that is dragged turns the solid by so many degrees.
+/// Turn of the solid per point that is dragged, degrees.
 const DEGREES: f32 = 0.4;
 
-/// What the view looks at.
+/// What the machine view shows.
 #[derive(Default)]
 pub struct Sight {
-    /// Somebody has moved the picture; else it shows everything.
+    /// The camera that the user has moved; `None`: the picture shows everything.
     pub camera: Option<Camera>,
-    /// It goes with the tool.
+    /// The picture follows the tool.
     pub follow: bool,
-    /// The part as a solid; else its half section.
+    /// Shows the part as a solid instead of a half section.
     pub solid: bool,
 }
 
-/// The view on the part. Positions of the part: x is Z, y is X as a radius, mm.
+/// The view on the part. Part coordinates: x is Z, y is X as a radius, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// What is seen in the middle.
+    /// The position shown in the middle, part coordinates.
     pub centre: Pos2,
     /// Points a millimetre.
     pub scale: f32,
-    /// Where it is drawn.
+    /// The rectangle of the window that the picture fills.
     pub room: Rect,
-    /// From where it is looked at.
+    /// The direction of view.
     turn: Turn,
-    /// Where Z and X go on the window, points right and down a unit of the scale.
+    /// Directions of Z and X in the window, points per mm at scale 1, y downwards.
     axes: [Vec2; 2],
 }
 
 impl Camera {
-    /// Shows a box whole, straight from above.
+    /// Shows a whole box, straight from above. `rear`: the tool post is on the far side of the
+    /// spindle.
     pub fn fit(bounds: Rect, rear: bool, room: Rect) -> Self {
         let size = bounds.size().max(vec2(1.0, 1.0));
         let free = room.size() * (1.0 - 2.0 * MARGIN);
@@ -47,7 +48,7 @@ impl Camera {
         Self::new(bounds.center(), scale, Turn::flat(rear), room)
     }
 
-    /// Shows solids of half sections whole, at an angle.
+    /// Shows the solids of half sections whole, at an angle.
     pub fn fit_solid(regions: &[&Region], rear: bool, room: Rect) -> Self {
         let size = (room.width() as usize, room.height() as usize);
         let margin = MARGIN * room.size().min_elem();
@@ -66,19 +67,19 @@ impl Camera {
         }
     }
 
-    /// The same in another room.
+    /// The same view in another rectangle.
     #[must_use]
     pub const fn within(self, room: Rect) -> Self {
         Self { room, ..self }
     }
 
-    /// The same with something else in the middle.
+    /// The same view with another position in the middle.
     #[must_use]
     pub const fn centred(self, centre: Pos2) -> Self {
         Self { centre, ..self }
     }
 
-    /// The same on a picture of so many pixels a point.
+    /// The same view for an image with this number of pixels a point.
     pub fn view(&self, pixels_per_point: f32) -> View {
         View {
             turn: self.turn,
@@ -87,52 +88,52 @@ impl Camera {
         }
     }
 
-    /// Where a position of the part is drawn.
+    /// Converts a position of the part to the window.
     pub fn screen(&self, at: Pos2) -> Pos2 {
         let at = at - self.centre;
         let [z, x] = self.axes;
         self.room.center() + (z * at.x + x * at.y) * self.scale
     }
 
-    /// The position of the part that is drawn there.
+    /// Converts a position in the window to the part.
     pub fn part(&self, at: Pos2) -> Pos2 {
         self.centre + self.back(at - self.room.center())
     }
 
-    /// From points of the window to mm of the part; the plane of the tools is never seen
-    /// from its edge.
+    /// Converts a vector from points of the window to mm of the part. The plane of the tools
+    /// is never seen from its edge, so the conversion exists.
     fn back(&self, by: Vec2) -> Vec2 {
         let [z, x] = self.axes;
         let all = (z.x * x.y - z.y * x.x) * self.scale;
         vec2(by.x * x.y - by.y * x.x, by.y * z.x - by.x * z.y) / all
     }
 
-    /// Larger or smaller; what is drawn at a place stays there.
+    /// Changes the scale. The position drawn at `at` remains there.
     pub fn zoom(&mut self, factor: f32, at: Pos2) {
         let fixed = self.part(at);
         self.scale = (self.scale * factor).clamp(SCALES.0, SCALES.1);
         self.centre += fixed - self.part(at);
     }
 
-    /// Moves the picture by so many points.
+    /// Moves the picture by points of the window.
     pub fn pan(&mut self, by: Vec2) {
         self.centre -= self.back(by);
     }
 
-    /// Turns the solid under a pointer that is dragged by so many points.
+    /// Turns the solid after a drag by `by`, points.
     pub fn orbit(&mut self, by: Vec2) {
         let turn = self.turn.turned(by.x * DEGREES, by.y * DEGREES);
         *self = Self::new(self.centre, self.scale, turn, self.room);
     }
 
-    /// The box of the part that is seen.
+    /// The bounding box of the visible section of the part.
     pub fn seen(&self) -> Rect {
         let Rect { min, max } = self.room;
         let corners = [min, max, pos2(min.x, max.y), pos2(max.x, min.y)];
         Rect::from_points(&corners.map(|corner| self.part(corner)))
     }
 
-    /// Moves as little as brings a position well into the picture.
+    /// Moves the picture by the least distance that brings a position into its inner part.
     pub fn follow(&mut self, at: Pos2) {
         let at = self.screen(at);
         let inner = self.room.shrink2(self.room.size() * 0.2);

@@ -1,5 +1,5 @@
-//! Where the time of a program goes: a bar of its moves over time with the block in work,
-//! and the sums by kind and tool.
+//! Shows where the time of a program goes: a bar of its moves over time with the running
+//! block, and sums by kind of move and tool.
 
 use std::sync::Arc;
 
@@ -11,24 +11,23 @@ use gsk_runner::words::clock_in_seconds as clock;
 use super::lines;
 use super::path::{Block, Path, Way};
 
-/// Columns of the bar.
 const COLUMNS: usize = 600;
 /// Height of the bar, points.
 const HEIGHT: f32 = 12.0;
-/// Waits, and what is not known yet.
+/// Dwells and times without a known move.
 const WAIT: Color32 = Color32::from_gray(64);
 
-/// The bar.
+/// The time bar, and the path it was made for.
 #[derive(Default)]
 pub struct Clock {
     made_for: Option<Arc<Path>>,
     columns: Vec<Way>,
-    /// Machine time of the block in work, s; a block that comes again comes later.
+    /// Machine time of the running block, s. A repeated block has a later time.
     at_s: f32,
 }
 
 impl Clock {
-    /// Draws bar and sums.
+    /// Draws bar and sums. `running`: the block that is being executed.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -82,7 +81,7 @@ impl Clock {
         let width = room.width() / COLUMNS as f32;
         for (index, way) in self.columns.iter().enumerate() {
             let left = room.left() + index as f32 * width;
-            // A little wider: no gaps between them.
+            // Slightly wider, so that no gaps remain between the columns.
             let column = Rect::from_x_y_ranges(left..=left + width + 0.5, room.y_range());
             let color = match way {
                 Way::Jump => WAIT,
@@ -118,7 +117,7 @@ const fn color_of(what: Spending) -> Color32 {
     }
 }
 
-/// What is made in each column of the bar.
+/// The kind of move in each column of the bar.
 fn columns(path: &Path, whole: f32) -> Vec<Way> {
     let mut columns = vec![Way::Jump; COLUMNS];
     let column = |seconds: f32| (seconds / whole * COLUMNS as f32) as usize;
@@ -133,7 +132,7 @@ fn columns(path: &Path, whole: f32) -> Vec<Way> {
     columns
 }
 
-/// When a block in work began: the first time that is not before the last one known.
+/// Machine time at which a block begins, s: the first start that is not before `since`.
 fn began(path: &Path, block: Block, since: f32) -> f32 {
     let of_block = path
         .pieces()
@@ -147,6 +146,6 @@ fn began(path: &Path, block: Block, since: f32) -> f32 {
             break;
         }
     }
-    // A block without motion begins where the one before it did.
+    // A block without motion begins with the block before it.
     next.unwrap_or(since.max(first.unwrap_or(0.0)))
 }

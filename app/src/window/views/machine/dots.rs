@@ -1,5 +1,5 @@
-//! A path of very many pieces as dots of a picture: what it costs is the picture's size
-//! and a few instructions a piece, however many lie on the same dot.
+//! Draws a path with a great number of segments as dots of an image. The cost is the size of
+//! the image and a few instructions a segment, however many segments cover the same dot.
 
 use std::sync::Arc;
 
@@ -9,10 +9,10 @@ use super::camera::Camera;
 use super::lines::{FEED, MadeFor, RAPID, THREAD};
 use super::path::{Path, Way};
 
-/// Bits of a place in the table of pieces that were met.
+/// Bits of the index in the hash table of segments.
 const SLOT_BITS: u32 = 18;
 
-/// The dots that were made for a view.
+/// The image of a path, and the view it was made for.
 #[derive(Default)]
 pub struct Dots {
     texture: Option<TextureHandle>,
@@ -20,8 +20,8 @@ pub struct Dots {
     thinned: Thinned,
 }
 
-/// The pieces of a path that differ on the screen at a scale: as long as a picture is
-/// only moved, the others need not be looked at again.
+/// The segments of a path that differ on the screen at a scale. Moving the picture does not
+/// change them.
 #[derive(Default)]
 struct Thinned {
     made_for: Option<(Camera, f32, Arc<Path>)>,
@@ -29,7 +29,7 @@ struct Thinned {
 }
 
 impl Dots {
-    /// Draws the path.
+    /// Draws the path; the image is made again when view or path have changed.
     pub fn draw(&mut self, painter: &Painter, camera: &Camera, path: &Arc<Path>) {
         if self.made_for.changes(camera, path) {
             let pixels_per_point = painter.pixels_per_point();
@@ -52,9 +52,9 @@ impl Dots {
 }
 
 impl Thinned {
-    /// Thins a path out, unless the camera has only moved since.
+    /// Thins out a path, unless only the centre of the camera has changed.
     fn follow(&mut self, camera: &Camera, path: &Arc<Path>, pixels_per_point: f32) {
-        // The same for every place of the picture.
+        // The segments must be the same for every position of the camera.
         let camera = camera.centred(Pos2::ZERO).within(Rect::ZERO);
         let known = self.made_for.as_ref();
         if known.is_some_and(|(made, pixels, of)| {
@@ -85,7 +85,7 @@ impl Thinned {
     }
 }
 
-/// The picture: transparent where no piece lies; cuts over rapids.
+/// Makes the image: transparent where there is no segment, cuts over rapids.
 fn image(camera: &Camera, pieces: &[([Pos2; 2], Way)], pixels_per_point: f32) -> ColorImage {
     let size = camera.room.size() * pixels_per_point;
     let size = [
@@ -121,7 +121,7 @@ fn image(camera: &Camera, pieces: &[([Pos2; 2], Way)], pixels_per_point: f32) ->
     image
 }
 
-/// What of a line lies between the corner and the edge of a picture.
+/// Clips a line at the edges of the image; `None` if the line is outside.
 ///
 /// ```text
 ///   from + t (to − from):  each side of the picture bounds t from below or above

@@ -1,4 +1,4 @@
-//! Grid and spindle axis with their figures: Z in mm, X as a diameter.
+//! Draws the grid and the spindle axis with their figures: Z in mm, X as a diameter in mm.
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Shape, Stroke, pos2, vec2};
 
@@ -7,13 +7,12 @@ use super::camera::Camera;
 const LINE: Color32 = Color32::from_gray(34);
 const FIGURES: Color32 = Color32::from_gray(150);
 const AXIS: Color32 = Color32::from_rgb(176, 120, 120);
-/// Room for figures, points.
-/// Ground of words over the picture.
+/// Background of words over the picture.
 pub const GROUND: Color32 = Color32::from_rgba_premultiplied(12, 12, 12, 170);
 /// Least distance of two lines, points.
 const APART: f32 = 56.0;
 
-/// Draws the lines, below everything else.
+/// Draws the grid lines below the picture.
 pub fn lines(painter: &Painter, camera: &Camera) {
     let (room, seen) = (camera.room, camera.seen());
     let stroke = Stroke::new(1.0, LINE);
@@ -28,7 +27,7 @@ pub fn lines(painter: &Painter, camera: &Camera) {
     }
 }
 
-/// Draws the axis of the spindle and the figures, over everything else.
+/// Draws the axis of the spindle and the figures over the picture.
 pub fn figures(painter: &Painter, camera: &Camera) {
     let (room, seen) = (camera.room, camera.seen());
     let axis = camera.screen(Pos2::ZERO).y;
@@ -53,7 +52,7 @@ pub fn figures(painter: &Painter, camera: &Camera) {
             text(pos2(x, room.bottom() - 2.0), Align2::CENTER_BOTTOM, z);
         }
     }
-    // X is a diameter: its figures go in the same steps, on either side of the axis.
+    // X figures are diameters: they have the step of Z, on both sides of the axis.
     for x in multiples(seen.top(), seen.bottom(), step / 2.0) {
         let y = camera.screen(pos2(0.0, x)).y;
         if y < room.bottom() - 22.0 {
@@ -66,7 +65,7 @@ pub fn figures(painter: &Painter, camera: &Camera) {
     }
 }
 
-/// A step of 1, 2 or 5 that is not less.
+/// The smallest step of 1, 2 or 5 times a power of ten that is at least `least`.
 fn step(least: f32) -> f32 {
     let decade = 10_f32.powf(least.max(1e-6).log10().floor());
     let of = |times: f32| decade * times;
@@ -77,7 +76,7 @@ fn step(least: f32) -> f32 {
         .unwrap_or(of(10.0))
 }
 
-/// The multiples of a step within a range.
+/// The multiples of a step within a range, at most 201.
 fn multiples(from: f32, to: f32, step: f32) -> impl Iterator<Item = f32> {
     const MOST: f32 = 200.0;
     let first = (from / step).ceil();
@@ -87,7 +86,7 @@ fn multiples(from: f32, to: f32, step: f32) -> impl Iterator<Item = f32> {
 
 fn figure(value: f32, step: f32) -> String {
     let decimals = (-step.log10()).ceil().clamp(0.0, 3.0) as usize;
-    // No minus before a zero.
+    // No minus sign before a zero.
     let value = if value.abs() < step / 10.0 {
         0.0
     } else {

@@ -1,5 +1,5 @@
-//! The path on the screen: pieces that fall on the same points are drawn once, so that
-//! a million moves cost no more than the picture has points.
+//! Draws the path as lines. Segments that cover the same points of the screen are drawn once,
+//! so the cost depends on the size of the picture and not on the number of moves.
 
 use std::sync::Arc;
 
@@ -8,30 +8,30 @@ use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke};
 use super::camera::Camera;
 use super::path::{Block, Path, Way};
 
-/// Colours of the path.
+/// Colour of rapid moves.
 pub const RAPID: Color32 = Color32::from_rgb(255, 150, 60);
-/// Cuts.
+/// Colour of cutting moves.
 pub const FEED: Color32 = Color32::from_rgb(90, 180, 255);
-/// Threads.
+/// Colour of threads.
 pub const THREAD: Color32 = Color32::from_rgb(80, 225, 120);
 const LIT: Color32 = Color32::from_rgb(255, 255, 140);
-/// A pass of a cycle that was clicked.
+/// Colour of the selected pass of a cycle.
 pub const PASS: Color32 = Color32::from_rgb(255, 245, 170);
 const WRONG: Color32 = Color32::from_rgb(255, 60, 50);
 const CHOSEN: Color32 = Color32::from_rgb(255, 110, 220);
 
-/// Rapids are dashed as long as there are no more of them than that.
+/// Greatest number of rapid segments that are drawn dashed.
 const MOST_DASHED: usize = 4000;
 const DASH: (f32, f32) = (6.0, 4.0);
-/// Slots of the table of pieces that were drawn.
+/// Slots of the hash table of drawn segments.
 const SLOTS: usize = 1 << 16;
 
-/// What a drawing was made for.
+/// Camera and path for which a drawing was made.
 #[derive(Default)]
 pub struct MadeFor(Option<(Camera, Arc<Path>)>);
 
 impl MadeFor {
-    /// Whether it is another view or another path; from now on it is this one.
+    /// Whether camera or path differ from those of the last call.
     pub fn changes(&mut self, camera: &Camera, path: &Arc<Path>) -> bool {
         let known = self.0.as_ref();
         if known.is_some_and(|(made, of)| made == camera && Arc::ptr_eq(of, path)) {
@@ -42,7 +42,7 @@ impl MadeFor {
     }
 }
 
-/// The lines that were made for a view.
+/// The shapes of a path, and the view they were made for.
 #[derive(Default)]
 pub struct Lines {
     made_for: MadeFor,
@@ -50,7 +50,6 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// Draws the path.
     pub fn draw(&mut self, painter: &Painter, camera: &Camera, path: &Arc<Path>) {
         if self.made_for.changes(camera, path) {
             self.shapes = shapes(camera, path);
@@ -59,13 +58,14 @@ impl Lines {
     }
 }
 
-/// Draws the pieces of a block over the path.
+/// Highlights the segments of a block over the path. `lit`: the block runs; else it is
+/// selected.
 pub fn highlight(painter: &Painter, camera: &Camera, path: &Path, block: Block, lit: bool) {
     let (color, width) = if lit { (LIT, 3.0) } else { (CHOSEN, 2.5) };
     draw_block(painter, camera, path, block, Stroke::new(width, color));
 }
 
-/// Draws the pieces of a block that breaks a rule.
+/// Marks the segments of a block that breaks a rule.
 pub fn mark_wrong(painter: &Painter, camera: &Camera, path: &Path, block: Block) {
     draw_block(painter, camera, path, block, Stroke::new(4.0, WRONG));
 }
@@ -83,7 +83,7 @@ fn draw_block(painter: &Painter, camera: &Camera, path: &Path, block: Block, str
     }
 }
 
-/// Draws the pieces of a pass over the path.
+/// Highlights the segments of a pass over the path.
 pub fn highlight_pass(painter: &Painter, camera: &Camera, pieces: &[[Pos2; 2]]) {
     for ends in pieces {
         let ends = ends.map(|end| camera.screen(end));
@@ -106,7 +106,7 @@ fn shapes(camera: &Camera, path: &Path) -> Vec<Shape> {
     strokes.shapes()
 }
 
-/// What is on the screen already.
+/// A hash table of the segments that are already on the screen.
 struct Drawn {
     room: Rect,
     slots: Vec<u64>,
@@ -120,7 +120,7 @@ impl Drawn {
         }
     }
 
-    /// Whether a piece shows anything that is not there yet.
+    /// Whether a segment is visible and not yet drawn.
     fn is_new(&mut self, [from, to]: [Pos2; 2], way: Way) -> bool {
         let room = self.room;
         let outside = from.x.max(to.x) < room.left()
@@ -130,7 +130,7 @@ impl Drawn {
         if outside || !(from - to).length_sq().is_finite() {
             return false;
         }
-        // Half points: nobody sees less.
+        // Keys have a resolution of half a point: smaller differences are invisible.
         let key = |at: Pos2| {
             let [x, y] = [at.x * 2.0, at.y * 2.0].map(|it| (it as i32 as u64) & 0x7fff);
             x << 15 | y
@@ -144,7 +144,7 @@ impl Drawn {
     }
 }
 
-/// Lines that hang together, by their colour.
+/// Connected lines, grouped by their kind of move.
 #[derive(Default)]
 struct Strokes {
     open: Option<(Way, Vec<Pos2>)>,
@@ -157,7 +157,7 @@ impl Strokes {
         self.rapids += usize::from(way == Way::Rapid);
         match &mut self.open {
             Some((open, points)) if *open == way && points.last() == Some(&from) => {
-                // What is shorter than a point waits for the next piece.
+                // A segment shorter than a point waits for the next one.
                 points.push(to);
             }
             _ => {
@@ -174,7 +174,7 @@ impl Strokes {
     fn shapes(self) -> Vec<Shape> {
         let mut shapes = Vec::with_capacity(self.done.len());
         let dashed = self.rapids <= MOST_DASHED;
-        // Cuts lie over rapids.
+        // Cuts are drawn over rapids.
         let (rapids, cuts): (Vec<_>, Vec<_>) = self
             .done
             .into_iter()

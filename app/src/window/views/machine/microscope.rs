@@ -1,5 +1,5 @@
-//! The nose radius microscope: the path as it is programmed, the way of the nose's
-//! centre, and how far the surface that comes of it stands off the one that is meant.
+//! The nose radius microscope: the programmed path, the path of the nose's centre, and the
+//! deviation of the resulting surface from the intended one.
 
 use std::sync::Arc;
 
@@ -15,26 +15,26 @@ use super::path::{Path, nearest_on};
 use super::rest::Rest;
 use super::{lines, place};
 
-/// A part that is being cut is compared that often, s.
+/// Interval of the comparisons while a part is being cut, s.
 const PAUSE: f64 = 0.3;
-/// How near the pointer must be to a line, points.
+/// Greatest distance of the pointer from a line, points.
 const REACH: f32 = 24.0;
 const RIGHT: Color32 = Color32::from_rgb(90, 215, 110);
-/// Material was left.
+/// Material is left.
 const LEFT: Color32 = Color32::from_rgb(80, 150, 255);
-/// It was cut too deep.
+/// The cut is too deep.
 const DEEP: Color32 = Color32::from_rgb(255, 70, 60);
 const PROGRAMMED: Color32 = Color32::WHITE;
 const CENTERS: Color32 = Color32::from_rgb(200, 130, 255);
 
-/// The surface that is looked at.
+/// The surface that is compared with the intended one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Surface {
-    /// The part in the lathe as it is.
+    /// The part in the lathe, as cut now.
     Now,
-    /// The part that comes of the program.
+    /// The part that the program makes.
     Finished,
-    /// The same without nose radius compensation.
+    /// The same without tool nose radius compensation.
     Uncompensated,
 }
 
@@ -50,22 +50,23 @@ impl Surface {
     }
 }
 
-/// What was asked of the worker: for this path and this job.
+/// Path and job of a comparison that was requested from the worker.
 type Asked = (Arc<Path>, Arc<Job>);
 
-/// The microscope.
+/// The state of the microscope.
 pub struct Microscope {
     compared: Option<Arc<Compared>>,
     asked: Option<Asked>,
     surface: Surface,
-    /// What is still right, mm.
+    /// Greatest deviation that counts as right, mm.
     tolerance: f64,
-    /// The surface and its deviations, and what they were made of.
+    /// The deviations along each outline of the surface; `made_of` is what they were computed
+    /// from.
     found: Vec<Vec<SurfaceDeviation>>,
     made_of: Option<(Arc<Compared>, Surface, Arc<Region>)>,
     rest: Rest,
     pointer: Option<Pos2>,
-    /// How near a line must be to it, mm.
+    /// Greatest distance of a line from the pointer, mm.
     reach: f32,
 }
 
@@ -86,8 +87,8 @@ impl Default for Microscope {
 }
 
 impl Microscope {
-    /// Whether the worker must compare for this path and this job; from now on it has
-    /// been asked.
+    /// Whether the worker must compare for this path and job. If so, the request counts as
+    /// made.
     pub fn asks(&mut self, path: &Arc<Path>, job: &Arc<Job>) -> bool {
         let known = self.asked.as_ref();
         if known.is_some_and(|(of, with)| Arc::ptr_eq(of, path) && Arc::ptr_eq(with, job)) {
@@ -97,12 +98,12 @@ impl Microscope {
         true
     }
 
-    /// The worker has compared.
+    /// Takes a comparison from the worker.
     pub fn receive(&mut self, compared: Arc<Compared>) {
         self.compared = Some(compared);
     }
 
-    /// Another program: nothing is known of it.
+    /// Forgets the comparison of another program.
     pub fn clear(&mut self) {
         self.compared = None;
         self.asked = None;
@@ -110,7 +111,8 @@ impl Microscope {
         self.made_of = None;
     }
 
-    /// Finds the deviations of the surface that is looked at.
+    /// Computes the deviations of the selected surface if the surface has changed. `clamped`:
+    /// Z of the jaws' front, mm; deviations in the jaws are 0.
     pub fn take(&mut self, section: &Arc<Region>, clamped: f64, context: &Context) {
         let Some(compared) = &self.compared else {
             return;
@@ -133,14 +135,14 @@ impl Microscope {
         self.made_of = Some((Arc::clone(compared), self.surface, Arc::clone(section)));
     }
 
-    /// The pointer is there.
+    /// Sets the pointer's position on the part; `None`: the pointer is outside the picture.
     pub fn point(&mut self, at: Option<Pos2>, camera: &Camera) {
         self.pointer = at;
         self.reach = REACH / camera.scale;
     }
 
-    /// Which surface, what is still right, what the colours mean, and the worst places;
-    /// returns one that was clicked. `partial`: the end of the path is not known.
+    /// Draws the choice of the surface, the tolerance, the legend and the worst positions.
+    /// Returns a position that was clicked. `partial`: the end of the path is not known.
     pub fn bar(&mut self, ui: &mut Ui, partial: bool, language: Language) -> Option<Pos2> {
         let mut meant = None;
         ui.horizontal_wrapped(|ui| {
@@ -197,7 +199,7 @@ impl Microscope {
                 ui.colored_label(RIGHT, words);
             }
         });
-        // Always a row: what is pointed at must not move.
+        // Always a row: the picture under the pointer must not move.
         let here = self.under_pointer().map_or_else(String::new, |it| {
             let (x, z) = (it.at.diameter().0, it.at.z);
             say::microscope_here(it.distance * 1000.0, x, z).text(language)
@@ -206,7 +208,7 @@ impl Microscope {
         meant
     }
 
-    /// The deepest cut and the most material left, beyond what is right.
+    /// The deepest cut and the most material left, beyond the tolerance.
     fn worst(&self) -> (Option<SurfaceDeviation>, Option<SurfaceDeviation>) {
         let all = || self.found.iter().flatten().copied();
         let deepest = all().min_by(|one, other| one.distance.total_cmp(&other.distance));
@@ -218,7 +220,7 @@ impl Microscope {
         )
     }
 
-    /// The place of the surface nearest to the pointer.
+    /// The position on the surface nearest to the pointer, within reach.
     fn under_pointer(&self) -> Option<SurfaceDeviation> {
         let pointer = self.pointer?;
         let pointer = pos2(pointer.x, pointer.y.abs());
@@ -228,7 +230,7 @@ impl Microscope {
         (distance(nearest) <= self.reach).then_some(*nearest)
     }
 
-    /// Draws it over the part.
+    /// Draws the paths, the coloured surface, and the nose nearest to the pointer.
     pub fn draw(&self, painter: &Painter, camera: &Camera) {
         let Some(compared) = &self.compared else {
             return;
@@ -271,7 +273,7 @@ impl Microscope {
     }
 }
 
-/// The place of the nose's centre nearest to a point, and its radius.
+/// The position of the nose's centre nearest to a point, and the nose radius, mm.
 fn nearest_center(centers: &[Piece], at: Pos2) -> Option<(Pos2, f32)> {
     let on = |piece: &Piece| {
         let [from, to] = piece.ends.map(place);

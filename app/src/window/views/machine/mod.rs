@@ -1,5 +1,5 @@
 //! The machine view: the half section of the part with its clamping, or the same as a lit
-//! solid, the tool at its live position, and the path of the selected program.
+//! solid; the tool at its current position; and the path of the selected program.
 
 mod alive;
 mod bars;
@@ -49,60 +49,58 @@ use trail::Trail;
 use worker::{Made, Worker};
 use xray::Trial;
 
-/// How near a click must be to the path, points.
+/// Greatest distance of a click from the path, points.
 const REACH: f32 = 8.0;
-/// A point of the wheel makes the picture larger by that share.
+/// Exponent of the zoom factor per point that the wheel scrolls.
 const ZOOM: f32 = 0.004;
-/// What of the chuck is in the fitted picture, mm before the jaws' front.
+/// Length of the chuck in the fitted picture, mm from the jaws' front.
 const CHUCK_SHOWN: f32 = 35.0;
-/// Room round a part that no program cuts, mm.
+/// Margin around a part that no program cuts, mm.
 const ROOM_FOR_TOOL: Vec2 = vec2(22.0, 14.0);
-/// A place that is looked at closely: so many points a millimetre.
+/// Least scale at which a single position is shown, points a millimetre.
 const CLOSE: f32 = 120.0;
 const HIT: Color32 = Color32::from_rgb(255, 70, 60);
 
-/// What the pointer does with the part.
+/// What the pointer does in the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Instrument {
     #[default]
-    /// Finds the blocks of the path.
+    /// Selects blocks of the path.
     Path,
-    /// Measures.
+    /// Measures the part.
     Caliper,
-    /// Compares the surface with the one that is meant.
+    /// Compares the surface with the intended one.
     Microscope,
     /// Changes tools and stock.
     Job,
 }
 
-/// A block of the path, and the pass of the cycle it makes there.
+/// A selected block of the path, and the pass of its cycle.
 #[derive(Clone, Debug)]
 struct Chosen {
     block: Block,
     pass: Option<path::Pass>,
 }
 
-/// What the machine view asks of the program view.
+/// What the machine view requests from the program view.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wish {
-    /// Show a block, and its text as far as is known.
+    /// Show a block. `text` lets the program view recognize it.
     Show {
-        /// The program.
         program: ProgramId,
         /// Line of the text, from 1.
         line: u32,
-        /// What stands there.
+        /// The text of the block.
         text: String,
-        /// Even if the view is closed.
+        /// Open the program view if it is closed.
         open: bool,
     },
-    /// Take another text in the place of one.
+    /// Replace the text of a program.
     Take {
-        /// The program.
         program: ProgramId,
-        /// The text of the control.
+        /// The text in the control.
         own: String,
-        /// The other one.
+        /// The new text.
         text: String,
     },
 }
@@ -123,27 +121,27 @@ pub struct LatheView {
     clock: Clock,
     sight: Sight,
     crash_stops: bool,
-    /// What was clicked.
+    /// The block that the user has selected.
     chosen: Option<Chosen>,
-    /// Where the pointer is, position of the part.
+    /// Position of the pointer, part coordinates.
     pointer: Option<Pos2>,
     instruments: Instruments,
-    /// Jobs that a person changed.
+    /// Jobs that the user has changed.
     changed: worker::Changed,
 }
 
-/// The text of the program, and what other views have to do with it.
+/// The program's text as far as it concerns other views.
 #[derive(Default)]
 struct Text {
-    /// The file that was opened last, and its program.
+    /// The program that was opened last, and its file.
     file: Option<(ProgramId, PathBuf)>,
-    /// Another text than the control's is carried out.
+    /// Another text than the control's is executed.
     trial: Option<Trial>,
-    /// What other views are to do.
+    /// A request to the program view.
     wish: Option<Wish>,
 }
 
-/// What is done with the part.
+/// The instruments, and the one in use.
 #[derive(Default)]
 struct Instruments {
     in_hand: Instrument,
@@ -153,7 +151,7 @@ struct Instruments {
 }
 
 impl LatheView {
-    /// Closed. `solid`: the part is shown as a solid.
+    /// Creates the view closed. `solid`: the part is shown as a solid.
     pub fn new(console: Console, solid: bool) -> Self {
         Self {
             console,
@@ -178,7 +176,7 @@ impl LatheView {
         }
     }
 
-    /// Pieces of the path that is drawn.
+    /// The number of segments of the drawn path.
     pub fn pieces(&self) -> usize {
         self.made.path.count()
     }
@@ -198,7 +196,7 @@ impl LatheView {
         self.set_open(true);
     }
 
-    /// Shows nothing any more; the part is cut on.
+    /// Shows nothing any more. The part is still cut.
     pub fn close(&mut self) {
         self.part = None;
         self.set_open(false);
@@ -212,7 +210,7 @@ impl LatheView {
         self.console.send(Command::ShowPart(is_open));
     }
 
-    /// A program was opened in the window: its job may lie beside its file.
+    /// Reports a program that was opened in the window. Its job may be in a file beside it.
     pub fn opened(&mut self, path: Option<&std::path::Path>, place: &Place) {
         let program = match place {
             Place::Stored(number) => ProgramId::Stored(*number),
@@ -225,7 +223,8 @@ impl LatheView {
         }
     }
 
-    /// The file of the program and its machine time, s, once the preview is complete.
+    /// The file of the program and its machine time, s; `None` until a preview without alarm
+    /// is complete.
     pub fn program_time(&self) -> Option<(&std::path::Path, f64)> {
         let made = &self.made;
         let complete =
@@ -234,7 +233,7 @@ impl LatheView {
         Some((file, made.times.spent().whole()))
     }
 
-    /// Draws it and takes its input.
+    /// Draws the view and handles its input.
     pub fn show(&mut self, ui: &mut Ui, language: Language) {
         self.receive_part(ui);
         let tools = Panel::top("lathe bar").frame(bar_frame());
@@ -249,11 +248,11 @@ impl LatheView {
             .show(ui, |ui| self.picture(ui, language));
     }
 
-    /// Tools and stock beside the picture.
+    /// Draws the job panel beside the picture.
     fn show_job(&mut self, ui: &mut Ui, language: Language) {
         let Some(part) = &self.part else { return };
         let tools = self.made.times.tools();
-        // The job of another program than the selected one has no place beside this file.
+        // The job file must not be that of a program that is not selected.
         let selected = self.made.path.programs.current();
         let file = self.text.file.as_ref();
         let file = file.filter(|(program, _)| selected == Some(*program));
@@ -301,7 +300,7 @@ impl LatheView {
                 self.chosen = None;
                 self.instruments.microscope.clear();
             }
-            // What was tried out has been stored: the control has no other text any more.
+            // The control has stored the text that was tried out: the trial ends.
             if let Some(trial) = &self.text.trial
                 && !made.tried
                 && made.path.programs.get(trial.id).is_some_and(|own| {
@@ -311,7 +310,7 @@ impl LatheView {
                 self.text.trial = None;
                 worker.try_out(None);
             }
-            // The passes lie elsewhere now.
+            // The passes have moved.
             if let Some(chosen) = &mut self.chosen {
                 chosen.pass = made.path.pass_again(chosen.pass.take());
             }
@@ -335,7 +334,7 @@ impl LatheView {
                 Instrument::Path | Instrument::Job => {}
                 Instrument::Caliper => self.instruments.caliper.take(&part.section, ui.ctx()),
                 Instrument::Microscope => {
-                    // A path that still grows is compared when it has come to its end.
+                    // A growing path is compared once it is complete.
                     let ready = !running && !self.made.path.partial;
                     if ready && self.instruments.microscope.asks(&self.made.path, &part.job) {
                         worker.compare(Arc::clone(&part.job));
@@ -388,7 +387,7 @@ impl LatheView {
             lines::mark_wrong(&painter, &camera, &self.made.path, fault);
         }
         if let Some(Chosen { block, pass }) = &self.chosen {
-            // A cycle of many passes, all of them lit, would hide the part.
+            // Highlighting all passes of a cycle would hide the part.
             match pass {
                 Some(pass) => lines::highlight_pass(&painter, &camera, &path.pieces_of(pass)),
                 None => lines::highlight(&painter, &camera, path, *block, false),
@@ -426,7 +425,7 @@ impl LatheView {
         }
     }
 
-    /// The picture that somebody has moved, or everything.
+    /// The camera that the user has moved, or one that shows everything.
     fn camera_in(&self, room: Rect) -> Camera {
         if let Some(camera) = self.sight.camera {
             return camera.within(room);
@@ -445,7 +444,7 @@ impl LatheView {
         });
         let bounds = match (part, self.made.path.bounds) {
             (Some(part), Some(path)) => part.union(path),
-            // Where the tool stands is seen by its path; without one it has some room.
+            // The path shows where the tool is. Without a path the tool needs a margin.
             (Some(part), None) => part.expand2(ROOM_FOR_TOOL),
             (one, other) => one
                 .or(other)
@@ -454,12 +453,12 @@ impl LatheView {
         Camera::fit(bounds, self.is_rear(), room)
     }
 
-    /// The tool post is behind the spindle; so it is as long as nothing else is known.
+    /// Whether the tool post is on the far side of the spindle; true until the first result.
     const fn is_rear(&self) -> bool {
         self.made.rear || self.made.serial == 0
     }
 
-    /// What mouse and fingers do.
+    /// Handles the mouse and touch input in the picture.
     fn point(&mut self, ui: &Ui, response: &Response, camera: &mut Camera) {
         let before = *camera;
         let hover = response.hover_pos();
@@ -512,13 +511,13 @@ impl LatheView {
         }
     }
 
-    /// What other views are to do.
+    /// Takes the request to the program view.
     pub const fn take_wish(&mut self) -> Option<Wish> {
         self.text.wish.take()
     }
 
-    /// A text was typed: where the control has another one of the same program, it is
-    /// tried out.
+    /// Tries out a text from the program view if it belongs to the selected program and
+    /// differs from the control's text.
     pub fn typed(&mut self, document: &Document) {
         let id = match &document.origin {
             Origin::Memory(number) => ProgramId::Stored(*number),
@@ -554,7 +553,7 @@ impl LatheView {
         }
     }
 
-    /// Carries another text out than the control's, or its own again.
+    /// Executes another text than the control's, or the control's text again.
     fn try_out(&mut self, trial: Option<Trial>) {
         if let Some(worker) = &self.worker {
             let text = trial.as_ref();
@@ -563,7 +562,7 @@ impl LatheView {
         self.text.trial = trial;
     }
 
-    /// Shows a position in the middle, large.
+    /// Centres a position and enlarges the picture to a close view.
     fn look_closely(&mut self, at: Pos2) {
         self.look_at(at);
         if let Some(camera) = &mut self.sight.camera {
@@ -571,7 +570,7 @@ impl LatheView {
         }
     }
 
-    /// Shows a position in the middle, as large as it is.
+    /// Centres a position at the current scale.
     fn look_at(&mut self, at: Pos2) {
         let room = Rect::from_center_size(Pos2::ZERO, vec2(600.0, 400.0));
         let camera = self.camera_in(room);
@@ -579,7 +578,7 @@ impl LatheView {
     }
 }
 
-/// A point as the view has it: Z, and X as a radius.
+/// Converts a point to part coordinates of the view: x is Z, y is X as a radius.
 fn place(point: Point) -> Pos2 {
     pos2(point.z as f32, point.x as f32)
 }

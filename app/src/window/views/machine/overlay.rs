@@ -1,4 +1,4 @@
-//! What is written and marked over the picture: the state of the lathe, what was hit.
+//! Writes the state of the lathe over the picture and marks collisions.
 
 use egui::{Align2, Color32, FontId, Painter, Rect, Stroke, vec2};
 use gsk_messages::{Language, Message, say};
@@ -9,7 +9,8 @@ use crate::kernel::part::PartView;
 
 const WORDS: Color32 = Color32::from_gray(190);
 
-/// Writes tool, spindle and what of the lathe is not as at rest into the corner.
+/// Writes tool, spindle and each state of the lathe that is not at rest into the upper right
+/// corner.
 pub fn states(painter: &Painter, room: Rect, part: &PartView, language: Language) {
     let font = FontId::monospace(13.0);
     let corner = room.right_top() + vec2(-8.0, 6.0);
@@ -23,7 +24,7 @@ pub fn states(painter: &Painter, room: Rect, part: &PartView, language: Language
     }
 }
 
-/// Tool and spindle, and what of the lathe is not as at rest.
+/// The lines that `states` writes.
 fn of(part: &PartView) -> Vec<Message> {
     let others = [
         (part.coolant, say::lathe_coolant()),
@@ -38,7 +39,7 @@ fn of(part: &PartView) -> Vec<Message> {
         .collect()
 }
 
-/// Marks what was hit.
+/// Marks the contact points of the collisions.
 pub fn hits(painter: &Painter, camera: &Camera, part: &PartView) {
     for finding in &part.findings {
         let at = camera.screen(place(finding.collision.contact));

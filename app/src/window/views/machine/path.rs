@@ -1,5 +1,5 @@
-//! The path of a program as the view draws it: pieces of line, kept small, in portions
-//! that a worker hands over as they come.
+//! The path of a program as line segments, small in memory, in portions that a worker hands
+//! over while the path grows.
 
 use std::sync::Arc;
 
@@ -10,76 +10,71 @@ use gsk_core::program::ProgramMemory;
 use gsk_core::units::Point;
 use gsk_runner::curves::{RapidRates, arc_points, rapid_bend};
 
-/// Pieces of a portion.
+/// Segments of a portion.
 const PORTION: usize = 16_384;
-/// Passes of cycles that are explained, at most.
+/// Greatest number of cycle passes that are explained.
 const MOST_PASSES: usize = 20_000;
-/// How far the chord of an arc may lie beside it, mm.
+/// Greatest deviation of a chord from its arc, mm.
 const SAGITTA: f64 = 0.01;
 
-/// How a piece is made.
+/// The kind of motion along a segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
-    /// Nothing is drawn: the path begins here, or goes on elsewhere.
+    /// Not drawn: the path begins here or continues elsewhere.
     Jump,
-    /// At rapid rate.
     Rapid,
-    /// Cutting.
     Feed,
-    /// Tied to the spindle.
+    /// Synchronous with the spindle.
     Thread,
 }
 
-/// A piece of line: from the end of the one before it to its own end.
+/// A line segment from the end of the previous segment to its own end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// Its end, part coordinates: x is Z, y is X as a radius; mm.
+    /// End in part coordinates: x is Z, y is X as a radius; mm.
     pub end: Pos2,
-    /// Machine time when its move began, s.
+    /// Machine time at the start of its move, s.
     pub start_s: f32,
-    /// Machine time when it ended, s.
+    /// Machine time at the end of its move, s.
     pub end_s: f32,
-    /// Its block.
+    /// Line of its block, from 1.
     pub line: u32,
-    /// The program of its block.
     pub program: ProgramId,
-    /// How it is made.
     pub way: Way,
 }
 
-/// A block of a program.
+/// A block of a program, by its line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Block {
-    /// The program.
     pub program: ProgramId,
-    /// Line of the text, from 1.
+    /// Line of the program text, from 1.
     pub line: u32,
 }
 
-/// A pass of a cycle: the pieces from its first to that of the next pass.
+/// A pass of a cycle: the segments from its first up to the first of the next pass.
 #[derive(Clone, Debug)]
 pub struct Pass {
     first: usize,
     block: Block,
-    /// Why it is where it is.
+    /// Why the pass is where it is; `None` for moves outside of cycles.
     pub why: Option<Arc<Explanation>>,
 }
 
-/// A path, as far as it is known.
+/// The path of a program, complete or partial.
 #[derive(Clone, Debug, Default)]
 pub struct Path {
     portions: Vec<Arc<Vec<Piece>>>,
     passes: Vec<Pass>,
-    /// The texts its blocks stand in.
+    /// The texts of the blocks.
     pub programs: ProgramMemory,
-    /// Box around its cuts, or around everything where it cuts nothing.
+    /// Bounding box of the cuts, or of all moves where nothing is cut, mm.
     pub bounds: Option<Rect>,
-    /// It goes on beyond what is known.
+    /// The path continues after the last known segment.
     pub partial: bool,
 }
 
 impl Path {
-    /// The pieces in the order of execution, each with the point it begins at.
+    /// The drawn segments in the order of execution, each with its start point.
     pub fn pieces(&self) -> impl Iterator<Item = (Pos2, &Piece)> {
         let all = self.portions.iter().flat_map(|portion| portion.iter());
         let mut from = Pos2::ZERO;
@@ -89,18 +84,18 @@ impl Path {
         })
     }
 
-    /// How many pieces there are.
+    /// The number of segments.
     pub fn count(&self) -> usize {
         self.portions.iter().map(|portion| portion.len()).sum()
     }
 
-    /// The place of the piece nearest to a point, at most so far from it, mm. Of two
-    /// that are equally near, the later one: it lies on top.
+    /// Index of the segment nearest to a point within `reach`, mm. If two are equally near, it
+    /// is the later one, which is drawn on top.
     pub fn nearest(&self, at: Pos2, reach: f32) -> Option<usize> {
         self.nearest_of(at, reach, |_| true)
     }
 
-    /// The pass that a block in work makes, with the tip at a point.
+    /// The pass that a running block makes while the tip is at a point.
     pub fn pass_in_work(&self, block: Block, tip: Pos2) -> Option<&Pass> {
         let of_block = |piece: &Piece| piece.line == block.line && piece.program == block.program;
         self.pass_at(self.nearest_of(tip, f32::INFINITY, of_block)?)
@@ -123,7 +118,7 @@ impl Path {
         nearest.1
     }
 
-    /// The block of a piece.
+    /// The block of the segment with this index.
     pub fn block_at(&self, index: usize) -> Option<Block> {
         let mut all = self.portions.iter().flat_map(|portion| portion.iter());
         let piece = all.nth(index)?;
@@ -133,15 +128,15 @@ impl Path {
         })
     }
 
-    /// The pass of a cycle that a piece belongs to.
+    /// The pass of a cycle that the segment with this index belongs to.
     pub fn pass_at(&self, index: usize) -> Option<&Pass> {
         let after = self.passes.partition_point(|pass| pass.first <= index);
         let pass = self.passes.get(after.checked_sub(1)?)?;
         (pass.why.is_some() && self.block_at(index) == Some(pass.block)).then_some(pass)
     }
 
-    /// The pass of the same number in the same block, where it lies now; the last one
-    /// where there are fewer.
+    /// The pass with the same number and block in this path, or the block's last pass if there
+    /// are fewer.
     pub fn pass_again(&self, pass: Option<Pass>) -> Option<Pass> {
         let pass = pass?;
         let number = pass.why.as_ref()?.pass;
@@ -151,7 +146,7 @@ impl Path {
         up_to.max_by_key(|other| number_of(other)).cloned()
     }
 
-    /// The pieces of a pass, each with the point it begins at.
+    /// The segments of a pass, each as start and end point.
     pub fn pieces_of(&self, pass: &Pass) -> Vec<[Pos2; 2]> {
         let next = self
             .passes
@@ -166,14 +161,14 @@ impl Path {
         pairs.map(|pair| [pair[0].end, pair[1].end]).collect()
     }
 
-    /// The text of a block.
+    /// The text of a block; empty if its program is missing.
     pub fn text(&self, block: Block) -> &str {
         let program = self.programs.get(block.program);
         program.map_or("", |program| program.line(block.line))
     }
 }
 
-/// The point of a line that is nearest to a point.
+/// The point of a line segment that is nearest to a point.
 pub fn nearest_on(from: Pos2, to: Pos2, at: Pos2) -> Pos2 {
     let (along, beside) = (to - from, at - from);
     let length = along.length_sq();
@@ -185,7 +180,6 @@ pub fn nearest_on(from: Pos2, to: Pos2, at: Pos2) -> Pos2 {
     from + along * part
 }
 
-/// Builds a path move by move.
 #[derive(Debug, Default)]
 pub struct Builder {
     done: Vec<Arc<Vec<Piece>>>,
@@ -197,7 +191,7 @@ pub struct Builder {
 }
 
 impl Builder {
-    /// A pass begins unless the last one goes on; it is told by what explains it.
+    /// Begins a pass when block or explanation differ from those of the current pass.
     pub fn explain(&mut self, executed: &ExecutedMove, why: Option<&Explanation>) {
         let block = Block {
             program: executed.source.program,
@@ -218,7 +212,7 @@ impl Builder {
         });
     }
 
-    /// Adds a move; `shift` leads from program to part coordinates.
+    /// Adds a move. `shift` is added to program coordinates to get part coordinates, mm.
     pub fn push(&mut self, executed: &ExecutedMove, shift: Point, rates: RapidRates) {
         let way = match executed.kind {
             MoveKind::Dwell => return,
@@ -275,7 +269,7 @@ impl Builder {
         }
     }
 
-    /// The path so far.
+    /// The path of the moves added until now.
     pub fn path(&self, programs: &ProgramMemory, partial: bool) -> Path {
         let mut portions = self.done.clone();
         portions.push(Arc::new(self.open.clone()));

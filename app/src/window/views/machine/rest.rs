@@ -1,17 +1,17 @@
-//! Work on the part that is too long for each picture while it is being cut: it rests in
-//! between, and the window draws again when the rest is over.
+//! Limits how often work on a part is repeated while the part is being cut. The window is
+//! redrawn when the next turn is due.
 
 use std::time::Duration;
 
 use egui::Context;
 
-/// When the work was done last, by the clock of the window.
+/// Time of the last turn, seconds of the window's clock.
 #[derive(Default)]
 pub struct Rest(Option<f64>);
 
 impl Rest {
-    /// Whether so many seconds have passed since the work was done; if they have, it is
-    /// done now. Else the window draws again when they have.
+    /// Whether `seconds` have passed since the last turn. If so, the turn counts as done now.
+    /// If not, the window is redrawn at that time.
     pub fn is_over(&mut self, context: &Context, seconds: f64) -> bool {
         let now = context.input(|input| input.time);
         let left = self.0.map_or(0.0, |done| done + seconds - now);

@@ -1,5 +1,5 @@
-//! Stock, chuck, tailstock and tool, drawn as the half section they are: cut open on the
-//! side of the tool, from outside on the other.
+//! Draws stock, chuck, tailstock and tool as a half section: cut open on the side of the tool,
+//! seen from outside on the other side.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ const INSERT: Color32 = Color32::from_rgb(240, 200, 60);
 const HOLDER: Color32 = Color32::from_rgb(98, 104, 112);
 const HOLDER_EDGE: Color32 = Color32::from_rgb(150, 156, 164);
 
-/// Sections as they were cut into trapezoids.
+/// Trapezoids of the sections, kept until the sections change.
 #[derive(Default)]
 pub struct Solids {
     section: Arc<Region>,
@@ -37,12 +37,12 @@ pub struct Solids {
     /// Chuck, jaws and tailstock.
     clamps: Vec<(Vec<Trapezoid>, Region, Color32)>,
     turning: Turning,
-    /// The tools of the job that were drawn, by their T number.
+    /// The tools of the job that were already drawn, by T number.
     tools: BTreeMap<u8, Vec<ToolPart>>,
 }
 
 impl Solids {
-    /// Draws what is clamped and what clamps it, the spindle as it turns.
+    /// Draws stock, clamping and the turning spindle.
     pub fn draw(&mut self, painter: &Painter, camera: &Camera, part: &PartView) {
         self.take(part);
         for (filled, region, color) in &self.clamps {
@@ -58,8 +58,8 @@ impl Solids {
         outline(painter, camera, self.section.contours(), false, EDGE);
     }
 
-    /// Draws the tool with its tip at a position; `false` for one that the job does not
-    /// describe.
+    /// Draws the tool with its tip at a position. Returns `false` if the job does not describe
+    /// the tool.
     pub fn tool(&mut self, painter: &Painter, camera: &Camera, part: &PartView, tip: Pos2) -> bool {
         let Some(tool) = part.job.tools.get(&part.tool) else {
             return false;
@@ -101,7 +101,7 @@ impl Solids {
     }
 }
 
-/// A part of a tool, its tip at the zero.
+/// A part of a tool, relative to the tool's tip.
 struct ToolPart {
     filled: Vec<Trapezoid>,
     edge: Vec<Pos2>,
@@ -110,7 +110,7 @@ struct ToolPart {
 }
 
 impl ToolPart {
-    /// With the tip at a position.
+    /// Draws the part with the tool's tip at a position.
     fn draw(&self, painter: &Painter, camera: &Camera, tip: Pos2) {
         let by = |(z, low, high): (f32, f32, f32)| (z + tip.x, low + tip.y, high + tip.y);
         let moved = self.filled.iter().map(|it| Trapezoid {
@@ -135,14 +135,14 @@ impl ToolPart {
     }
 }
 
-/// Draws a tool with its tip at the zero.
+/// Draws a tool with its tip at the zero point.
 pub fn draw_tool(painter: &Painter, camera: &Camera, tool: &Tool) {
     for part in tool_parts(tool) {
         part.draw(painter, camera, Pos2::ZERO);
     }
 }
 
-/// Holder and insert.
+/// Makes holder and insert of a tool.
 fn tool_parts(tool: &Tool) -> Vec<ToolPart> {
     let shape = ToolShape::from_tool(tool);
     let body = shape.body.iter();
@@ -151,11 +151,11 @@ fn tool_parts(tool: &Tool) -> Vec<ToolPart> {
         .collect()
 }
 
-/// Fills trapezoids, or their mirror image beyond the axis.
+/// Fills trapezoids, or their mirror image below the axis.
 fn fill(painter: &Painter, camera: &Camera, made: &[Trapezoid], mirrored: bool, color: Color32) {
     let mut mesh = Mesh::default();
     if color == INSERT {
-        // What it is, its yellow says in light surroundings, too.
+        // A light theme does not recolour meshes with this texture: the insert stays yellow.
         mesh.texture_id = white(painter.ctx());
     }
     mesh.reserve_vertices(made.len() * 4);
@@ -189,7 +189,7 @@ fn outline(
     }
 }
 
-/// The edge of the part on the side that is not cut open.
+/// Draws the edge of the part on the half that is not cut open.
 fn silhouette(painter: &Painter, camera: &Camera, outside: &[Trapezoid]) {
     let corner = |(z, _, high): (f32, f32, f32)| pos2(z, -high);
     let mut line: Vec<Pos2> = Vec::with_capacity(outside.len() * 2 + 2);
@@ -218,7 +218,7 @@ fn turned(at: Pos2, mirrored: bool) -> Pos2 {
     pos2(at.x, x)
 }
 
-/// A cross at a tip of which no tool is known.
+/// Draws a cross at the tip of a tool that the job does not describe.
 pub fn tip(painter: &Painter, camera: &Camera, tip: Pos2) {
     let (at, stroke) = (camera.screen(tip), Stroke::new(1.5, INSERT));
     for arm in [Vec2::new(7.0, 0.0), Vec2::new(0.0, 7.0)] {

@@ -1,5 +1,5 @@
-//! The part as a lit solid: built when the part has changed, drawn when anything has, with
-//! smooth edges as soon as all stands still.
+//! Draws the part as a lit solid. The solid is built when the part changes and drawn when
+//! anything changes. Its edges are smoothed once nothing moves.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,29 +14,29 @@ use gsk_workpiece::region::Region;
 use super::camera::Camera;
 use crate::kernel::part::PartView;
 
-/// What stands still for so long gets smooth edges, s.
+/// Time without a change after which the edges are smoothed, s.
 const STILL: f64 = 0.15;
-/// Samples across a pixel of a picture that stands still.
+/// Samples across a pixel of the smoothed picture.
 const SMOOTH: usize = 2;
 
-/// The solid, and the picture of it.
+/// The solid and its picture.
 #[derive(Default)]
 pub struct Space {
     bodies: Bodies,
     canvas: Canvas,
     texture: Option<TextureHandle>,
     shown: Option<Shown>,
-    /// Since when it is shown, s of the window.
+    /// Time at which the picture was made, seconds of the window's clock.
     since: f64,
     smooth: bool,
 }
 
-/// What a picture was made of.
+/// The inputs of a picture. It is made again when one of them changes.
 struct Shown {
     camera: Camera,
     section: Arc<Region>,
     job: Arc<Job>,
-    /// The chuck has let the stock go.
+    /// The chuck is open.
     open: bool,
     tool: u8,
     tip: Point,
@@ -54,7 +54,7 @@ impl Shown {
 }
 
 impl Space {
-    /// Draws part, clamping and tool; `false` for a tool that the job does not describe.
+    /// Draws part, clamping and tool. Returns `false` if the job does not describe the tool.
     pub fn draw(&mut self, painter: &Painter, camera: &Camera, part: &PartView) -> bool {
         let now = painter.ctx().input(|input| input.time);
         let shown = Shown {
@@ -113,7 +113,7 @@ impl Space {
     }
 }
 
-/// What was built, and of what.
+/// The bodies that were built, and their inputs.
 #[derive(Default)]
 struct Bodies {
     made_of: Option<(Arc<Job>, bool, Fineness)>,
@@ -121,7 +121,7 @@ struct Bodies {
     stock: Region,
     part: Vec<Body>,
     clamps: Vec<Body>,
-    /// By the T number.
+    /// By T number.
     tools: BTreeMap<u8, Vec<Body>>,
 }
 
@@ -147,7 +147,7 @@ impl Bodies {
         }
     }
 
-    /// All of them, the tool with its tip where it is.
+    /// All bodies with their offsets, Z and X, mm. The tool's offset is its tip.
     fn placed(&self, shown: &Shown) -> impl Iterator<Item = (&Body, (f32, f32))> {
         let fixed = self.part.iter().chain(&self.clamps);
         let tool = self.tools.get(&shown.tool).into_iter().flatten();

@@ -1,4 +1,5 @@
-//! The path on the picture, as lines or, where there are very many, as dots.
+//! Draws the path on the picture: as lines, or as dots where it has a great number of
+//! segments.
 
 use std::sync::Arc;
 
@@ -9,10 +10,10 @@ use super::dots::Dots;
 use super::lines::Lines;
 use super::path::Path;
 
-/// A path of more pieces than that is drawn dot by dot.
+/// A path with more segments is drawn as dots.
 const MANY: usize = 50_000;
 
-/// What was drawn of a path.
+/// The drawings of a path.
 #[derive(Default)]
 pub struct Trail {
     lines: Lines,
@@ -20,7 +21,6 @@ pub struct Trail {
 }
 
 impl Trail {
-    /// Draws a path.
     pub fn draw(&mut self, painter: &Painter, camera: &Camera, path: &Arc<Path>) {
         if path.count() > MANY {
             self.dots.draw(painter, camera, path);

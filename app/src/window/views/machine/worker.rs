@@ -1,5 +1,5 @@
-//! Carries the selected program out beside the window: its path, its times, and the job
-//! of its part. It looks again when the program, an offset or a parameter has changed.
+//! Executes the selected program in a background thread: its path, its times, and the job of
+//! its part. Runs again when the program, an offset or a parameter has changed.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -31,74 +31,74 @@ use crate::platform;
 use crate::window::samples;
 use crate::work_limit::WorkLimit;
 
-/// How often the control is asked whether something has changed.
+/// Interval at which the control is checked for changes.
 const LOOKS: Duration = Duration::from_millis(100);
-/// How soon a path that grows is handed over first, and how often then.
+/// Time until a growing path is sent for the first time, and the interval after that.
 const FIRST_NEWS: Duration = Duration::from_millis(30);
 const NEWS: Duration = Duration::from_millis(200);
-/// Work of carrying a program out.
+/// Limit of the work of one execution.
 const BUDGET: WorkBudget = WorkBudget::interactive(5_000_000);
 
-/// What came of a program.
+/// The result of executing a program.
 #[derive(Clone, Debug, Default)]
 pub struct Made {
-    /// Its path.
+    /// Its path, partial while the execution runs.
     pub path: Arc<Path>,
     /// Where its time goes.
     pub times: Times,
-    /// The alarm that ends it.
+    /// The alarm that ends the program.
     pub alarm: Option<Alarm>,
-    /// The block of a profile that breaks a rule of its cycle; the path is then that of
-    /// the profile, without the cycle.
+    /// The block of a profile that breaks a rule of its cycle. The path is then the profile
+    /// without the cycle.
     pub fault: Option<Block>,
-    /// It is another text than the control's.
+    /// The executed text is a trial and differs from the control's.
     pub tried: bool,
-    /// No program says what is cut: the job is one to learn on.
+    /// No program defines what is cut: the job is a practice job.
     pub practice: bool,
-    /// What is wrong with its job file.
+    /// The error in the program's job file.
     pub trouble: Option<Message>,
     /// The file of the program.
     pub file: Option<PathBuf>,
-    /// The tool post is behind the spindle.
+    /// The tool post is on the far side of the spindle.
     pub rear: bool,
-    /// Counts programs: with another one the picture is fitted again.
+    /// Counts the programs. The picture is fitted again when it changes.
     pub serial: u64,
 }
 
-/// What the window says to the worker.
+/// Flags that the window sets for the worker.
 #[derive(Debug)]
 pub struct Shared {
-    /// The view is open: not only the job of a program is wanted, but its path.
+    /// The view is open: it needs the path of the program as well as its job.
     pub visible: AtomicBool,
-    /// A program runs: what it writes makes no other path.
+    /// A program runs. Offsets and parameters that it writes do not start an execution.
     pub running: AtomicBool,
-    /// What is in work is old.
+    /// Incremented when the execution in progress is out of date.
     pub newer: AtomicU64,
 }
 
-/// What the window asks of the worker.
+/// Requests of the window to the worker.
 enum Request {
     /// A program was opened from a file.
     Opened(ProgramId, PathBuf),
-    /// The part that is meant, beside the one that comes of the program.
+    /// Compare the part that the program makes with the intended part.
     Compare(Arc<Job>),
-    /// Stock and tools that a person changed.
+    /// Clamp stock and mount tools that the user has changed.
     Clamp(Box<Job>),
-    /// Another text for a program, which the control does not have; none: its own.
+    /// Execute another text of a program than the control's; `None`: the control's text again.
     Try(Option<(ProgramId, Program)>),
 }
 
-/// The worker's end in the window; it ends with it.
+/// The window's end of the worker. The worker ends when it is dropped.
 pub struct Worker {
     requests: Sender<Request>,
     results: Arc<ArrayQueue<Made>>,
     compared: Arc<ArrayQueue<Arc<Compared>>>,
-    /// What the window says to it.
+    /// Flags that the window sets for the worker.
     pub shared: Arc<Shared>,
 }
 
 impl Worker {
-    /// Starts it.
+    /// Starts the worker thread.
     pub fn start(console: &Console, context: &Context, changed: &Changed) -> Self {
         let (requests, from_view) = unbounded();
         let results = Arc::new(ArrayQueue::new(1));
@@ -122,7 +122,7 @@ impl Worker {
             job_owner: None,
             serial: 0,
         };
-        // Without a thread for it there is no path to be seen, and no more is wrong.
+        // Without a thread there is no path in the picture. Nothing else depends on it.
         let _ = platform::turn("lathe view", move || work.turn());
         Self {
             requests,
@@ -132,34 +132,36 @@ impl Worker {
         }
     }
 
-    /// A program was opened from a file.
+    /// Reports a program that was opened from a file.
     pub fn opened(&self, program: ProgramId, file: PathBuf) {
         self.shared.newer.fetch_add(1, Ordering::Relaxed);
         let _ = self.requests.send(Request::Opened(program, file));
     }
 
-    /// Compares what is meant with what comes of it.
+    /// Requests a comparison of the intended part with the part that the program makes.
     pub fn compare(&self, job: Arc<Job>) {
         let _ = self.requests.send(Request::Compare(job));
     }
 
-    /// Clamps other stock and mounts other tools; they belong to the program from now on.
+    /// Clamps other stock and mounts other tools. They belong to the selected program until it
+    /// gets another job.
     pub fn clamp(&self, job: Job) {
         let _ = self.requests.send(Request::Clamp(Box::new(job)));
     }
 
-    /// Carries out another text of a program than the control has.
+    /// Requests the execution of another text of a program than the control's; `None`: the
+    /// control's text again.
     pub fn try_out(&self, text: Option<(ProgramId, Program)>) {
         self.shared.newer.fetch_add(1, Ordering::Relaxed);
         let _ = self.requests.send(Request::Try(text));
     }
 
-    /// The newest comparison.
+    /// Takes the newest comparison.
     pub fn compared(&self) -> Option<Arc<Compared>> {
         self.compared.pop()
     }
 
-    /// The newest result.
+    /// Takes the newest result.
     pub fn result(&self) -> Option<Made> {
         self.results.pop()
     }
@@ -171,12 +173,12 @@ impl Drop for Worker {
     }
 }
 
-/// What a path depends on.
+/// The inputs of an execution. The worker executes again when one of them changes.
 #[derive(Clone, Debug, PartialEq)]
 struct Basis {
     program: Option<(ProgramId, Program)>,
     tried: Option<(ProgramId, Program)>,
-    /// The job as a person changed it.
+    /// The job that the user has changed.
     changed: Option<Job>,
     file: Option<PathBuf>,
     offsets: Offsets,
@@ -190,11 +192,11 @@ struct Work {
     results: Arc<ArrayQueue<Made>>,
     compared: Arc<ArrayQueue<Arc<Compared>>>,
     shared: Arc<Shared>,
-    /// The file that was opened last, and the program made of it.
+    /// The program and path of the file that was opened last.
     file: Option<(ProgramId, PathBuf)>,
-    /// The text that is tried out, and the program it is another one of.
+    /// The program that is tried out with another text, and this text.
     tried: Option<(ProgramId, Program)>,
-    /// Jobs that a person changed, by their programs.
+    /// Jobs that the user has changed, by their programs.
     changed: Changed,
     /// What the path was made of that was handed over last.
     last: Option<Basis>,
@@ -206,14 +208,15 @@ struct Work {
 /// A program and the file it was opened from.
 type ProgramAndFile = (Option<(ProgramId, Program)>, Option<PathBuf>);
 
-/// Whose job it is: a program, and its file.
+/// The owner of a job: a program, and its file if it has one.
 type Owner = (Option<ProgramId>, Option<PathBuf>);
 
-/// Jobs that a person changed; they outlast the worker.
+/// Jobs that the user has changed. They are kept while the view is closed.
 pub type Changed = Arc<Mutex<Vec<(Owner, Chosen)>>>;
 
 impl Work {
-    /// Looks once and waits for the next request; `false` when none can come any more.
+    /// Executes the program if something has changed, and waits for the next request. Returns
+    /// `false` when the window's end is gone.
     fn turn(&mut self) -> bool {
         if !self.shared.running.load(Ordering::Relaxed)
             && let Some(setup) = self.console.setup()
@@ -225,7 +228,7 @@ impl Work {
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return false,
         }
-        // What came meanwhile counts before the next look.
+        // Requests that arrived in the meantime take effect before the next execution.
         while let Ok(request) = self.requests.try_recv() {
             self.answer(request);
         }
@@ -282,7 +285,7 @@ impl Work {
         }
     }
 
-    /// Carries a program out; `false` when it was overtaken.
+    /// Executes a program; `false` if a newer request cancelled it.
     fn carry_out(&self, setup: &Setup, basis: &Basis, another: bool) -> bool {
         let begun = self.shared.newer.load(Ordering::Relaxed);
         let is_newest = || self.shared.newer.load(Ordering::Relaxed) == begun;
@@ -336,7 +339,7 @@ impl Work {
         let partial = preview.end == End::Limit;
         made.path = Arc::new(builder.path(programs, partial));
         made.times = times;
-        // Without a program there is nothing to be wrong.
+        // The empty program of a control without one must not report an alarm.
         made.practice = basis.program.is_none();
         made.alarm = preview.alarm.filter(|_| !made.practice);
         made.practice |= first.is_empty() && chosen.is_none() && made.alarm.is_none();
@@ -381,7 +384,7 @@ impl Work {
         self.send(Some(chosen));
     }
 
-    /// Puts the text that is tried out in the place of the program's.
+    /// Replaces the program's text with the text that is tried out.
     fn put_in(&self, setup: &mut Setup) {
         if let Some((id, text)) = &self.tried {
             put_in(&mut setup.memory.programs, *id, text);
@@ -410,7 +413,7 @@ impl Work {
     }
 }
 
-/// The path of a program whose cycle finds a rule of its profile broken.
+/// The path of a program with the profile cycles removed, for a profile that breaks a rule.
 fn profile(
     setup: &Setup,
     program: ProgramId,
@@ -433,7 +436,7 @@ fn profile(
     builder.path(&setup.memory.programs, false)
 }
 
-/// Puts another text in the place of the selected program's.
+/// Replaces the text of the program `id` if it is the selected one.
 fn put_in(programs: &mut ProgramMemory, id: ProgramId, text: &Program) {
     if programs.current() != Some(id) {
         return;
@@ -441,7 +444,7 @@ fn put_in(programs: &mut ProgramMemory, id: ProgramId, text: &Program) {
     match id {
         ProgramId::Stored(number) => {
             let before = programs.clone();
-            // Under another number it would be another program.
+            // A text with another number would be stored as another program.
             if programs.store(text.text()).ok() != Some(number) {
                 *programs = before;
             }
@@ -452,7 +455,7 @@ fn put_in(programs: &mut ProgramMemory, id: ProgramId, text: &Program) {
     programs.select(id);
 }
 
-/// A job that a person changed; it is of a file as soon as there is one.
+/// Makes a chosen job of the user's changes. It names the job file once the file exists.
 fn changed_job(job: Job, basis: &Basis) -> Chosen {
     let file = basis.file.as_deref().map(job::beside);
     Chosen {
@@ -469,7 +472,8 @@ fn job_of_basis(basis: &Basis) -> (Option<Chosen>, Option<Message>) {
     (changed.or(read), trouble)
 }
 
-/// The job of the file beside the program, and what is wrong with it.
+/// Reads the job file beside the program, or the built-in job of a sample. The second value is
+/// the error in the file.
 fn read_job(basis: &Basis) -> (Option<Chosen>, Option<Message>) {
     let beside = basis.file.as_deref().map(job::beside);
     let Some(path) = beside.filter(|path| path.exists()) else {
@@ -488,7 +492,8 @@ fn read_job(basis: &Basis) -> (Option<Chosen>, Option<Message>) {
     }
 }
 
-/// From program to part coordinates: nothing, unless the job knows where the part is.
+/// The shift from program to part coordinates, mm. It is zero unless the job defines the
+/// position of the part.
 fn shift(machining: Option<&Machining>, executed: &gsk_core::command::ExecutedMove) -> Point {
     let Some(machining) = machining else {
         return Point::default();

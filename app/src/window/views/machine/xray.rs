@@ -1,8 +1,8 @@
-//! The X-ray of a cycle: which pass was pointed at and why it lies there, and the words
-//! of the cycle to be changed, so that its passes are seen to move.
+//! The X-ray of a cycle: why the selected pass is where it is, and the words of the cycle as
+//! fields. A changed word moves the passes in the picture.
 //!
-//! What is changed here is tried out: the control keeps its program until the text is
-//! taken over in the program view.
+//! A change is only tried out: the control keeps its program until the text is taken over in
+//! the program view.
 
 use std::ops::Range;
 
@@ -18,35 +18,35 @@ use gsk_language::words::{spans, word_of};
 
 const TRIED: Color32 = Color32::from_rgb(255, 196, 90);
 
-/// A text that is tried out.
+/// A changed text of a program that is tried out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
-    /// The program it is another text of.
+    /// The program whose text is changed.
     pub id: ProgramId,
-    /// The text of the control.
+    /// The text in the control.
     pub own: Program,
-    /// The text that is tried.
+    /// The changed text.
     pub tried: Program,
 }
 
 impl Trial {
-    /// As it is carried out.
+    /// The program as it is executed for the trial.
     pub fn program(&self) -> (ProgramId, Program) {
         (self.id, self.tried.clone())
     }
 }
 
-/// What was done in the box.
+/// What the user did with the trial.
 pub enum Done {
-    /// Another text is to be tried.
+    /// Try another text.
     Changed(Trial),
-    /// The text of the control again.
+    /// Return to the text of the control.
     Discard,
-    /// The text goes into the program view.
+    /// Take the text over into the program view.
     Take(Trial),
 }
 
-/// Draws the words of the cycle that a block belongs to, and what becomes of a trial.
+/// Draws the words of the cycle in a block, and the buttons that take over or discard a trial.
 pub fn show(
     ui: &mut Ui,
     path: &Path,
@@ -84,7 +84,7 @@ pub fn show(
     done
 }
 
-/// A box for each word of a line; the text with the one that was changed.
+/// Draws a field for each measure in a line. Returns the program's text after a change.
 fn words(ui: &mut Ui, program: &Program, number: u32, language: Language) -> Option<String> {
     let (text, line) = (program.text(), program.line(number));
     let start = line_start(text, line)?;
@@ -119,7 +119,8 @@ fn words(ui: &mut Ui, program: &Program, number: u32, language: Language) -> Opt
     changed
 }
 
-/// Whether a word of a cycle is a measure. P and Q of G70 to G73 are sequence numbers.
+/// Whether a word of a cycle is a measure that can be changed. P and Q of G70 to G73 are
+/// sequence numbers and cannot.
 const fn is_changed(code: u32, address: char) -> bool {
     match address {
         'P' | 'Q' => !matches!(code, 70..=73),
@@ -128,19 +129,19 @@ const fn is_changed(code: u32, address: char) -> bool {
     }
 }
 
-/// The text with another number in a word.
+/// The text with another number in the word at `place`.
 fn replaced(text: &str, place: Range<usize>, address: char, value: f64) -> String {
-    // Thousandths: what a word can say.
+    // A word has three decimals.
     let value = (value * 1000.0).round() / 1000.0;
     let mut changed = text.to_owned();
     changed.replace_range(place, &format!("{address}{value}"));
     changed
 }
 
-/// The lines of the cycle at a line, which may be written in two blocks.
+/// The lines of the cycle at a line; a compound cycle may have two blocks.
 fn cycle_lines(program: &Program, line: u32) -> Vec<u32> {
     let code = |number: u32| cycle_code(program.line(number));
-    // A program that was cut out of a file counts the lines of that file.
+    // Line numbers of a program cut out of a larger file are those of the file.
     let whole = line_start(program.text(), program.line(1)) == Some(0);
     let Some(own) = code(line).filter(|_| whole) else {
         return Vec::new();
@@ -151,8 +152,8 @@ fn cycle_lines(program: &Program, line: u32) -> Vec<u32> {
     before.into_iter().chain([line]).collect()
 }
 
-/// The program without the cycles over a profile: what is left of it draws the profile.
-/// Lines keep their numbers, and cycles their feed.
+/// The program without the cycles G70 to G73: the rest draws their profile. Lines keep their
+/// numbers, and the cycles' feed words stay.
 pub fn without_profile_cycles(program: &Program) -> Program {
     let lines = program.text().split_inclusive(['\n', '\r']);
     let left = lines.map(|line| match cycle_code(line) {
@@ -168,14 +169,14 @@ pub fn without_profile_cycles(program: &Program) -> Program {
     Program::new(left.collect::<String>())
 }
 
-/// The line of a profile in which an alarm of its cycle finds a rule broken.
+/// The line of the profile that breaks a rule, from an alarm of a cycle G70 to G73.
 pub fn line_in_profile(alarm: &Alarm, program: &Program) -> Option<u32> {
     let cycle = cycle_code(program.line(alarm.source?.line))?;
     let line = alarm.detail.as_ref()?.plain_value("line")?.parse().ok()?;
     matches!(cycle, 70..=73).then_some(line)
 }
 
-/// The G code of the cycle in a line.
+/// The G code of the cycle in a line, if there is one.
 fn cycle_code(line: &str) -> Option<u32> {
     let spans = spans(line);
     let mut words = spans.iter().filter_map(|span| word_of(line, span));
@@ -185,7 +186,7 @@ fn cycle_code(line: &str) -> Option<u32> {
     })
 }
 
-/// Where a line of a text begins, bytes.
+/// Start of a line within its text, bytes; `None` if the line is not a slice of the text.
 fn line_start(text: &str, line: &str) -> Option<usize> {
     let start = (line.as_ptr() as usize).checked_sub(text.as_ptr() as usize)?;
     (start + line.len() <= text.len()).then_some(start)

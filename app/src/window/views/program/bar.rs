@@ -1,4 +1,4 @@
-//! The tools of the program view, and what it asks.
+//! The tool bar of the program view, and its question about an unsaved text.
 
 use egui::{
     Align2, Button, Context, Key, Label, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window,
@@ -9,37 +9,35 @@ use super::Next;
 use super::document::{Document, Origin};
 use crate::window::clear;
 
-/// What the user wants.
+/// A request of the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Wish {
-    /// Another text.
+    /// Bring another text into the editor.
     Bring(Next),
-    /// To its file.
+    /// Save to the text's file.
     Save,
-    /// To a file that is asked for.
+    /// Save to a file that the user chooses.
     SaveAs,
-    /// Into the control.
+    /// Store the text in the control.
     Store,
-    /// The last change back.
     Undo,
-    /// It again.
     Redo,
-    /// The next place of what is sought.
+    /// Go to the next match of the search text.
     Find,
-    /// To what was typed.
+    /// Go to the target that was typed.
     GoTo,
 }
 
-/// The tools.
+/// The state of the tool bar.
 #[derive(Default)]
 pub struct Bar {
-    /// What is sought.
+    /// The search text.
     pub find: String,
-    /// Where to go.
+    /// The target to go to, as typed.
     pub go_to: String,
     /// The language of dialogs.
     pub language: Language,
-    /// The field that gets the keyboard with the next picture.
+    /// The field that gets the keyboard focus in the next frame.
     focus: Option<&'static str>,
 }
 
@@ -49,7 +47,7 @@ const FIELD: f32 = 90.0;
 const MENU: f32 = 400.0;
 
 impl Bar {
-    /// Draws the tools. `memory`: numbers of the programs of the control.
+    /// Draws the tools. `memory`: numbers of the programs in the control's memory.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -102,7 +100,7 @@ impl Bar {
         wish
     }
 
-    /// A field with its name; whether Enter was pressed in it.
+    /// Draws a field with its name. Returns whether Enter was pressed in it.
     fn field(
         &mut self,
         ui: &mut Ui,
@@ -127,7 +125,8 @@ impl Bar {
         response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter))
     }
 
-    /// Keys of the view, where they are its own.
+    /// Handles the keys of the view. `own`: the keyboard belongs to the view and not to the
+    /// panel.
     pub fn keys(&mut self, ui: &Ui, own: bool) -> Option<Wish> {
         if !own {
             return None;
@@ -148,7 +147,7 @@ impl Bar {
     }
 }
 
-/// The menu of files.
+/// Draws the menu of files.
 fn files(ui: &mut Ui, language: Language, wish: &mut Option<Wish>) {
     ui.menu_button(say::program_file().text(language), |ui| {
         let entries = [
@@ -166,7 +165,7 @@ fn files(ui: &mut Ui, language: Language, wish: &mut Option<Wish>) {
     });
 }
 
-/// The menu of the programs of the control.
+/// Draws the menu of the programs in the control's memory.
 fn programs(ui: &mut Ui, memory: &[u16], language: Language, wish: &mut Option<Wish>) {
     let menu = ui.menu_button(say::program_control().text(language), |ui| {
         let list = ScrollArea::vertical().max_height(MENU);
@@ -183,7 +182,7 @@ fn programs(ui: &mut Ui, memory: &[u16], language: Language, wish: &mut Option<W
     menu.response.on_hover_text(hint);
 }
 
-/// What the text is, with a mark when it is not saved.
+/// The name of the text, with a mark if it is not saved.
 fn title(document: &Document, language: Language) -> String {
     let mark = if document.is_unsaved() { "● " } else { "" };
     let name = match &document.origin {
@@ -194,18 +193,18 @@ fn title(document: &Document, language: Language) -> String {
     format!("{mark}{name}")
 }
 
-/// What becomes of an unsaved text.
+/// The user's decision about an unsaved text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// It is saved first.
+    /// Save it first.
     Save,
-    /// It is lost.
+    /// Discard its changes.
     Discard,
-    /// It stays, and the other one does not come.
+    /// Keep it in the editor; the other text is not loaded.
     Cancel,
 }
 
-/// Room that the question wants, points.
+/// Size of the question's window, points.
 const ROOM: egui::Vec2 = egui::vec2(520.0, 180.0);
 
 /// Asks before an unsaved text is lost.

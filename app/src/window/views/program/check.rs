@@ -1,4 +1,4 @@
-//! The text as typed, looked through beside the window: which words raise alarms.
+//! Checks the typed text in a background thread: which words raise alarms.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -21,22 +21,22 @@ use crate::kernel::Console;
 use crate::platform;
 use crate::work_limit::WorkLimit;
 
-/// Work of a look through a text.
+/// Limit of the work of one check.
 const BUDGET: WorkBudget = WorkBudget::interactive(20_000_000);
 
-/// Something wrong with the text.
+/// An alarm that the text raises.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// Its line, from 0; `None`: not in this text.
+    /// Its line, from 0; `None`: the alarm is in another program.
     pub line: Option<usize>,
-    /// Characters of the line that raise it.
+    /// The characters of the line that raise the alarm.
     pub columns: Range<usize>,
-    /// What it is, in Chinese and English.
+    /// The report in Chinese and in English.
     told: [AlarmReport; 2],
 }
 
 impl Finding {
-    /// What it is.
+    /// The report in a language.
     pub const fn told(&self, language: Language) -> &AlarmReport {
         match language {
             Language::Zh => &self.told[0],
@@ -45,48 +45,48 @@ impl Finding {
     }
 }
 
-/// What a look found.
+/// The result of a check.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checked {
-    /// The revision of the text.
+    /// The revision of the checked text.
     pub revision: u64,
-    /// What is wrong, in the order of execution.
+    /// The alarms in the order of execution.
     pub findings: Vec<Finding>,
-    /// What is no alarm and yet likely a slip, each with its line.
+    /// Texts of likely mistakes that raise no alarm, each with its line.
     pub warnings: Vec<Message>,
     /// What the program does.
     pub look: FirstLook,
-    /// The programs of the control's memory.
+    /// The numbers of the programs in the control's memory.
     pub memory: Vec<u16>,
 }
 
 impl Checked {
-    /// Whether it came to no end.
+    /// Whether the check stopped at its limit before the end of the program.
     pub fn is_given_up(&self) -> bool {
         self.look.end == End::Limit
     }
 }
 
-/// A text to be looked through.
+/// A text to check.
 struct Job {
     revision: u64,
-    /// What it is called if it has no number.
+    /// The name of a program without a number.
     name: String,
     text: String,
     context: Context,
 }
 
-/// Looks texts through in a thread of its own, the newest one only.
+/// Checks texts in a background thread, only the newest one.
 pub struct Checker {
     jobs: Sender<Job>,
     newest: Arc<AtomicU64>,
-    /// The revision that was handed over last.
+    /// The revision that was sent last.
     asked: Option<u64>,
     results: Arc<ArrayQueue<Checked>>,
 }
 
 impl Checker {
-    /// Begins.
+    /// Starts the thread.
     pub fn new(console: &Console) -> Self {
         let (jobs, from_view) = unbounded();
         let newest = Arc::new(AtomicU64::new(0));
@@ -97,7 +97,7 @@ impl Checker {
             newest: Arc::clone(&newest),
             results: Arc::clone(&results),
         };
-        // Without a thread for it nothing is marked in the text, and no more is wrong.
+        // Without a thread nothing is marked in the text. Nothing else depends on it.
         let _ = platform::turn("program view", move || worker.turn());
         Self {
             jobs,
@@ -107,7 +107,7 @@ impl Checker {
         }
     }
 
-    /// Hands a text over, unless that revision has been.
+    /// Sends a text to the thread, unless this revision was sent already.
     pub fn ask(
         &mut self,
         revision: u64,
@@ -120,7 +120,7 @@ impl Checker {
         self.asked = Some(revision);
         self.newest.store(revision, Ordering::Relaxed);
         let (name, text) = text();
-        // The thread lives as long as this end of its channel.
+        // The thread exists as long as this end of its channel.
         let _ = self.jobs.send(Job {
             revision,
             name,
@@ -129,12 +129,12 @@ impl Checker {
         });
     }
 
-    /// The next look begins anew, even if the text is the same.
+    /// Makes the next call of [`Self::ask`] send the text even if its revision is the same.
     pub const fn forget(&mut self) {
         self.asked = None;
     }
 
-    /// What came out of the last look.
+    /// Takes the result of the last check.
     pub fn result(&self) -> Option<Checked> {
         self.results.pop()
     }
@@ -148,7 +148,7 @@ struct Worker {
 }
 
 impl Worker {
-    /// Waits for a text and looks it through; `false` when none can come any more.
+    /// Waits for a text and checks it. Returns `false` when the window's end is gone.
     fn turn(&self) -> bool {
         let first = match platform::receive(&self.jobs, None) {
             Ok(job) => job,

@@ -1,4 +1,5 @@
-//! Texts that come and go beside the window: files, and the memory of the control.
+//! Loads and saves the texts of the editor in background threads: files, and the control's
+//! memory.
 
 use std::path::{Path, PathBuf};
 
@@ -12,31 +13,28 @@ use crate::files::{atomic, program_file};
 use crate::kernel::{Console, NotStored};
 use crate::window::files::{Wanted, beside, choose};
 
-/// What has come.
+/// A result of a background thread.
 pub enum Arrived {
-    /// A text.
+    /// A text was loaded.
     Text(Box<Document>),
-    /// A text was written where it belongs.
+    /// A text was written to a file.
     Saved {
-        /// The text.
         text: String,
-        /// Where it stands now.
+        /// The file.
         origin: Origin,
     },
-    /// The control has taken a text under this number.
+    /// The control has stored a text.
     Stored {
-        /// The text.
         text: String,
-        /// Its number.
         number: u16,
     },
-    /// The control has not.
+    /// The control has refused a text.
     NotStored(NotStored),
-    /// Something else went wrong.
+    /// Another operation failed.
     Refused(Message),
 }
 
-/// Does what takes time, in threads of its own.
+/// Starts operations that take time in background threads.
 pub struct Desk {
     console: Console,
     to: Sender<Arrived>,
@@ -44,18 +42,17 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// Nothing has come yet.
+    /// Creates the desk without running operations.
     pub fn new(console: Console) -> Self {
         let (to, from) = unbounded();
         Self { console, to, from }
     }
 
-    /// The next thing that has come.
+    /// Takes the next result.
     pub fn arrived(&self) -> Option<Arrived> {
         self.from.try_recv().ok()
     }
 
-    /// Reads a file.
     pub fn read(&self, path: PathBuf, context: &Context) {
         self.beside(context, move |_| Some(read(&path)));
     }
@@ -66,13 +63,13 @@ impl Desk {
         let name = say::window_part_programs().text(language);
         let wanted = Wanted::Open(name, vec!["cnc", "nc", "txt", "tap"]);
         choose(context, language, &self.console.say, wanted, move |path| {
-            // A view that is gone wants no text.
+            // The send fails when the view is gone. No view needs the text then.
             let _ = to.send(read(&path));
             None
         });
     }
 
-    /// Takes a program of the memory, the selected one if none is named.
+    /// Reads a program of the control's memory; `None`: the selected one.
     pub fn take(&self, number: Option<u16>, context: &Context) {
         self.beside(context, move |console| {
             let setup = console.setup()?;
@@ -87,7 +84,7 @@ impl Desk {
         });
     }
 
-    /// Writes a text to its file, or asks for one.
+    /// Writes a text to its file, or to a file that the user chooses if it has none.
     pub fn save(&self, document: &Document, language: Language, context: &Context) {
         let Origin::File(path, encoding) = document.origin.clone() else {
             return self.save_as(document, language, context);
@@ -103,7 +100,7 @@ impl Desk {
         });
     }
 
-    /// Asks for a file and writes a text to it.
+    /// Writes a text to a file that the user chooses.
     pub fn save_as(&self, document: &Document, language: Language, context: &Context) {
         let encoding = document.encoding();
         let (text, bytes) = (document.text.clone(), document.bytes(encoding));

@@ -1,4 +1,4 @@
-//! The text in the editor, where it came from, and how it goes back there.
+//! The text in the editor, its source, and how it is written back there.
 
 use std::path::{Path, PathBuf};
 
@@ -7,29 +7,27 @@ use gsk_core::program::Program;
 use crate::files::decode::{Encoding, encode};
 use crate::files::program_file::ProgramFile;
 
-/// Above this a text is shown and not edited: an editor that lays the whole text out
-/// would be slow.
+/// Greatest size of a text that can be edited, bytes. The editor lays out the whole text and
+/// would be slow with a larger one.
 pub const LARGEST_EDITED: usize = 300_000;
 
-/// Where a text came from.
+/// The source of a text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Origin {
-    /// Nowhere: it is new.
+    /// A new text without a source.
     #[default]
     New,
-    /// A file, with its encoding.
+    /// A file with its encoding.
     File(PathBuf, Encoding),
-    /// A program of the control's memory.
+    /// A program in the control's memory, by its number.
     Memory(u16),
 }
 
 /// How the lines of a text end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LineEnd {
-    /// LF.
     #[default]
     Lf,
-    /// CR and LF.
     CrLf,
     /// CR alone, the EOB of EIA.
     Cr,
@@ -44,7 +42,7 @@ impl LineEnd {
         }
     }
 
-    /// That of most lines of a text.
+    /// The line end that most lines of a text have.
     fn of(text: &str) -> Self {
         let both = text.matches("\r\n").count();
         let feeds = text.matches('\n').count() - both;
@@ -62,22 +60,21 @@ impl LineEnd {
 /// The text in the editor.
 #[derive(Clone, Debug, Default)]
 pub struct Document {
-    /// Where it came from.
     pub origin: Origin,
-    /// Its lines end with LF here.
+    /// The text; its lines end with LF.
     pub text: String,
-    /// Counts the changes.
+    /// Incremented by each change of the text.
     pub revision: u64,
     line_end: LineEnd,
-    /// The text as it was read or saved last.
+    /// The text that was read or saved last.
     kept: String,
     unsaved: bool,
-    /// Where lines begin, bytes.
+    /// Start of each line, bytes.
     lines: Vec<usize>,
 }
 
 impl Document {
-    /// A text from somewhere.
+    /// Creates a document that is not changed.
     pub fn new(origin: Origin, text: &str) -> Self {
         let line_end = LineEnd::of(text);
         let text = with_line_feeds(text);
@@ -92,41 +89,41 @@ impl Document {
         document
     }
 
-    /// A file.
+    /// Creates a document from a file that was read.
     pub fn of_file(file: &ProgramFile) -> Self {
         Self::new(Origin::File(file.path.clone(), file.encoding), &file.text)
     }
 
-    /// The text has been changed.
+    /// Updates the derived data. Must be called after each change of `text`.
     pub fn changed(&mut self) {
         self.revision += 1;
         self.unsaved = self.text != self.kept;
         self.lines = line_starts(&self.text);
     }
 
-    /// Whether it differs from what was read or saved last.
+    /// Whether the text differs from the one that was read or saved last.
     pub const fn is_unsaved(&self) -> bool {
         self.unsaved
     }
 
-    /// Whether it may be edited.
+    /// Whether the text is small enough to be edited.
     pub const fn is_edited(&self) -> bool {
         self.text.len() <= LARGEST_EDITED
     }
 
-    /// What a text was saved as, somewhere; what was typed since is unsaved.
+    /// Records a saved text and where it was saved. Later changes remain unsaved.
     pub fn saved(&mut self, text: String, origin: Origin) {
         self.kept = text;
         self.origin = origin;
         self.unsaved = self.text != self.kept;
     }
 
-    /// The bytes of its file: in its encoding, with its line ends.
+    /// The bytes of the text in a file: with this encoding and the original line ends.
     pub fn bytes(&self, encoding: Encoding) -> Vec<u8> {
         encode(&self.with_its_line_ends(), encoding)
     }
 
-    /// The encoding of its file; a new one is UTF-8.
+    /// The encoding of the document's file; UTF-8 without a file.
     pub const fn encoding(&self) -> Encoding {
         match self.origin {
             Origin::File(_, encoding) => encoding,
@@ -134,17 +131,16 @@ impl Document {
         }
     }
 
-    /// The program as the control would read it.
+    /// The text as a program of the control.
     pub fn program(&self) -> Program {
         Program::new(self.text.as_str())
     }
 
-    /// How many lines it has.
     pub const fn line_count(&self) -> usize {
         self.lines.len()
     }
 
-    /// A line, from 0, without its end.
+    /// The line with this index, from 0, without its end; empty after the last line.
     pub fn line(&self, index: usize) -> &str {
         let Some(from) = self.lines.get(index).copied() else {
             return "";
@@ -156,30 +152,30 @@ impl Document {
         self.text.get(from..to).unwrap_or_default()
     }
 
-    /// Where a line begins, bytes.
+    /// The start of a line, bytes; the end of the text after the last line.
     pub fn line_start(&self, index: usize) -> usize {
         self.lines.get(index).copied().unwrap_or(self.text.len())
     }
 
-    /// The line at a byte, from 0.
+    /// The index of the line at a byte, from 0.
     pub fn line_at(&self, byte: usize) -> usize {
         let after = self.lines.partition_point(|start| *start <= byte);
         after.saturating_sub(1)
     }
 
-    /// The byte of a character.
+    /// The byte at which a character begins.
     pub fn byte_of(&self, character: usize) -> usize {
         let mut letters = self.text.char_indices();
         letters.nth(character).map_or(self.text.len(), |(at, _)| at)
     }
 
-    /// The character at a byte.
+    /// The number of characters before a byte.
     pub fn character_of(&self, byte: usize) -> usize {
         let before = self.text.get(..byte).unwrap_or(&self.text);
         before.chars().count()
     }
 
-    /// What it is called: the name of its file, or its number.
+    /// The name of its file, or its program number; empty for a new text.
     pub fn name(&self) -> String {
         match &self.origin {
             Origin::File(path, _) => file_name(path),
@@ -196,12 +192,12 @@ impl Document {
     }
 }
 
-/// A text whose lines end with LF.
+/// The text with each line end replaced by LF.
 pub fn with_line_feeds(text: &str) -> String {
     text.replace("\r\n", "\n").replace('\r', "\n")
 }
 
-/// The last part of a path.
+/// The last component of a path.
 pub fn file_name(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default();
     name.to_string_lossy().into_owned()

@@ -1,5 +1,5 @@
-//! The text itself: edited with colours, line numbers and tips, or only shown where it is
-//! too large for that.
+//! The text field: editable with colours, line numbers and hover texts, or read-only if the
+//! text is too large.
 
 use std::ops::Range;
 
@@ -22,42 +22,41 @@ const SIZE: f32 = 15.0;
 const GROUND: Color32 = Color32::from_gray(22);
 const GROUND_OF_NUMBERS: Color32 = Color32::from_gray(30);
 const NUMBERS: Color32 = Color32::from_gray(110);
-/// Width of a digit of a line number, and room beside them, points.
+/// Width of a digit of a line number, and margin beside the numbers, points.
 const DIGIT: f32 = 9.0;
 const BESIDE: f32 = 14.0;
 
-/// What is shown with the text.
+/// What the text field shows.
 pub struct Sheet<'a> {
-    /// The text.
     pub document: &'a mut Document,
-    /// What is wrong with it, and the revision of the look that found it.
+    /// The revision that was checked, and its findings.
     pub marks: (Option<u64>, &'a [Finding]),
-    /// The language of tips.
+    /// The language of the hover texts.
     pub language: Language,
 }
 
-/// What the user did to the text.
+/// What the user did with the text.
 #[derive(Debug, Default)]
 pub struct Done {
-    /// It was changed.
     pub changed: bool,
-    /// A word that leads somewhere was clicked with Ctrl: where to, and its line.
+    /// The target of a word that was clicked with Ctrl, and the line of that word.
     pub followed: Option<(Target, usize)>,
 }
 
-/// The text field, for its state.
+/// The id of the text field.
 pub fn id() -> Id {
     Id::unique("program text")
 }
 
-/// Characters of a text in which the cursor stands, if it does.
+/// The range of characters that the cursor selects; `None` if there is no cursor.
 pub fn cursor(context: &Context) -> Option<Range<usize>> {
     let range = TextEditState::load(context, id())?.cursor.char_range()?;
     let range = range.as_sorted_char_range();
     Some(range.start.0..range.end.0)
 }
 
-/// Takes the last change back, or makes it again; the text then, if there was one.
+/// Undoes the last change, or redoes it if `again` is set. Returns the text, or `None` if
+/// there is no such change.
 pub fn step(context: &Context, text: &str, again: bool) -> Option<String> {
     let mut state = TextEditState::load(context, id())?;
     let mut undoer = state.undoer();
@@ -75,7 +74,7 @@ pub fn step(context: &Context, text: &str, again: bool) -> Option<String> {
     Some(text)
 }
 
-/// Forgets the changes of another text.
+/// Clears undo steps and cursor when another text is loaded.
 pub fn forget(context: &Context) {
     if let Some(mut state) = TextEditState::load(context, id()) {
         state.clear_undoer();
@@ -84,7 +83,7 @@ pub fn forget(context: &Context) {
     }
 }
 
-/// Draws a text that is edited. `jump`: characters to be selected and shown.
+/// Draws an editable text. `jump`: a range of characters to select and scroll to.
 pub fn edit(
     ui: &mut Ui,
     sheet: Sheet<'_>,
@@ -115,7 +114,7 @@ pub fn edit(
         let mut output = TextEdit::multiline(&mut document.text)
             .id(id())
             .code_editor()
-            // Tab goes on: a program has no use for it, and the keyboard must get out.
+            // Tab moves the focus: a program does not use tabs, and the keyboard must get out.
             .lock_focus(false)
             .frame(Frame::NONE.inner_margin(margin))
             .desired_width(f32::INFINITY)
@@ -161,7 +160,7 @@ pub fn edit(
     .inner
 }
 
-/// Draws a text that is only shown, the lines in view alone. `jump`: a line to be shown.
+/// Draws a read-only text, only its visible lines. `jump`: a line to scroll to.
 pub fn show(ui: &mut Ui, sheet: &Sheet<'_>, jump: Option<usize>) {
     let font = FontId::monospace(SIZE);
     let count = sheet.document.line_count();
@@ -200,8 +199,7 @@ fn width_of_numbers(lines: usize) -> f32 {
     DIGIT * digits as f32 + BESIDE
 }
 
-/// Line numbers beside the rows in view; they stay where they are when long lines are
-/// scrolled.
+/// Draws line numbers beside the visible rows. They do not move when long lines are scrolled.
 fn numbers(ui: &Ui, galley: &Galley, origin: Pos2, width: f32) {
     let clip = ui.clip_rect();
     let column = Rect::from_min_max(
@@ -228,12 +226,12 @@ fn number(ui: &Ui, line: usize, at: Pos2) {
         .text(at, Align2::RIGHT_TOP, line, font, NUMBERS);
 }
 
-/// The character under a position.
+/// Index of the character at a position in the window.
 fn character_at(galley: &Galley, origin: Pos2, at: Pos2) -> usize {
     galley.cursor_from_pos(at - origin).index.0
 }
 
-/// The word under the pointer that leads somewhere, when it was clicked with Ctrl.
+/// The target of the word under the pointer if it was clicked with Ctrl, and its line.
 fn followed(
     ui: &Ui,
     document: &Document,
@@ -255,7 +253,7 @@ fn followed(
     Target::of(text, &span).map(|target| (target, line))
 }
 
-/// Says what the word under the pointer means, and what is wrong with it.
+/// Shows the meaning of the word under the pointer and its alarms as a hover text.
 fn tip(
     document: &Document,
     findings: &[Finding],
@@ -289,7 +287,7 @@ fn tip(
     for finding in here.filter(|finding| finding.columns.contains(&character)) {
         lines.push(finding.told(language).sentence(Some(language)));
     }
-    // Beyond the end of a line there is no word.
+    // There is no word after the end of a line.
     let row = galley.pos_from_cursor(galley.cursor_from_pos(at - origin));
     let near = (row.center() + origin.to_vec2() - at).length() < 2.0 * SIZE;
     if near && !lines.is_empty() {

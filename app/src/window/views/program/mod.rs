@@ -1,6 +1,5 @@
-//! The program view: a text editor for people at a PC, with colours, the alarms of the
-//! text as it is typed, and what its words mean. The control's own edit page stays what
-//! it is.
+//! The program view: a text editor for users at a PC, with colours, the alarms of the text
+//! while it is typed, and the meaning of its words. The control's edit page is separate.
 
 mod bar;
 mod check;
@@ -29,20 +28,18 @@ use editor::Sheet;
 use paint::{Painter, WRONG};
 use targets::Target;
 
-/// What is to come into the editor.
+/// A text that shall be loaded into the editor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Next {
-    /// Nothing: an empty text.
+    /// An empty text.
     New,
     /// A file that the user chooses.
     Choose,
-    /// A file.
     File(PathBuf),
-    /// A program of the memory; none: the selected one.
+    /// A program of the control's memory; `None`: the selected one.
     Memory(Option<u16>),
 }
 
-/// The program view.
 pub struct ProgramView {
     document: Document,
     desk: Desk,
@@ -50,32 +47,32 @@ pub struct ProgramView {
     checked: Option<Checked>,
     painter: Painter,
     bar: Bar,
-    /// Characters to be selected and shown.
+    /// The range of characters to select and scroll to.
     jump: Option<Range<usize>>,
-    /// Where what was found last ends, bytes; a text that is only shown has no cursor.
+    /// End of the last search match, bytes. A read-only text has no cursor to search from.
     found: usize,
-    /// What comes when nothing stands against it.
+    /// The text to load once the current one is saved or discarded.
     next: Option<Next>,
-    /// A text was sent for and has not come.
+    /// A text was requested and has not arrived.
     bringing: bool,
-    /// What another view asked for.
+    /// A request of another view.
     wanted: Option<Wanted>,
-    /// The revision of the text that other views know.
+    /// The revision that was last passed to other views.
     told: u64,
-    /// What was said last.
+    /// The last message of the view.
     said: Option<Said>,
 }
 
-/// What another view asks for.
+/// A request of another view.
 enum Wanted {
-    /// A block, by its line and what stands there.
+    /// Show a block, identified by line and text.
     Block { line: u32, text: String },
-    /// Another text in the place of one.
+    /// Replace the text `own` with `text`.
     Text { own: String, text: String },
 }
 
 impl Wanted {
-    /// Whether the text that it is about is in the editor.
+    /// Whether the text that the request applies to is in the editor.
     fn is_in(&self, document: &Document) -> bool {
         match self {
             Self::Block { line, text } => {
@@ -87,7 +84,7 @@ impl Wanted {
     }
 }
 
-/// A sentence of the view.
+/// A message of the view.
 enum Said {
     Good(Message),
     Bad(Message),
@@ -95,7 +92,7 @@ enum Said {
 }
 
 impl ProgramView {
-    /// Shows the selected program of the control first.
+    /// Creates the view. It loads the selected program of the control first.
     pub fn new(console: Console) -> Self {
         Self {
             document: Document::new(Origin::New, ""),
@@ -114,7 +111,7 @@ impl ProgramView {
         }
     }
 
-    /// A program was opened in the window: it is what the editor shows next.
+    /// Loads a program that was opened in the window.
     pub fn opened(&mut self, path: Option<&Path>, place: &Place) {
         self.next = Some(match (path, place) {
             (Some(path), _) => Next::File(path.to_owned()),
@@ -123,26 +120,26 @@ impl ProgramView {
         });
     }
 
-    /// The text, when it is another one than at the last time.
+    /// The document, if its revision has changed since the last call.
     pub fn newly_typed(&mut self) -> Option<&Document> {
         let revision = self.document.revision;
         (std::mem::replace(&mut self.told, revision) != revision).then_some(&self.document)
     }
 
-    /// Shows a block of a program as another view has it.
+    /// Shows a block of a program. `text` is the text of the block in another view.
     pub fn show_block(&mut self, program: ProgramId, line: u32, text: String) {
         self.wanted = Some(Wanted::Block { line, text });
         self.bring_program(program);
     }
 
-    /// Takes another text in the place of the control's; it can be undone and is not
+    /// Replaces the control's text `own` with `text`. The change can be undone and is not
     /// saved.
     pub fn take_over(&mut self, program: ProgramId, own: String, text: String) {
         self.wanted = Some(Wanted::Text { own, text });
         self.bring_program(program);
     }
 
-    /// Unless it is in the editor, a program comes out of the memory.
+    /// Loads a program from the memory unless its text is in the editor.
     fn bring_program(&mut self, program: ProgramId) {
         let ProgramId::Stored(number) = program else {
             return;
@@ -153,13 +150,13 @@ impl ProgramView {
         }
     }
 
-    /// What another view asked for, now that the text is there.
+    /// Executes the request of another view once the text is loaded.
     fn carry_out_wanted(&mut self, context: &Context) {
         let Some(wanted) = self.wanted.take_if(|_| self.next.is_none()) else {
             return;
         };
         if !wanted.is_in(&self.document) {
-            // It is on its way.
+            // The text has not arrived yet.
             if self.bringing {
                 self.wanted = Some(wanted);
                 return;
@@ -177,12 +174,12 @@ impl ProgramView {
         }
     }
 
-    /// Whether a text would be lost with the window.
+    /// Whether closing the window would lose the text.
     pub const fn is_unsaved(&self) -> bool {
         self.document.is_unsaved()
     }
 
-    /// Draws it; `native`: in a window of its own, with all keys.
+    /// Draws the view. `native`: it is in a separate window and receives all keys.
     pub fn show(&mut self, ui: &mut Ui, language: Language, native: bool) {
         self.receive(ui.ctx());
         self.keys(ui, language, native);
@@ -243,7 +240,7 @@ impl ProgramView {
         }
     }
 
-    /// Takes what has come from files, memory and the look through the text.
+    /// Takes texts from files and memory, and the result of the check.
     fn receive(&mut self, context: &Context) {
         if let Some(checked) = self.checker.result() {
             self.checked = Some(checked);
@@ -264,7 +261,7 @@ impl ProgramView {
                     Some(Said::Good(said))
                 }
                 Arrived::Stored { text, number } => {
-                    // What stands in a file is saved when it is written there.
+                    // A text that has a file is saved only when it is written there.
                     if !matches!(self.document.origin, Origin::File(..)) {
                         self.document.saved(text, Origin::Memory(number));
                     }
@@ -275,7 +272,7 @@ impl ProgramView {
                 Arrived::Refused(why) => Some(Said::Bad(why)),
             };
         }
-        // What is typed is not lost: `question` asks first.
+        // Unsaved changes are kept: `question` asks the user first.
         if !self.document.is_unsaved()
             && let Some(next) = self.next.take()
         {
@@ -284,7 +281,7 @@ impl ProgramView {
         self.carry_out_wanted(context);
     }
 
-    /// Another text comes into the editor; its revisions go on.
+    /// Puts another document into the editor. Revisions continue to increase.
     fn replace(&mut self, document: Document, context: &Context) {
         let revision = self.document.revision + 1;
         self.document = document;
@@ -331,7 +328,7 @@ impl ProgramView {
         }
     }
 
-    /// Finds the next place after the cursor.
+    /// Selects the next match after the cursor.
     fn find(&mut self, context: &Context) {
         let sought = self.bar.find.clone();
         let cursor = editor::cursor(context).filter(|_| self.document.is_edited());
@@ -371,14 +368,14 @@ impl ProgramView {
         self.said = Some(Said::Bad(say::program_go_to_nothing(target)));
     }
 
-    /// Selects bytes of the text and shows them.
+    /// Selects a range of bytes of the text and scrolls to it.
     fn select(&mut self, bytes: &Range<usize>) {
         let characters = |byte| self.document.character_of(byte);
         self.jump = Some(characters(bytes.start)..characters(bytes.end));
         self.said = None;
     }
 
-    /// Keys of an editor; the text field has undo and redo of its own.
+    /// Handles the keys of the view. The text field handles undo and redo.
     fn keys(&mut self, ui: &mut Ui, language: Language, native: bool) {
         self.bar.language = language;
         let typing = ui.ctx().text_edit_focused();
@@ -387,7 +384,7 @@ impl ProgramView {
         }
     }
 
-    /// What was said, and what is wrong with the text.
+    /// Draws the last message and the findings of the check.
     fn findings(&mut self, ui: &mut Ui, language: Language) {
         let said = self.said.as_ref().map(|said| match said {
             Said::Good(said) => (said.text(language), None),
@@ -445,7 +442,7 @@ impl ProgramView {
         }
     }
 
-    /// Asks what becomes of a text that is not saved when another one is to come.
+    /// Asks what to do with an unsaved text before another one is loaded.
     fn question(&mut self, context: &Context, language: Language) {
         if self.next.is_none() || !self.document.is_unsaved() {
             return;

@@ -1,4 +1,4 @@
-//! Colours of a program text.
+//! Colours the words of a program text.
 
 use std::ops::Range;
 
@@ -8,11 +8,11 @@ use egui::{Color32, FontId, Stroke};
 use super::check::Finding;
 use gsk_language::words::{SpanKind, spans};
 
-/// What raises an alarm.
+/// Colour of words that raise an alarm.
 pub const WRONG: Color32 = Color32::from_rgb(255, 110, 96);
 const GROUND_OF_WRONG: Color32 = Color32::from_rgb(70, 28, 26);
 
-/// The colour of a piece of a line, on a dark ground.
+/// The colour of a span on a dark background.
 const fn color(kind: SpanKind) -> Color32 {
     match kind {
         SpanKind::Name => Color32::from_gray(140),
@@ -28,7 +28,7 @@ const fn color(kind: SpanKind) -> Color32 {
     }
 }
 
-/// A line with its colours added to a job; `wrong`: its characters that raise alarms.
+/// Appends a coloured line to a layout job. `wrong`: ranges of characters that raise alarms.
 pub fn line(job: &mut LayoutJob, text: &str, font: &FontId, wrong: &[Range<usize>]) {
     let plain = |color| TextFormat::simple(font.clone(), color);
     let mut last = 0;
@@ -54,16 +54,16 @@ pub fn line(job: &mut LayoutJob, text: &str, font: &FontId, wrong: &[Range<usize
     }
 }
 
-/// A whole text with its colours, kept until text or findings change.
+/// The layout of a whole text, kept until text or findings change.
 #[derive(Default)]
 pub struct Painter {
     job: LayoutJob,
-    /// The revision of the look whose findings are underlined.
+    /// The revision of the text whose findings are underlined.
     marked: Option<u64>,
 }
 
 impl Painter {
-    /// The text as it is drawn.
+    /// The coloured text. `marks`: the revision that was checked and its findings.
     pub fn job(
         &mut self,
         text: &str,
@@ -86,7 +86,7 @@ impl Painter {
     }
 }
 
-/// The characters of a line, from 0, that raise alarms.
+/// The ranges of characters in a line, from 0, that raise alarms.
 pub fn wrong_in(findings: &[Finding], line: usize) -> Vec<Range<usize>> {
     let here = findings.iter().filter(|finding| finding.line == Some(line));
     here.map(|finding| finding.columns.clone()).collect()

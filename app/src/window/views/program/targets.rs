@@ -1,23 +1,23 @@
-//! Where words lead to: N numbers, programs, lines; and where a text is found.
+//! Finds the targets of words in a text, N numbers, programs and lines, and searches for text.
 
 use std::ops::Range;
 
 use gsk_language::words::{Span, spans, words};
 use gsk_language::{ReferenceTarget, reference_target};
 
-/// What is jumped to.
+/// The target of a jump.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
-    /// A block by its N number.
+    /// A block, by its N number.
     Sequence(u16),
-    /// A program by its O number.
+    /// A program, by its O number.
     Program(u16),
     /// A line, from 1.
     Line(u32),
 }
 
 impl Target {
-    /// What somebody typed: `N30`, `O2`, or a line.
+    /// Parses a typed target: `N30`, `O2`, or a line number.
     pub fn typed(text: &str) -> Option<Self> {
         let text = text.trim();
         if let Ok(line) = text.parse::<u32>() {
@@ -31,7 +31,7 @@ impl Target {
         }
     }
 
-    /// Where a word of a line leads to (manual I-2.4, I-3.3, I-5).
+    /// The target that a word of a line refers to (manual I-2.4, I-3.3, I-5).
     pub fn of(line: &str, word: &Span) -> Option<Self> {
         match reference_target(line, &spans(line), word)?.0 {
             ReferenceTarget::Block(number) | ReferenceTarget::Caller(number) => {
@@ -42,8 +42,8 @@ impl Target {
         }
     }
 
-    /// Its line in a text, from 0. Of several blocks of a number the next one after a
-    /// line counts, as the control seeks them.
+    /// The line of the target in a text, from 0. If several blocks have the number, it is the
+    /// next one after the line `after`, as in the control's search.
     pub fn line_in(self, text: &str, after: usize) -> Option<usize> {
         let begins = |line: &str, address: char, number: u16| {
             let line = line.trim_start_matches(['/', ' ']);
@@ -72,8 +72,8 @@ impl Target {
     }
 }
 
-/// The next place of a text at a byte or after it, else the first one; letters count as
-/// the same in upper and lower case.
+/// The next match at byte `from` or later, else the first match in the text. ASCII letters
+/// match in upper and lower case.
 pub fn find(text: &str, sought: &str, from: usize) -> Option<Range<usize>> {
     if sought.is_empty() {
         return None;

@@ -1,4 +1,4 @@
-//! The table that a spreadsheet reads.
+//! Writes the record as a table for spreadsheets.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,8 @@ use super::BitChannel;
 use super::record::Record;
 use super::trace::TRACES;
 
-/// Everything between two ticks, a line a millisecond. Lengths of X are radii.
+/// The traces and bits from the first to the last tick, a line a millisecond. X lengths are
+/// radii. A field is empty where a trace has no value.
 pub fn table(record: &Record, bits: &[BitChannel], ticks: (u64, u64), over: u64) -> String {
     let mut text = String::from("t_s");
     for trace in &TRACES {
@@ -26,7 +27,7 @@ pub fn table(record: &Record, bits: &[BitChannel], ticks: (u64, u64), over: u64)
             text.push(',');
             if let Some(value) = record.value(trace, tick, over) {
                 let decimals = trace.quantity.decimals() + 1;
-                // A zero has no sign.
+                // Adding 0.0 removes the sign of a negative zero.
                 let _ = write!(text, "{:.decimals$}", value + 0.0);
             }
         }
@@ -68,7 +69,7 @@ mod tests {
         assert_eq!(lines.len(), 4);
         assert!(lines[0].starts_with("t_s,x_command_mm,z_command_mm,x_mm"));
         assert!(lines[0].ends_with(",s_rpm,F0000.5"));
-        // Neither speed nor acceleration before the first sample.
+        // There is neither speed nor acceleration before the first sample.
         assert!(lines[1].starts_with("0.000,1.0000,0.5500,1.0000,0.5400,,,,,,,,"));
         let columns: Vec<&str> = lines[3].split(',').collect();
         let heading = lines[0].split(',').position(|name| name == "vz_mm_min");

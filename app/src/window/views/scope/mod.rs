@@ -1,5 +1,5 @@
-//! The scope: position, speed, acceleration, following error, spindle and PLC bits
-//! over time, a sample a millisecond; for tuning an axis.
+//! The scope: position, speed, acceleration, following error, spindle and PLC bits over time,
+//! a sample a millisecond; for tuning an axis.
 
 mod csv;
 mod plot;
@@ -26,21 +26,20 @@ use scale::Range;
 use trace::{Quantity, TRACES};
 use trigger::{Mode, Trigger};
 
-/// Time spans to choose from, ms.
+/// Time spans of the picture that can be chosen, ms.
 const SPANS: [u64; 11] = [
     50, 100, 200, 500, 1000, 2000, 5000, 10_000, 20_000, 30_000, 60_000,
 ];
-/// Ticks that speed and acceleration are averaged over.
+/// Numbers of ticks for the average of speed and acceleration that can be chosen.
 const AVERAGES: [u64; 6] = [1, 2, 4, 8, 16, 32];
-/// Part of the picture after the edge of the trigger, in tenths.
+/// Part of the picture after the trigger's edge, in tenths.
 const AFTER_EDGE: u64 = 9;
 
 /// A watched PLC bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BitChannel {
-    /// The bit.
     pub address: BitAddress,
-    /// Its place in the samples.
+    /// Its position in the bits of a sample.
     pub place: usize,
 }
 
@@ -48,18 +47,18 @@ pub struct BitChannel {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Cursors {
     at: [u64; 2],
-    /// The one that keys move.
+    /// Index of the cursor that keys move.
     active: usize,
 }
 
-/// The scope's state.
+/// The state of the scope.
 pub struct Scope {
     console: Console,
     record: Option<Record>,
     running: bool,
-    /// Right edge of a picture that stands, ticks.
+    /// Right edge of a stopped picture, ticks; `None`: the picture rolls.
     stopped_at: Option<u64>,
-    /// What the time axis counts from.
+    /// Tick of the time axis' zero.
     origin: u64,
     span: u64,
     over: u64,
@@ -76,7 +75,7 @@ pub struct Scope {
 }
 
 impl Scope {
-    /// Closed: nothing is sampled.
+    /// Creates the scope closed: the kernel takes no samples.
     pub fn new(console: Console) -> Self {
         Self {
             console,
@@ -99,7 +98,7 @@ impl Scope {
         }
     }
 
-    /// The kernel begins to take samples.
+    /// Starts the sampling in the kernel with an empty record.
     pub fn open(&mut self) {
         self.record = Some(Record::new());
         self.running = true;
@@ -110,7 +109,7 @@ impl Scope {
         self.watch();
     }
 
-    /// The kernel takes no samples any more.
+    /// Stops the sampling in the kernel.
     pub fn close(&mut self) {
         self.record = None;
         self.console.send(Command::Probe(None));
@@ -129,7 +128,8 @@ impl Scope {
             .send(Command::Probe(Some(Probe { queue, bits })));
     }
 
-    /// Draws the scope and takes its input; `own_keys`: in a window of its own.
+    /// Draws the scope and handles its input. `own_keys`: the scope is in a separate window
+    /// and handles its keys.
     pub fn show(&mut self, ui: &mut Ui, language: Language, own_keys: bool) {
         self.take();
         if own_keys {
@@ -146,13 +146,13 @@ impl Scope {
             .frame(super::plain_frame())
             .show(ui, |ui| self.plot(ui, language));
         if self.running {
-            // Not more often than the picture moves by a dot.
+            // No more often than the picture moves by a pixel.
             let pause = (self.span / 800).clamp(33, 100);
             ui.ctx().request_repaint_after(Duration::from_millis(pause));
         }
     }
 
-    /// Takes the samples that have come.
+    /// Takes new samples and checks them for the trigger.
     fn take(&mut self) {
         let Some(record) = self.record.as_mut().filter(|_| self.running) else {
             return;
@@ -175,7 +175,7 @@ impl Scope {
         }
     }
 
-    /// First and last tick of the picture; the first may lie before the record.
+    /// First and last tick of the picture. The first may be earlier than the record.
     fn shown(&self) -> Option<(u64, u64)> {
         let (_, last) = self.record.as_ref()?.ticks()?;
         let end = self.stopped_at.unwrap_or(last);
@@ -201,8 +201,8 @@ impl Scope {
         }
     }
 
-    /// A longer or shorter span; `at` (0…1 of the width) keeps its place in a picture
-    /// that stands.
+    /// Changes the span by steps of `SPANS`. In a stopped picture the tick at `at`, 0 to 1 of
+    /// the width, keeps its position.
     fn zoom(&mut self, steps: i32, at: f64) {
         let now = SPANS.iter().position(|span| *span >= self.span);
         let now = now.unwrap_or(SPANS.len() - 1) as i32;
@@ -215,7 +215,7 @@ impl Scope {
         self.span = span;
     }
 
-    /// Moves a picture by so many ticks, positive to the right; it stands then.
+    /// Stops the picture and moves it by `ticks`, positive to the right.
     fn pan(&mut self, ticks: i64) {
         if self.running {
             self.pause();
@@ -248,7 +248,7 @@ impl Scope {
         }
     }
 
-    /// The scope's own keys; what is held with Ctrl or Alt belongs to the panel.
+    /// Handles the keys of the scope. Keys with Ctrl or Alt belong to the panel.
     fn keys(&mut self, ui: &Ui) {
         if ui.ctx().egui_wants_keyboard_input() {
             return;
@@ -291,7 +291,7 @@ impl Scope {
         }
     }
 
-    /// Watches the bit that was keyed in.
+    /// Watches the PLC bit that the user has typed.
     fn add_bit(&mut self, language: Language) {
         let entry = self.entry.trim().to_ascii_uppercase();
         match entry.parse::<BitAddress>() {
@@ -311,8 +311,8 @@ impl Scope {
         }
     }
 
-    /// A place that no bit has used for the longest time: its old samples are not
-    /// shown under the new name.
+    /// The position in the samples that has been unused for the longest time: old samples of
+    /// another bit must not appear under the new name.
     fn free_place(&mut self) -> usize {
         while self
             .bits
@@ -326,7 +326,7 @@ impl Scope {
         place
     }
 
-    /// Writes what is shown to a file of the user's choice.
+    /// Writes the visible part of the record to a file that the user chooses.
     fn export(&self, language: Language, context: &egui::Context) {
         let (Some(record), Some((first, last))) = (&self.record, self.shown()) else {
             return;

@@ -1,7 +1,7 @@
-//! The plot of the scope: a lane a quantity, PLC bits below, cursors over all.
+//! The plot of the scope: a lane for each quantity, PLC bits below, cursors over all.
 //!
-//! Every sample counts: where many fall on one column of dots, the least and the
-//! greatest of them are drawn.
+//! Every sample counts: where one column of pixels has several, their least and greatest value
+//! are drawn.
 
 use egui::epaint::PathShape;
 use egui::{
@@ -14,11 +14,11 @@ use super::trace::{Quantity, TRACES, Trace};
 use super::{BitChannel, Scope};
 use gsk_messages::{Language, say};
 
-/// Room for the figures of a scale, points.
+/// Width for the figures of a scale, points.
 const GUTTER: f32 = 74.0;
-/// Room for the time below, points.
+/// Height for the figures of the time axis, points.
 const FOOT: f32 = 24.0;
-/// Height of a bit, points.
+/// Height of a bit's lane, points.
 const BIT: f32 = 24.0;
 
 const GRID: Color32 = Color32::from_gray(46);
@@ -26,7 +26,7 @@ const ZERO: Color32 = Color32::from_gray(74);
 const FRAME: Color32 = Color32::from_gray(84);
 const FIGURES: Color32 = Color32::from_gray(160);
 
-/// From ticks to dots.
+/// Converts ticks to window coordinates and back.
 #[derive(Clone, Copy)]
 pub struct Time {
     left: f32,
@@ -38,13 +38,13 @@ pub struct Time {
 }
 
 impl Time {
-    /// Where a tick is.
+    /// The x coordinate of a tick, points.
     pub fn x(self, tick: f64) -> f32 {
         let share = (tick - self.first as f64) / (self.last - self.first).max(1) as f64;
         self.left + (share as f32) * (self.right - self.left)
     }
 
-    /// The tick at a place.
+    /// The tick at an x coordinate, points.
     pub fn tick(self, x: f32) -> f64 {
         let share = f64::from((x - self.left) / (self.right - self.left).max(1.0));
         self.first as f64 + share * (self.last - self.first) as f64
@@ -92,7 +92,7 @@ impl Scope {
         self.draw_cursors(ui, area, time);
     }
 
-    /// The lanes that have something to show, from top to bottom.
+    /// The lanes that have traces, from top to bottom, with their rectangles.
     fn lanes(&self, area: Rect) -> Vec<(Lane, Rect)> {
         let drawn = |quantity| {
             let shown = TRACES.iter().zip(self.on);
@@ -211,7 +211,7 @@ impl Scope {
         ui.painter().galley(corner, name, FIGURES);
     }
 
-    /// The pieces of a trace: at most two values a column of dots.
+    /// The line segments of a trace: at most two values a column of pixels.
     fn line(&self, trace: &Trace, time: Time, dots: u64) -> Pieces {
         let mut pieces = Vec::new();
         let Some((record, (oldest, newest))) = self
@@ -367,14 +367,13 @@ impl Scope {
     }
 }
 
-/// Lines of ticks and values; one ends where nothing can be said.
+/// Connected lines of ticks and values. A line ends where the trace has no value.
 type Pieces = Vec<Vec<(f64, f64)>>;
 
-/// Part of the plot.
+/// A lane of the plot.
 #[derive(Clone, Copy, Debug)]
 pub enum Lane {
     /// Index in [`Quantity::ALL`].
     Quantity(usize),
-    /// A PLC bit.
     Bit(BitChannel),
 }

@@ -1,28 +1,27 @@
-//! Mouse and fingers on the plot: cursors, time, scales.
+//! Mouse and touch input on the plot: moves cursors, time and scales.
 
 use egui::{Pos2, Rect, Ui};
 
 use super::Scope;
 use super::plot::{Lane, Time};
 
-/// How near the pointer must be to a cursor, points.
+/// Greatest distance of the pointer from a cursor, points.
 const GRIP: f32 = 6.0;
 
-/// What the pointer has taken hold of.
+/// What a drag moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drag {
-    /// Nothing.
     Nothing,
-    /// The picture.
+    /// The time axis.
     Time,
-    /// A cursor.
+    /// The cursor with this index.
     Cursor(usize),
-    /// A scale.
+    /// The scale of the quantity with this index.
     Scale(usize),
 }
 
 impl Scope {
-    /// What mouse and fingers do.
+    /// Handles the mouse and touch input on the plot.
     pub(super) fn point(
         &mut self,
         ui: &Ui,
@@ -109,7 +108,7 @@ impl Scope {
         }
     }
 
-    /// Puts a cursor, or the active one, on a tick.
+    /// Moves a cursor, or the active one, to a tick.
     fn put_cursor(&mut self, cursor: Option<usize>, tick: u64) {
         if let Some(cursors) = &mut self.cursors {
             cursors.active = cursor.unwrap_or(cursors.active);
@@ -120,7 +119,7 @@ impl Scope {
     }
 }
 
-/// Whole notches of the wheel, so that a span is one notch from the next.
+/// Direction of the wheel, 1, 0 or -1: a notch changes the span by one step.
 fn wheel_notches(events: &[egui::Event]) -> i32 {
     let way: f32 = events
         .iter()

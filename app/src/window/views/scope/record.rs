@@ -1,4 +1,4 @@
-//! The samples that the scope has, and what can be worked out from them.
+//! Stores the samples of the scope and computes the values of traces from them.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -9,11 +9,11 @@ use gsk_core::units::{Axis, Point};
 use super::trace::{Of, Quantity, Trace};
 use crate::kernel::probe::{SAMPLES, Sample};
 
-/// More than this from one tick to the next is no motion but another coordinate:
-/// an axis has taken its reference. Millimetres.
+/// Greatest motion per tick, mm. A larger change is a new coordinate: the axis has taken its
+/// reference.
 const JUMP: f64 = 1.0;
 
-/// The last minute, a sample a tick without a gap.
+/// The samples of the last minute, one a tick without a gap.
 #[derive(Debug)]
 pub struct Record {
     queue: Arc<ArrayQueue<Sample>>,
@@ -21,7 +21,7 @@ pub struct Record {
 }
 
 impl Record {
-    /// Without a sample.
+    /// Creates an empty record.
     pub fn new() -> Self {
         Self {
             queue: Arc::new(ArrayQueue::new(SAMPLES)),
@@ -29,12 +29,12 @@ impl Record {
         }
     }
 
-    /// Where the kernel puts the samples.
+    /// The queue into which the kernel puts the samples.
     pub fn queue(&self) -> Arc<ArrayQueue<Sample>> {
         Arc::clone(&self.queue)
     }
 
-    /// Takes what has come; tells how many.
+    /// Takes the samples from the queue. Returns the number of new samples in the record.
     pub fn take(&mut self) -> usize {
         let mut count = 0;
         while let Some(sample) = self.queue.pop() {
@@ -50,7 +50,7 @@ impl Record {
             .back()
             .is_none_or(|last| last.tick + 1 == sample.tick);
         if !follows {
-            // The window slept for more than the minute that the queue holds.
+            // The window did not run for more than the minute that the queue holds.
             self.samples.clear();
         }
         if self.samples.len() == SAMPLES {
@@ -59,25 +59,25 @@ impl Record {
         self.samples.push_back(sample);
     }
 
-    /// First and last tick.
+    /// The first and last tick of the record.
     pub fn ticks(&self) -> Option<(u64, u64)> {
         Some((self.samples.front()?.tick, self.samples.back()?.tick))
     }
 
-    /// The sample of a tick.
+    /// The sample of a tick, if it is in the record.
     pub fn at(&self, tick: u64) -> Option<&Sample> {
         let first = self.samples.front()?.tick;
         let index = usize::try_from(tick.checked_sub(first)?).ok()?;
         self.samples.get(index)
     }
 
-    /// The samples with their ticks from `count` before the end on.
+    /// The last `count` samples.
     pub fn last(&self, count: usize) -> impl Iterator<Item = &Sample> {
         let from = self.samples.len().saturating_sub(count);
         self.samples.range(from..)
     }
 
-    /// A copy of the samples of some ticks, for another thread.
+    /// A copy of the samples from `first` to `last`, for another thread.
     pub fn excerpt(&self, first: u64, last: u64) -> Self {
         let wanted = |sample: &&Sample| (first..=last).contains(&sample.tick);
         Self {
@@ -86,7 +86,8 @@ impl Record {
         }
     }
 
-    /// A trace at a tick. Speed and acceleration are differences over `over` ticks.
+    /// The value of a trace at a tick. Speed and acceleration are differences over `over`
+    /// ticks. `None`: a sample is missing, or an axis has taken its reference.
     pub fn value(&self, trace: &Trace, tick: u64, over: u64) -> Option<f64> {
         let now = self.at(tick)?;
         match (trace.quantity, trace.of) {
@@ -106,7 +107,7 @@ impl Record {
         }
     }
 
-    /// mm/min.
+    /// Speed of an axis or along the path, mm/min.
     fn speed(&self, trace: &Trace, of: Of, tick: u64, over: u64) -> Option<f64> {
         let before = tick.checked_sub(over)?;
         let way = match of {
@@ -120,7 +121,7 @@ impl Record {
         Some(way * 60_000.0 / over as f64)
     }
 
-    /// What an axis went between two ticks, mm; none if it took another coordinate.
+    /// Distance of an axis between two ticks, mm; `None` if it has taken its reference.
     fn way(&self, trace: &Trace, axis: Axis, from: u64, to: u64) -> Option<f64> {
         let from_place = place(self.at(from)?, trace).get(axis);
         let way = place(self.at(to)?, trace).get(axis) - from_place;

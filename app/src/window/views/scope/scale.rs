@@ -1,18 +1,18 @@
-//! What a lane shows, in round steps.
+//! The value range of a lane, in round steps.
 
 use super::trace::Quantity;
 
-/// What a lane shows from bottom to top.
+/// The values that a lane shows, in the unit of its quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// At the bottom.
+    /// Value at the lower edge.
     pub low: f64,
-    /// At the top.
+    /// Value at the upper edge.
     pub high: f64,
 }
 
 impl Range {
-    /// The least range of a quantity around a value.
+    /// The least range of a quantity, centred at a value.
     pub fn around(value: f64, quantity: Quantity) -> Self {
         let half = quantity.least_range() / 2.0;
         Self {
@@ -21,13 +21,13 @@ impl Range {
         }
     }
 
-    /// How much it covers.
+    /// The difference between both edges.
     pub fn span(self) -> f64 {
         self.high - self.low
     }
 
-    /// The range for values from `low` to `high`: the present one while it fits, so
-    /// that the picture stands still.
+    /// The range for values from `low` to `high`. The present range is kept while it fits, so
+    /// the picture does not move.
     pub fn follow(self, low: f64, high: f64, quantity: Quantity) -> Self {
         let needed = (high - low).max(quantity.least_range());
         let edge = self.span() * 0.04;
@@ -45,14 +45,14 @@ impl Range {
         }
     }
 
-    /// A larger or smaller range; the value at `at` (0…1 from the bottom) stays.
+    /// Scales the range by `factor`. The value at `at`, 0 to 1 from the lower edge, is kept.
     pub fn zoom(&mut self, factor: f64, at: f64) {
         let fixed = self.low + at * self.span();
         self.low = fixed - (fixed - self.low) * factor;
         self.high = fixed + (self.high - fixed) * factor;
     }
 
-    /// Moves it by a share of itself.
+    /// Shifts the range by a share of its span.
     pub fn shift(&mut self, share: f64) {
         let way = self.span() * share;
         self.low += way;
@@ -60,7 +60,7 @@ impl Range {
     }
 }
 
-/// A step of 1, 2 or 5 that divides a range into about `parts`.
+/// A step of 1, 2 or 5 times a power of ten that divides a range into about `parts`.
 pub fn nice_step(range: f64, parts: f64) -> f64 {
     let rough = (range / parts).max(1e-9);
     let ten = 10f64.powf(rough.log10().floor());
@@ -71,7 +71,7 @@ pub fn nice_step(range: f64, parts: f64) -> f64 {
     step * ten
 }
 
-/// Decimals that a step needs.
+/// The number of decimals that a step needs, at most 6.
 pub fn decimals_of(step: f64) -> usize {
     (-step.log10().floor()).clamp(0.0, 6.0) as usize
 }

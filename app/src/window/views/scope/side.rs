@@ -1,4 +1,4 @@
-//! The list beside the plot: which traces are drawn, what they read.
+//! The list beside the plot: selects the traces and shows their readings.
 
 use egui::{Align, Color32, Label, Layout, RichText, ScrollArea, Ui, UiBuilder, vec2};
 use gsk_panel::pages::signal_meaning;
@@ -15,9 +15,7 @@ const WIDE: f32 = 366.0;
 const LINE: f32 = 21.0;
 /// Width of a reading, points.
 const READING: f32 = 80.0;
-/// Colour of PLC bits.
 pub const BIT_COLOUR: Color32 = Color32::from_rgb(150, 214, 190);
-/// Colours of the cursors.
 pub const CURSOR_COLOURS: [Color32; 2] = [
     Color32::from_rgb(255, 226, 90),
     Color32::from_rgb(120, 226, 226),
@@ -43,7 +41,7 @@ impl Scope {
             });
     }
 
-    /// Times of the cursors, or the heading of what is read now.
+    /// Draws the times of the cursors, or the heading of the readings at the right edge.
     fn head(&mut self, ui: &mut Ui, language: Language) {
         let Some(cursors) = self.cursors else {
             line(
@@ -186,7 +184,7 @@ impl Scope {
             self.watch();
         }
         ui.horizontal(|ui| {
-            // A name of its own: it moves when a bit is added.
+            // An explicit id: the field moves when a bit is added.
             let entry = egui::TextEdit::singleline(&mut self.entry)
                 .id_salt("bit address")
                 .desired_width(110.0)
@@ -209,8 +207,8 @@ impl Scope {
         }
     }
 
-    /// What stands at the cursors and their difference; without cursors, at the
-    /// right edge.
+    /// The values at both cursors and their difference; without cursors the value at the right
+    /// edge.
     fn readings(&self, value: impl Fn(&Self, u64) -> Option<f64>) -> Vec<Option<f64>> {
         let Some((_, end)) = self.shown() else {
             return vec![None];
@@ -224,14 +222,14 @@ impl Scope {
     }
 }
 
-/// What a bit means, in the words of the signal table.
+/// The meaning of a bit in the signal table.
 pub fn meaning(channel: &BitChannel, language: Language) -> String {
     signal_meaning(channel.address, language).to_owned()
 }
 
-/// A line with something on the left and something on the right.
+/// Draws a line with content at the left and at the right edge.
 fn line(ui: &mut Ui, height: f32, left: impl FnOnce(&mut Ui), right: impl FnOnce(&mut Ui)) {
-    // The rest is for the scroll bar.
+    // The rest of the width is for the scroll bar.
     let size = vec2(ui.available_width() - 9.0, height);
     let (rect, _) = ui.allocate_exact_size(size, egui::Sense::HOVER);
     let content = UiBuilder::new()
@@ -247,7 +245,7 @@ fn reading(ui: &mut Ui, text: RichText) {
     cell(ui, READING, text);
 }
 
-/// A text at the right edge of a column.
+/// Draws a right-aligned text in a column of `width` points.
 fn cell(ui: &mut Ui, width: f32, text: RichText) {
     let layout = Layout::right_to_left(Align::Center);
     ui.allocate_ui_with_layout(vec2(width, LINE), layout, |ui| {

@@ -1,4 +1,4 @@
-//! The bar of the scope.
+//! The tool bar of the scope.
 
 use egui::{ComboBox, RichText, Ui};
 
@@ -15,7 +15,7 @@ impl Scope {
                 say::scope_run().text(language)
             };
             let hint = say::scope_space_key().text(language);
-            // Both words take the same room, so that nothing moves.
+            // Both words have the same width: the buttons beside them do not move.
             let button = egui::Button::new(word).min_size(egui::vec2(64.0, 0.0));
             if ui.add(button).on_hover_text(hint).clicked() {
                 self.toggle();
@@ -153,7 +153,7 @@ fn mode_name(mode: Mode, language: Language) -> String {
     }
 }
 
-/// A time span in words.
+/// A time in ms as text, in s from 1000 ms.
 fn time(ms: u64) -> String {
     if ms < 1000 {
         format!("{ms} ms")

@@ -1,27 +1,27 @@
-//! The table of what the scope can draw.
+//! The table of traces that the scope can draw.
 
 use egui::Color32;
 use gsk_core::units::Axis;
 
 use gsk_messages::{Language, say};
 
-/// What is measured; each has a lane with an axis of its own.
+/// A measured quantity. Each has a lane and a scale in its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quantity {
-    /// mm.
+    /// Position, mm; X as a radius.
     Position,
-    /// mm/min.
+    /// Speed, mm/min.
     Speed,
-    /// m/s².
+    /// Acceleration, m/s².
     Acceleration,
-    /// mm.
+    /// Following error, mm.
     Following,
-    /// r/min.
+    /// Spindle speed, r/min.
     Spindle,
 }
 
 impl Quantity {
-    /// All, from top to bottom.
+    /// All quantities from top to bottom.
     pub const ALL: [Self; 5] = [
         Self::Position,
         Self::Speed,
@@ -30,7 +30,6 @@ impl Quantity {
         Self::Spindle,
     ];
 
-    /// Its name.
     pub fn name(self, language: Language) -> String {
         let name = match self {
             Self::Position => say::scope_position(),
@@ -42,7 +41,6 @@ impl Quantity {
         name.text(language)
     }
 
-    /// Its unit.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Position | Self::Following => "mm",
@@ -52,7 +50,7 @@ impl Quantity {
         }
     }
 
-    /// Decimals of a reading.
+    /// Decimals of a reading in this unit.
     pub const fn decimals(self) -> usize {
         match self {
             Self::Position | Self::Acceleration => 3,
@@ -61,7 +59,7 @@ impl Quantity {
         }
     }
 
-    /// The least range that an automatic scale spreads over the lane.
+    /// The least range that the automatic scale shows in a lane.
     pub const fn least_range(self) -> f64 {
         match self {
             Self::Position => 0.01,
@@ -73,27 +71,24 @@ impl Quantity {
     }
 }
 
-/// Whose it is.
+/// The subject of a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Of {
-    /// One axis.
     Axis(Axis),
-    /// Along the path, or the spindle.
+    /// The path of both axes, or the spindle.
     Path,
 }
 
-/// One line of the scope.
+/// A line of the scope.
 #[derive(Debug)]
 pub struct Trace {
-    /// Column of the exported table.
+    /// Column heading in the exported table.
     pub id: &'static str,
-    /// What is measured.
     pub quantity: Quantity,
-    /// Whose.
     pub of: Of,
-    /// As commanded, or as it is.
+    /// The commanded value; else the actual one.
     pub commanded: bool,
-    /// Shown when the scope is opened.
+    /// The trace is shown when the scope is opened for the first time.
     pub on: bool,
     colour: [u8; 3],
 }
@@ -117,13 +112,12 @@ impl Trace {
         }
     }
 
-    /// Its colour.
     pub const fn colour(&self) -> Color32 {
         let [red, green, blue] = self.colour;
         Color32::from_rgb(red, green, blue)
     }
 
-    /// `X`, `X 指令`, …; short, for a list under the name of the quantity.
+    /// The short name for a list under the quantity: `X`, `X 指令`, …
     pub fn name(&self, language: Language) -> String {
         let name = match (self.quantity, self.of, self.commanded) {
             (_, Of::Axis(Axis::X), false) => return "X".to_owned(),
@@ -153,7 +147,8 @@ const GREEN: [u8; 3] = [140, 222, 120];
 const PINK: [u8; 3] = [238, 130, 208];
 const PALE_PINK: [u8; 3] = [150, 88, 132];
 
-/// Everything but PLC bits. Commands come first, so that they lie below.
+/// All traces but the PLC bits. Commanded values come first, so they are drawn below the
+/// actual ones.
 pub static TRACES: [Trace; 15] = [
     Trace::new(
         "x_command_mm",

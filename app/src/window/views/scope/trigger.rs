@@ -1,4 +1,5 @@
-//! When the picture of the scope stands: at the start of a motion, at an edge.
+//! Decides when the picture of the scope stops: at the start of a motion, or at an edge of a
+//! bit.
 
 use gsk_core::units::Point;
 
@@ -6,10 +7,10 @@ use crate::kernel::probe::Sample;
 
 /// Ticks of standstill before a motion counts as a new one.
 const STANDSTILL: u32 = 20;
-/// A spindle below this speed stands, r/min.
+/// Speed below which the spindle counts as stopped, r/min.
 const SPINDLE_STANDS: f64 = 1.0;
 
-/// What the trigger waits for.
+/// The event that the trigger waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
     /// An axis begins to move.
@@ -22,32 +23,30 @@ pub enum Source {
     BitFalls(usize),
 }
 
-/// How often the trigger holds the picture.
+/// How often the trigger stops the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// Never: the picture rolls.
     Off,
-    /// Every time, until the next.
+    /// At each event, until the next.
     Each,
-    /// Once, then the scope stops.
+    /// At the first event; then the scope stops.
     Once,
 }
 
-/// Looks at one sample after the other.
+/// Checks the samples one after the other.
 #[derive(Clone, Debug)]
 pub struct Trigger {
-    /// How often.
     pub mode: Mode,
-    /// For what.
     pub source: Source,
-    /// The tick at which it came true, while the picture fills.
+    /// The tick of the event, while the rest of the picture fills.
     fired: Option<u64>,
     last: Option<Sample>,
     still: u32,
 }
 
 impl Trigger {
-    /// Off.
+    /// Creates a trigger that is off.
     pub const fn new() -> Self {
         Self {
             mode: Mode::Off,
@@ -58,20 +57,20 @@ impl Trigger {
         }
     }
 
-    /// Waits anew.
+    /// Waits for the next event.
     pub const fn arm(&mut self) {
         self.fired = None;
         self.last = None;
         self.still = 0;
     }
 
-    /// Whether it has come true and the picture fills.
+    /// Whether the event has occurred and the rest of the picture fills.
     pub const fn fired(&self) -> bool {
         self.fired.is_some()
     }
 
-    /// Looks at the next sample; gives the tick of the edge once `after` ticks have
-    /// followed it.
+    /// Checks the next sample. Returns the tick of the event once `after` ticks have followed
+    /// it.
     pub fn look(&mut self, sample: &Sample, after: u64) -> Option<u64> {
         if self.mode == Mode::Off {
             return None;
@@ -108,7 +107,7 @@ impl Trigger {
                 way.length() > 0.0 && self.still >= STANDSTILL
             }
             Source::Spindle => {
-                // One that nobody sees turns as it is told.
+                // Without an encoder the commanded speed counts.
                 let speed = |sample: &Sample| {
                     let seen = sample.spindle.unwrap_or(sample.spindle_commanded);
                     seen.abs()
@@ -142,7 +141,7 @@ mod tests {
         let found: Vec<u64> = (1..=100)
             .filter_map(|tick| trigger.look(&sample(tick, place(tick), 0), 30))
             .collect();
-        // Tick 41 is the first that is elsewhere.
+        // Tick 41 is the first with another position.
         assert_eq!(found, [41]);
     }
 

@@ -1,4 +1,4 @@
-//! The lengths and angles of stock and tools as fields.
+//! Input fields for the lengths and angles of stock and tools.
 
 use std::collections::BTreeMap;
 
@@ -9,10 +9,10 @@ use gsk_workpiece::job::DiameterPoint;
 use gsk_workpiece::stock::{Form, Stock, Tailstock};
 use gsk_workpiece::tool::{Holder, Insert, InsertLetter, Tool};
 
-/// Nothing is longer than that, mm; the rules of the job are narrower.
+/// Limit of all fields, mm. The rules of the job are narrower.
 const MOST: f64 = 5000.0;
 
-/// A field and its name.
+/// Draws a number field with its name.
 fn value(ui: &mut Ui, name: &Message, value: &mut f64, language: Language) {
     let drag = DragValue::new(value)
         .range(-MOST..=MOST)
@@ -31,7 +31,7 @@ fn grid(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
         .show(ui, add);
 }
 
-/// The stock and its clamping.
+/// Draws the fields of the stock and its clamping.
 pub fn stock(ui: &mut Ui, stock: &mut Stock, language: Language) {
     form(ui, &mut stock.form, language);
     grid(ui, "stock", |ui| {
@@ -74,7 +74,7 @@ pub fn stock(ui: &mut Ui, stock: &mut Stock, language: Language) {
     }
 }
 
-/// Bar, tube, or what was turned before.
+/// Draws the choice of bar, tube or contour, with the fields of the chosen form.
 fn form(ui: &mut Ui, form: &mut Form, language: Language) {
     let (outside, inside) = match form {
         Form::Bar { diameter } => (*diameter, None),
@@ -123,7 +123,8 @@ fn form(ui: &mut Ui, form: &mut Form, language: Language) {
     });
 }
 
-/// The corners of a contour from the front to the back: diameter and Z.
+/// Draws the corners of a contour from the front to the back, diameter and Z, with buttons
+/// that add and remove them.
 fn corners(ui: &mut Ui, corners: &mut Vec<(Diameter, f64)>, language: Language) {
     let mut removed = None;
     let count = corners.len();
@@ -152,7 +153,7 @@ fn corners(ui: &mut Ui, corners: &mut Vec<(Diameter, f64)>, language: Language) 
     ui.end_row();
 }
 
-/// Insert, tip and holder.
+/// Draws the fields of insert, tip and holder.
 pub fn tool(ui: &mut Ui, tool: &mut Tool, language: Language) {
     if let Insert::Turning { letter, .. } = &mut tool.insert {
         ui.horizontal_wrapped(|ui| {
@@ -210,11 +211,11 @@ pub fn tool(ui: &mut Ui, tool: &mut Tool, language: Language) {
     holder(ui, &mut tool.holder, language);
 }
 
-/// The imaginary tip, by where it lies from the nose.
+/// Draws the choice of the imaginary tip number as a grid of directions from the nose.
 fn tip(ui: &mut Ui, tip: &mut u8, language: Language) {
     ui.horizontal(|ui| {
         Grid::new("tip").spacing([2.0, 2.0]).show(ui, |ui| {
-            // X grows upwards, Z to the right.
+            // X increases upwards, Z to the right.
             for x in [1.0, 0.0, -1.0] {
                 for z in [-1.0, 0.0, 1.0] {
                     let lies = |number: &u8| {
@@ -270,7 +271,7 @@ fn holder(ui: &mut Ui, holder: &mut Holder, language: Language) {
     });
 }
 
-/// Where the lathe has the zero of the part, if it knows better than the control.
+/// Draws the optional position of the work zero, where the lathe's differs from the control's.
 pub fn zero(ui: &mut Ui, zero: &mut Option<DiameterPoint>, language: Language) {
     let mut known = zero.is_some();
     let check = ui.checkbox(&mut known, say::job_zero().text(language));
@@ -283,7 +284,7 @@ pub fn zero(ui: &mut Ui, zero: &mut Option<DiameterPoint>, language: Language) {
     }
 }
 
-/// How long a tool really is.
+/// Draws the optional true length of a tool.
 pub fn length(
     ui: &mut Ui,
     lengths: &mut BTreeMap<u8, DiameterPoint>,

@@ -1,5 +1,5 @@
-//! Tools and stock at the side of the picture: what is changed here is clamped at once,
-//! and saved as the job file of the program.
+//! The job panel beside the picture: stock and tools. A change is clamped at once and can be
+//! saved as the job file of the program.
 
 mod fields;
 mod tool_drawing;
@@ -22,7 +22,7 @@ const GOOD: Color32 = Color32::from_rgb(110, 220, 120);
 /// The highest T number.
 const LAST_TOOL: u8 = 99;
 
-/// What is being changed.
+/// The item that is being edited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Item {
     #[default]
@@ -30,10 +30,9 @@ enum Item {
     Tool(u8),
 }
 
-/// Tools that can be added: name and what they are at first.
+/// A kind of tool that can be added: its name and its initial values.
 type Kind = (fn() -> Message, fn() -> Tool);
 
-/// The kinds of tools.
 const KINDS: [Kind; 5] = [
     (say::tool_kind_turning, Tool::turning),
     (say::tool_kind_boring, Tool::boring),
@@ -42,42 +41,41 @@ const KINDS: [Kind; 5] = [
     (say::tool_kind_drill, || Tool::drill(10.0)),
 ];
 
-/// The lathe about the job.
+/// What the job panel shows of the lathe.
 pub struct Lathe<'a> {
-    /// The job that is cut.
+    /// The job that is being cut.
     pub job: &'a Arc<Job>,
-    /// It was guessed.
+    /// The job was guessed from the program.
     pub guessed: bool,
-    /// The file of the program.
+    /// The file of the program, if it has one.
     pub program: Option<&'a Path>,
-    /// T numbers that the program names.
+    /// T numbers that the program uses.
     pub named: Vec<u8>,
-    /// A program runs.
     pub running: bool,
-    /// What is wrong with the job file as it is on the disk.
+    /// The error in the job file on the disk.
     pub trouble: Option<&'a Message>,
 }
 
-/// The panel.
+/// The state of the job panel.
 #[derive(Default)]
 pub struct JobPanel {
     item: Item,
-    /// The job of the lathe that the draft was begun from.
+    /// The lathe's job from which the draft was made.
     base: Option<Arc<Job>>,
     draft: Option<Job>,
-    /// The draft as it was clamped last.
+    /// The draft that was clamped last.
     clamped: Option<Job>,
-    /// The job as the lathe got it, without anything from this panel.
+    /// The job of the lathe before any change in this panel.
     given: Option<Job>,
-    /// Where the job of the program stands, or would stand.
+    /// The path of the program's job file, whether the file exists or not.
     path: Option<PathBuf>,
-    /// The job as it stands in its file, and the file.
+    /// The job file that was read or written, and its contents.
     saved: Option<(PathBuf, Job)>,
     said: Option<(Message, Color32)>,
 }
 
 impl JobPanel {
-    /// Draws it; returns a job that is to be clamped.
+    /// Draws the panel. Returns a job that must be clamped.
     pub fn show(&mut self, ui: &mut Ui, lathe: &Lathe<'_>, language: Language) -> Option<Job> {
         self.take(lathe);
         let path = lathe.program.map(job::beside);
@@ -103,7 +101,7 @@ impl JobPanel {
                 });
         });
         let rule = job.check();
-        // While the pointer drags a value nothing is clamped.
+        // Nothing is clamped while the pointer drags a value.
         let still = !ui.input(|input| input.pointer.any_down());
         let wanted = rule.is_ok() && still && !lathe.running && self.clamped.as_ref() != Some(&job);
         let clamp = wanted.then(|| job.clone());
@@ -114,7 +112,7 @@ impl JobPanel {
         clamp
     }
 
-    /// Whether the job of this panel is another one than what was read or given.
+    /// Whether the edited job differs from its file or, without a file, from the lathe's job.
     pub fn is_unsaved(&self) -> bool {
         let kept = self.saved.as_ref().map(|(_, saved)| saved);
         let kept = kept.or(self.given.as_ref());
@@ -122,12 +120,12 @@ impl JobPanel {
         made.is_some_and(|(draft, kept)| draft != kept)
     }
 
-    /// Whether a job was made here.
+    /// Whether `job` was edited in this panel.
     pub fn has_changed(&self, job: &Job) -> bool {
         self.given.as_ref() != Some(job) && self.clamped.as_ref() == Some(job)
     }
 
-    /// Begins anew where the lathe has got another job than the one of this panel.
+    /// Starts a new draft when the lathe has a job that does not come from this panel.
     fn take(&mut self, lathe: &Lathe<'_>) {
         let same = self.base.as_ref();
         if same.is_some_and(|base| Arc::ptr_eq(base, lathe.job)) {
@@ -150,7 +148,7 @@ impl JobPanel {
         }
     }
 
-    /// Where the job comes from, and the way into its file.
+    /// Draws where the job comes from and the button that saves it.
     fn origin(&mut self, ui: &mut Ui, lathe: &Lathe<'_>, job: &Job, language: Language) {
         let file = self.saved.as_ref().map(|(path, _)| file_name(path));
         let is_saved = self.saved.as_ref().is_some_and(|(_, saved)| saved == job);
@@ -187,7 +185,7 @@ impl JobPanel {
             return;
         };
         if let Some(trouble) = lathe.trouble {
-            // What somebody wrote there and misspelt is not to be lost.
+            // Saving would overwrite a misspelt file that a user has written.
             self.said = Some((say::job_file_in_trouble(trouble.clone()), WRONG));
             return;
         }
@@ -202,7 +200,7 @@ impl JobPanel {
         });
     }
 
-    /// Stock and tools; tools are added and removed here.
+    /// Draws the list of stock and tools, with the buttons that add and remove tools.
     fn list(&mut self, ui: &mut Ui, job: &mut Job, lathe: &Lathe<'_>, language: Language) {
         let stock = say::job_stock().text(language);
         if ui
@@ -248,7 +246,7 @@ impl JobPanel {
         });
     }
 
-    /// What is chosen, with its drawing.
+    /// Draws the fields of the selected item, and the drawing of a tool.
     fn item(&self, ui: &mut Ui, job: &mut Job, language: Language) {
         match self.item {
             Item::Stock => {

@@ -1,4 +1,4 @@
-//! A tool to scale: insert, holder, the imaginary tip and the circle of the nose.
+//! Draws a tool to scale: insert, holder, the imaginary tip and the circle of the tool nose.
 
 use egui::{Pos2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
 use gsk_core::units::Point;
@@ -11,10 +11,10 @@ use crate::window::views::machine::{grid, place, solids};
 
 /// Height of the drawing, points.
 const HEIGHT: f32 = 170.0;
-/// How much of a holder is shown beside the insert, share of its size.
+/// Margin around the insert that shows the holder, as a share of the insert's size.
 const AROUND: f32 = 0.35;
 
-/// Draws it.
+/// Draws the tool; an invalid one leaves the area empty.
 pub fn show(ui: &mut Ui, tool: &Tool, language: Language) {
     let size = vec2(ui.available_width(), HEIGHT);
     let (room, response) = ui.allocate_exact_size(size, Sense::HOVER);
@@ -44,7 +44,7 @@ pub fn show(ui: &mut Ui, tool: &Tool, language: Language) {
     }
 }
 
-/// The box around a contour, as the camera has it.
+/// The bounding box of a contour in camera coordinates (x is Z, y is X as a radius), mm.
 fn around(contour: &[GridPoint]) -> Rect {
     let points = contour.iter().map(|point| {
         let at = from_grid(*point);
