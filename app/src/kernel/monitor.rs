@@ -46,7 +46,7 @@ pub struct OffsetTable {
 /// The macro variables at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VariableTable {
-    /// Number and value of each variable; a value of `None` is null.
+    /// Number of the variable and its value; `None`: null (empty).
     pub rows: Vec<(u16, Option<f64>)>,
     /// Variables take values with a fraction.
     pub real: bool,

@@ -17,7 +17,7 @@ use super::download::download;
 pub const KEPT: &str = "/data";
 /// The folder of files that the user opens and downloads.
 pub const HANDED: &str = "/files";
-/// Before the name of each file in the storage.
+/// Prefix of each file name in the storage.
 const OWN: &str = "gsk980td:";
 /// A page that has not renewed its lock for this time is gone.
 const LEASE: Duration = Duration::from_secs(5);
