@@ -1,5 +1,5 @@
-//! A board at a port without a control: carries bytes and time between the port and
-//! its link.
+//! A board at a port without a control: moves bytes and time between the port and the
+//! link.
 
 use std::path::Path;
 use std::time::Duration;
@@ -15,21 +15,21 @@ use crate::ending::{Ending, SignalError};
 use crate::guard::GuardError;
 use crate::ports;
 
-/// A board is known by then, or hardly ever.
+/// Longest time for a board to become ready.
 pub const GET_KNOWN: Duration = Duration::from_secs(30);
 
-/// Why a board is not spoken to.
+/// Why a board cannot be opened.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum BoardError {
-    /// Nobody could end it with Ctrl-C.
+    /// The signal handlers cannot be installed, so Ctrl-C could not stop the board.
     Signals(#[from] SignalError),
-    /// Its port is not held.
+    /// The port cannot be opened.
     Port(#[from] GuardError),
 }
 
 impl BoardError {
-    /// What is said of it.
+    /// Returns the message for the operator.
     pub fn message(&self) -> Message {
         match self {
             Self::Signals(error) => error.message(),
@@ -38,15 +38,16 @@ impl BoardError {
     }
 }
 
-/// A board and its link. It is stopped when this value is dropped, and when the end of
-/// the program is asked for.
+/// A board and its link. The board stops when this value is dropped, and when the end of
+/// the program is requested.
 pub struct Board {
     /// The link.
     pub link: Link,
     carrier: Carrier,
     ending: Ending,
     lookahead: Duration,
-    /// It makes what it holds, whatever becomes of this program.
+    /// The board makes all motion it holds even if this program ends: protocol of text
+    /// lines.
     by_lines: bool,
 }
 
@@ -57,11 +58,11 @@ impl Drop for Board {
 }
 
 impl Board {
-    /// Opens the port and begins the dialogue; `program` is that of the process that
-    /// holds the port.
+    /// Opens the port and begins the dialogue; `program` is the executable of the process
+    /// that holds the port.
     ///
     /// # Errors
-    /// A sentence that names the port.
+    /// The port or the signal handlers fail; the message names the port.
     pub fn open(
         config: LinkConfig,
         parameters: &Parameters,
@@ -78,7 +79,7 @@ impl Board {
         })
     }
 
-    /// Motion, spindle and coolant stop, and the link is over.
+    /// Stops motion, spindle and coolant, and closes the link.
     pub fn close(&mut self) {
         if self.link.state() != LinkState::Off {
             self.link.close();
@@ -86,23 +87,23 @@ impl Board {
         }
     }
 
-    /// The process that holds the port.
+    /// Returns the id of the process that holds the port.
     pub fn holder(&self) -> Option<u32> {
         self.carrier.holder()
     }
 
-    /// From now on the traffic is kept for [`Board::traffic`].
+    /// Keeps the traffic from now on, for [`Board::traffic`].
     pub fn watch(&mut self) {
         self.carrier.watch(true);
     }
 
-    /// Time since the port was opened.
+    /// Returns the time since the port was opened.
     pub fn now(&self) -> Duration {
         self.carrier.now()
     }
 
-    /// Reads, ticks and writes once; waits at most 2 ms for bytes. The link is over once
-    /// the end is asked for.
+    /// Reads, ticks and writes once; waits at most 2 ms for bytes. Closes the link once
+    /// the end of the program is requested.
     pub fn pump(&mut self) -> Vec<LinkEvent> {
         if self.ending.is_asked() {
             self.close();
@@ -127,7 +128,7 @@ impl Board {
         self.link.events()
     }
 
-    /// Pumps until a condition holds or the time is up; what happened meanwhile.
+    /// Pumps until a condition holds or the time is up; returns the events meanwhile.
     pub fn wait(
         &mut self,
         limit: Duration,
@@ -142,7 +143,8 @@ impl Board {
         events
     }
 
-    /// Pumps until the board is known, refused or lost, [`GET_KNOWN`] at most.
+    /// Pumps until the board is ready, refused or lost, at most [`GET_KNOWN`]; returns the
+    /// events meanwhile.
     pub fn get_known(&mut self) -> Vec<LinkEvent> {
         self.wait(GET_KNOWN, |link, events| {
             matches!(
@@ -154,7 +156,7 @@ impl Board {
         })
     }
 
-    /// The lines since the last call.
+    /// Returns the lines of traffic since the last call.
     pub fn traffic(&mut self) -> Vec<Line> {
         let link = &self.link;
         self.carrier

@@ -1,4 +1,4 @@
-//! Bytes between a port and whoever speaks through it, and what was said.
+//! Moves bytes between the guarded port of a board and its link, and records the traffic.
 
 use std::io;
 use std::path::Path;
@@ -10,43 +10,44 @@ use web_time::{Duration, Instant};
 use crate::guard::{Guard, GuardError, Orphan};
 use crate::host_clock::HostClock;
 
-/// How long the last bytes for a board may take.
+/// Longest time for the last bytes to a board.
 const LAST_WORDS: Duration = Duration::from_millis(500);
 
-/// Between two attempts to write them.
+/// Time between two attempts to write them.
 const AGAIN: Duration = Duration::from_millis(2);
 
-/// One line of the traffic.
+/// One line of traffic.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {
-    /// Since the port was opened.
+    /// Time since the port was opened.
     pub at: Duration,
-    /// From the PC to the board.
+    /// True: from the PC to the board.
     pub outward: bool,
-    /// What was said; bytes that are no text are shown as `\xNN`.
+    /// The text; bytes that are no text appear as `\xNN`.
     pub text: String,
 }
 
-/// An open port. Dropped without [`Carrier::end`] it leaves a board that was stopped.
+/// An open port. Dropping it without [`Carrier::end`] stops the board.
 pub struct Carrier {
-    /// None when it was closed.
+    /// `None` after it was closed.
     guard: Option<Guard>,
     clock: HostClock,
-    /// When the port was looked at last.
+    /// When the port was last read.
     looked: Duration,
     lookahead: Duration,
-    /// What is not whole yet, outward and inward.
+    /// Bytes of incomplete texts, outward and inward.
     collected: [Vec<u8>; 2],
-    /// The traffic since it was last taken; only while it is watched.
+    /// The traffic since the last call of [`Carrier::traffic`], while it is recorded.
     pieces: Vec<(Duration, bool, Vec<u8>)>,
     watched: bool,
 }
 
 impl Carrier {
-    /// Opens the port for itself alone; `program` is that of the process that holds it.
+    /// Opens the port exclusively; `program` is the executable of the process that holds
+    /// it.
     ///
     /// # Errors
-    /// A sentence that names the port.
+    /// The holder does not start, or cannot open the port; the message names the port.
     pub fn open(config: &LinkConfig, program: &Path) -> Result<Self, GuardError> {
         Ok(Self {
             guard: Some(Guard::open(program, &config.port, config.baud)?),
@@ -59,7 +60,7 @@ impl Carrier {
         })
     }
 
-    /// From now on the traffic is kept for [`Carrier::traffic`], or no more.
+    /// Starts or stops the record for [`Carrier::traffic`].
     pub fn watch(&mut self, on: bool) {
         self.watched = on;
         if !on {
@@ -67,22 +68,22 @@ impl Carrier {
         }
     }
 
-    /// Time since the port was opened, sleep of the computer included.
+    /// Returns the time since the port was opened, including sleep of the computer.
     pub fn now(&self) -> Duration {
         self.clock.now()
     }
 
-    /// Time that only the clock on the wall shows since the last call.
+    /// Returns the time by which only the wall clock has advanced since the last call.
     pub fn take_jump(&mut self) -> Duration {
         self.clock.take_jump()
     }
 
-    /// The process that holds the port.
+    /// Returns the id of the process that holds the port.
     pub fn holder(&self) -> Option<u32> {
         self.guard.as_ref().map(Guard::process)
     }
 
-    /// What has arrived; waits at most 2 ms.
+    /// Reads the bytes that have arrived; waits at most 2 ms.
     ///
     /// # Errors
     /// The port is gone.
@@ -94,10 +95,10 @@ impl Carrier {
         Ok(bytes)
     }
 
-    /// Writes as much as the port takes now; nothing where the port was not looked at for
-    /// longer than the lookahead: the program was stopped or asleep since, the board has
-    /// run dry, and what would move it again waits until that has been judged. Of a port
-    /// that is gone the next read tells.
+    /// Writes as many bytes as the port takes now; returns their number. Writes none if
+    /// the last read is longer ago than the lookahead: the program was stopped or asleep
+    /// and the board has run out of motion, so new motion waits until the link has judged
+    /// the absence. If the port is gone, the next read reports it.
     pub fn write(&mut self, bytes: &[u8]) -> usize {
         if self.clock.now().saturating_sub(self.looked) > self.lookahead {
             return 0;
@@ -112,30 +113,29 @@ impl Carrier {
         count
     }
 
-    /// From now on these bytes stop the board when this program is gone; none: nothing
-    /// is to be stopped.
+    /// Sets the bytes that stop the board when this program is gone; none: do not stop it.
     pub fn stop_with(&mut self, bytes: &[u8]) {
         if let Some(guard) = &mut self.guard {
             guard.stop_with(bytes);
         }
     }
 
-    /// To be called all the time, `moves`: with slides or spindle in motion. A program that
-    /// falls silent then leaves a board that is stopped.
+    /// Renews the lease; called at every turn. With `moves` slides or spindle are in
+    /// motion: the holder then stops the board if the program falls silent.
     pub fn renew(&mut self, moves: bool) {
         if let Some(guard) = &mut self.guard {
             guard.renew(moves, self.lookahead);
         }
     }
 
-    /// What has become of the board after [`Carrier::read`] has failed, if the port did
-    /// not.
+    /// Takes what has happened to the board after [`Carrier::read`] has failed; `None` if
+    /// the port has failed.
     pub fn take_orphan(&mut self) -> Option<Orphan> {
         self.guard.as_mut().and_then(Guard::take_orphan)
     }
 
-    /// Writes all of it, or as much as is taken within half a second, and closes the
-    /// port: the last bytes for the board stop it.
+    /// Writes the last bytes, which stop the board, for at most half a second, and closes
+    /// the port.
     pub fn end(&mut self, mut bytes: &[u8]) {
         let begun = Instant::now();
         while !bytes.is_empty() && begun.elapsed() < LAST_WORDS {
@@ -150,8 +150,8 @@ impl Carrier {
         }
     }
 
-    /// What was said since the last call, in the pieces that a link makes of it: its
-    /// next text from the bytes of one direction.
+    /// Returns the traffic since the last call, split into texts by the link: `next_text`
+    /// takes the next text from the bytes of one direction.
     pub fn traffic(
         &mut self,
         mut next_text: impl FnMut(bool, &mut Vec<u8>) -> Option<String>,

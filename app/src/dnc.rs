@@ -1,5 +1,5 @@
-//! The partner at the serial line in DNC operation: a file, standard input, or a
-//! serial port, read as far as the control has room and no farther.
+//! The partner at the serial line in DNC operation: sends a file, standard input or the
+//! bytes of a serial port, and reads only as far ahead as the control has space.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -15,32 +15,31 @@ use crate::platform::is_serial_port;
 use crate::ports::{self, Port, PortError};
 use crate::saying::of_system;
 
-/// What stands in the folder of the data directory under this name is sent when
-/// nothing else was named.
+/// File in the folder of the data directory that is sent when no other source is named.
 pub const IN_FOLDER: &str = "DNC.CNC";
 
-/// Characters read at once.
+/// Size of a read, bytes.
 const CHUNK: usize = 4096;
-/// Chunks that wait for the control.
+/// Number of chunks that wait for the control.
 const CHUNKS: usize = 2;
-/// Reader start and stop.
+/// Reader start and reader stop.
 const DC1: u8 = 0x11;
 const DC3: u8 = 0x13;
 
-/// Where programs come from.
+/// Source of the programs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// A file, from its beginning whenever a program is called for.
+    /// A file, sent from its beginning at each call for a program.
     File(PathBuf),
-    /// Standard input, which goes on where it was.
+    /// Standard input, which continues where it was.
     Standard,
-    /// A serial port; DC1 and DC3 tell the partner to begin and to end.
+    /// A serial port; DC1 and DC3 start and stop the sender.
     Port(String),
 }
 
 impl Source {
-    /// From its name on the command line: `-` is standard input, a port is read as one,
-    /// everything else is a file.
+    /// Parses a name of the command line: `-` is standard input, a port is read as one,
+    /// every other name is a file.
     pub fn of(name: &Path) -> Self {
         match name.to_str() {
             Some("-") => Self::Standard,
@@ -50,7 +49,7 @@ impl Source {
     }
 }
 
-/// Why nothing can be sent.
+/// Why a source cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 enum SourceError {
@@ -71,25 +70,24 @@ impl SourceError {
     }
 }
 
-/// What was read, or why no more can be.
+/// A chunk, or why no more can be read.
 type Chunk = io::Result<Vec<u8>>;
 
-/// The partner.
 #[derive(Debug)]
 pub struct Partner {
     source: Source,
-    /// The call that is being answered.
+    /// Number of the call that is being answered.
     call: u32,
     chunks: Option<Receiver<Chunk>>,
-    /// To the reader of a port: a character for the other end.
+    /// Channel to the reader of a port: a character for the other end.
     say: Option<Sender<u8>>,
-    /// What was read and not taken yet.
+    /// The current chunk.
     rest: Vec<u8>,
     taken: usize,
 }
 
 impl Partner {
-    /// A partner that sends from a source.
+    /// Creates a partner that sends from a source.
     pub const fn new(source: Source) -> Self {
         Self {
             source,
@@ -101,7 +99,7 @@ impl Partner {
         }
     }
 
-    /// The control has called for a program.
+    /// Opens the source after a call of the control.
     fn begin(&mut self, cnc: &Cnc) -> Result<(), SourceError> {
         match &self.source {
             Source::File(path) => {
@@ -133,7 +131,7 @@ impl Partner {
         self.taken = 0;
     }
 
-    /// The next characters; `false` if there are none now.
+    /// Fetches the next chunk; returns `false` if there is none now.
     fn fetch(&mut self, cnc: &mut Cnc, patience: Patience) -> bool {
         let Some(chunks) = &self.chunks else {
             cnc.dnc_end();
@@ -182,7 +180,7 @@ impl gsk_runner::partner::Partner for Partner {
     }
 }
 
-/// Reads in a thread of its own, no farther ahead than the channel has room for.
+/// Reads in a separate thread, only as far ahead as the channel has space.
 fn read_aside(mut source: impl Read + Send + 'static) -> Result<Receiver<Chunk>, SourceError> {
     aside(move |chunks| {
         let mut buffer = vec![0; CHUNK];
@@ -201,7 +199,7 @@ fn read_aside(mut source: impl Read + Send + 'static) -> Result<Receiver<Chunk>,
     })
 }
 
-/// The same for a port, which is spoken to as well.
+/// Reads a port in a separate thread and sends characters to it.
 fn listen_aside(mut port: Port, said: Receiver<u8>) -> Result<Receiver<Chunk>, SourceError> {
     aside(move |chunks| {
         loop {
@@ -209,7 +207,7 @@ fn listen_aside(mut port: Port, said: Receiver<u8>) -> Result<Receiver<Chunk>, S
             loop {
                 match said.try_recv() {
                     Ok(character) => {
-                        // A port that is gone is told of by the next reading.
+                        // If the port is gone, the next read reports it.
                         let _ = port.write(&[character]);
                     }
                     Err(TryRecvError::Empty) => break,

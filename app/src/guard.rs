@@ -1,15 +1,14 @@
-//! The port of a board in the hands of a small process of its own, which stops the
-//! board when the program is gone, however it went.
+//! Guards the port of a board: a small separate process holds the port and stops the board
+//! when the program is gone for any reason.
 //!
 //! ```text
 //!   program: kernel, link ──► Guard ═══  tie   ═══ holder ──► port ──► board
 //!   window, picture, files                         (the same binary, `hold-port`)
 //! ```
 //!
-//! A library of the window may end the process without asking anybody, memory may run
-//! out, somebody may kill it: nobody is left then who could stop the board. The holder
-//! sees the tie break. It knows nothing of the board but the bytes that stop it,
-//! which the link tells it ahead.
+//! A library of the window may end the process, memory may run out, a user may kill it: no
+//! thread is left then to stop the board. The holder sees the connection break. It knows
+//! only the bytes that stop the board; the link sends them in advance.
 
 pub mod frame;
 pub mod holder;
@@ -28,65 +27,66 @@ use frame::{Kind, Lease, Reader};
 use crate::platform::{self, ToHolder};
 use crate::ports;
 
-/// The hidden command of the holder.
+/// The hidden command that starts a holder.
 pub const COMMAND: &str = "hold-port";
 
-/// How long a read may wait for the first byte.
+/// How long a read waits for the first byte.
 const READ_WAIT: Duration = Duration::from_millis(2);
-/// A holder that has not answered by then never will.
+/// Longest time for a holder to answer after its start.
 const STARTS_WITHIN: Duration = Duration::from_secs(10);
-/// A holder has stopped the board and ended by then.
+/// Longest time for a holder to stop the board and end.
 const ENDS_WITHIN: Duration = Duration::from_secs(5);
-/// Between two looks whether it has.
+/// Time between two checks whether the holder has ended.
 const LOOK: Duration = Duration::from_millis(2);
-/// The holder stops the board when the program was silent for so long with slides or
-/// spindle in motion. The lookahead is made by then.
+/// The holder stops the board when the program was silent for this time with slides or
+/// spindle in motion. The board has made its lookahead by then.
 const SILENT: Duration = Duration::from_secs(1);
-/// The lease is renewed so often at least.
+/// Longest time between two renewals of the lease.
 const RENEW: Duration = Duration::from_millis(100);
-/// Bytes for the board may be under way to the holder for so long beyond the lookahead.
+/// How long bytes for the board may take to the holder beyond the lookahead.
 const ON_THE_WAY: Duration = Duration::from_millis(100);
-/// What may wait for the holder before nothing more is taken.
+/// Limit of the bytes that wait for the holder.
 const MOST_WAITING: usize = frame::MOST;
 
-/// Now, by a clock that this process and the holder read, ms.
+/// Returns the time of the clock that this process and the holder share, ms.
 fn now_ms() -> u64 {
     platform::shared_time().as_millis() as u64
 }
 
-/// The board after its holder has ended before the program has.
+/// The board after its holder has ended before the program.
 #[derive(Debug)]
 pub enum Orphan {
-    /// The holder stopped it because the program was silent; what the board answered.
+    /// The holder has stopped the board because the program was silent; the board's
+    /// answer.
     Stopped(Vec<u8>),
-    /// Another holder stops it; what the board answered comes out here.
+    /// Another holder is stopping the board; the channel receives the board's answer.
     BeingStopped(Receiver<Vec<u8>>),
 }
 
-/// Why there is no port that another process holds.
+/// Why no holder could open the port.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum GuardError {
-    /// There is no process.
+    /// The holder process cannot be started.
     NotStarted {
         /// The port.
         port: String,
-        /// What the system said.
+        /// Error of the system.
         error: io::Error,
     },
-    /// It has gone.
+    /// The holder process has ended.
     Ended {
         /// The port.
         port: String,
     },
-    /// The holder cannot open the port, and says why.
+    /// The holder cannot open the port; its reason.
     Refused(Message),
-    /// The holder is none.
+    /// The process sends no frames: it is not a holder.
     Strange {
         /// The port.
         port: String,
     },
-    /// The holder says nothing.
+    /// The holder does not answer in time.
     Silent {
         /// The port.
         port: String,
@@ -94,7 +94,7 @@ pub enum GuardError {
 }
 
 impl GuardError {
-    /// What is said of it.
+    /// Returns the message for the operator.
     pub fn message(&self) -> Message {
         match self {
             Self::NotStarted { port, error } => say::port_holder_not_started(port, error),
@@ -106,13 +106,12 @@ impl GuardError {
     }
 }
 
-/// A port that another process holds. Dropped without [`Guard::end`] it leaves a board
-/// that was stopped.
+/// A port that another process holds. Dropping it without [`Guard::end`] stops the board.
 pub struct Guard {
     child: Child,
     holder: ToHolder,
     reader: Reader,
-    /// Frames the holder has not taken yet.
+    /// Frames that the holder has not taken yet.
     waiting: Vec<u8>,
     stop: Vec<u8>,
     lease: Lease,
@@ -124,10 +123,10 @@ pub struct Guard {
 }
 
 impl Guard {
-    /// Starts a holder of this port.
+    /// Starts a holder of this port; `program` is its executable.
     ///
     /// # Errors
-    /// A sentence that names the port, or says why there is no holder.
+    /// The holder does not start, or cannot open the port; the message names the port.
     pub fn open(program: &Path, port: &str, baud: u32) -> Result<Self, GuardError> {
         let cannot = |error| GuardError::NotStarted {
             port: port.to_owned(),
@@ -177,12 +176,13 @@ impl Guard {
         Err(GuardError::Silent { port })
     }
 
-    /// The holder.
+    /// Returns the process id of the holder.
     pub fn process(&self) -> u32 {
         self.child.id()
     }
 
-    /// What has arrived; empty when nothing did for 2 ms.
+    /// Reads the bytes that have arrived; waits 2 ms for the first one and returns none
+    /// after it.
     ///
     /// # Errors
     /// The port is gone, or its holder is.
@@ -206,7 +206,8 @@ impl Guard {
         }
     }
 
-    /// Writes as much as the holder takes now. Of one that is gone the next read tells.
+    /// Writes as many bytes as the holder takes now; returns their number. If the holder
+    /// is gone, the next read reports it.
     pub fn write(&mut self, bytes: &[u8]) -> usize {
         self.speak();
         if bytes.is_empty() || self.waiting.len() > MOST_WAITING {
@@ -219,9 +220,9 @@ impl Guard {
         count
     }
 
-    /// To be called all the time. `moves`: slides or spindle are in motion, and a program
-    /// that falls silent leaves a board that is stopped; bytes that come later than the
-    /// lookahead are not written.
+    /// Renews the lease; called at every turn. With `moves` slides or spindle are in
+    /// motion: the holder then stops the board if the program falls silent, and drops
+    /// bytes that arrive later than the lookahead.
     pub fn renew(&mut self, moves: bool, lookahead: Duration) {
         let lease = match moves {
             true => Lease {
@@ -239,13 +240,13 @@ impl Guard {
         }
     }
 
-    /// What has become of the board after [`Guard::read`] has failed, if the port did not.
+    /// Takes what has happened to the board after [`Guard::read`] has failed; `None` if
+    /// the port has failed.
     pub const fn take_orphan(&mut self) -> Option<Orphan> {
         self.orphan.take()
     }
 
-    /// From now on these bytes stop the board when the program is gone; none: nothing
-    /// is to be stopped.
+    /// Sets the bytes that stop the board when the program is gone; none: do not stop it.
     pub fn stop_with(&mut self, bytes: &[u8]) {
         if self.stop != bytes {
             self.stop = bytes.to_vec();
@@ -254,7 +255,7 @@ impl Guard {
         }
     }
 
-    /// All is said, the port is closed.
+    /// Sends the remaining bytes and closes the port.
     pub fn end(mut self) {
         frame::put(&mut self.waiting, Kind::End, &[]);
         let begun = Instant::now();
@@ -263,28 +264,28 @@ impl Guard {
             thread::sleep(LOOK);
             self.speak();
         }
-        // What is left is waited for when the value is dropped.
+        // Dropping the value waits for the rest.
     }
 
-    /// Reads what the holder says, when it says something within this time.
+    /// Reads the bytes of the holder that arrive within this time.
     fn hear(&mut self, within: Duration) -> io::Result<()> {
         self.reader.give(&self.holder.hear(within)?);
         Ok(())
     }
 
-    /// Hands over what waits, as far as it is taken.
+    /// Sends the waiting frames, as far as the holder takes them.
     fn speak(&mut self) {
         while !self.waiting.is_empty() {
             match self.holder.say(&self.waiting) {
                 Ok(0) => return,
                 Ok(count) => drop(self.waiting.drain(..count)),
-                // Why, it may have said: that is read next.
+                // The holder may have reported why: the next read shows it.
                 Err(_) => self.waiting.clear(),
             }
         }
     }
 
-    /// Leaves the board to the holder, which stops it; what the board answers.
+    /// Leaves the board to the holder, which stops it; returns the board's answer.
     fn leave(mut self) -> Vec<u8> {
         self.holder.hang_up();
         let begun = Instant::now();
@@ -299,7 +300,8 @@ impl Guard {
         answered
     }
 
-    /// The holder has ended by itself, and nobody holds the board: another one stops it.
+    /// Starts another holder that stops the board, after the first one has ended
+    /// unexpectedly.
     fn is_alone(&mut self) -> io::Error {
         let stop = core::mem::take(&mut self.stop);
         if !stop.is_empty() {
@@ -309,7 +311,7 @@ impl Guard {
             let stop_board = move || {
                 if let Ok(mut guard) = Self::open(&program, &port, baud) {
                     guard.stop_with(&stop);
-                    // Who asked may have gone.
+                    // The receiver may be gone.
                     let _ = answer.try_send(guard.leave());
                 }
             };
@@ -325,14 +327,14 @@ impl Guard {
 
 impl Drop for Guard {
     fn drop(&mut self) {
-        // Behind an End it changes nothing.
+        // No effect after [`Guard::end`].
         self.holder.hang_up();
         let begun = Instant::now();
         while begun.elapsed() < ENDS_WITHIN {
             if !matches!(self.child.try_wait(), Ok(None)) {
                 return;
             }
-            // Whoever is heard does not wait with what he says.
+            // A holder whose bytes are read does not block in its writes.
             if self.hear(LOOK).is_err() {
                 thread::sleep(LOOK);
             }
@@ -343,7 +345,7 @@ impl Drop for Guard {
     }
 }
 
-/// The error of the port that the holder has told.
+/// Decodes the error of the port that the holder has reported.
 fn port_error(number: &[u8]) -> io::Error {
     let number: [u8; 4] = number.try_into().unwrap_or_default();
     match i32::from_le_bytes(number) {

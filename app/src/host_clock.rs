@@ -1,24 +1,25 @@
-//! The clock by which a board is driven. It goes on while the computer sleeps, as the
-//! board does; what only the clock on the wall shows (a virtual machine that was held) is
-//! told apart.
+//! The clock that drives a board. It continues while the computer sleeps, as the board
+//! does; jumps that only the wall clock shows (a paused virtual machine) are reported
+//! separately.
 
 use web_time::{Duration, SystemTime};
 
 use crate::platform;
 
-/// A clock on the wall that is set right by less than this was not away.
+/// Smallest jump of the wall clock that counts as an absence; smaller ones are
+/// corrections.
 const SET_RIGHT: Duration = Duration::from_millis(50);
 
 /// Time since a port was opened.
 #[derive(Debug)]
 pub struct HostClock {
     opened: Duration,
-    /// The last look for a jump: time with sleep, and the clock on the wall.
+    /// Times of the last check for a jump: time with sleep, and wall clock.
     looked: (Duration, SystemTime),
 }
 
 impl HostClock {
-    /// A clock at zero.
+    /// Creates a clock at zero.
     pub fn start() -> Self {
         let now = platform::time_with_sleep();
         Self {
@@ -27,13 +28,13 @@ impl HostClock {
         }
     }
 
-    /// Time since the start, sleep of the computer included.
+    /// Returns the time since the start, including sleep of the computer.
     pub fn now(&self) -> Duration {
         platform::time_with_sleep().saturating_sub(self.opened)
     }
 
-    /// Time that only the clock on the wall shows since the last call; zero when it goes
-    /// as this one does, or was set back.
+    /// Returns the time by which only the wall clock has advanced since the last call;
+    /// zero if both clocks agree, or the wall clock was set back.
     pub fn take_jump(&mut self) -> Duration {
         let (now, wall) = (platform::time_with_sleep(), SystemTime::now());
         let (before, wall_before) = core::mem::replace(&mut self.looked, (now, wall));

@@ -1,5 +1,5 @@
-//! The kernel: owns the emulator, carries out what the window asks for, hands
-//! out pictures. The same code runs in its thread and, step by step, in a test.
+//! The kernel: owns the emulator, carries out the window's commands and publishes
+//! snapshots. The same code runs in its thread and, step by step, in a test.
 
 mod console;
 mod drive;
@@ -61,20 +61,20 @@ use refused::{Refusals, Verdict};
 pub use thread::{KernelThread, Outside, start};
 use waiting::Waiting;
 
-/// Ticks between two pictures.
+/// Ticks between two snapshots.
 pub const PICTURE_TICKS: u64 = 25;
-/// Ticks between two looks at machine and PLC, for the views that show them.
+/// Ticks between two views of machine and PLC, while the window shows them.
 const MACHINE_TICKS: u64 = 50;
-/// A handwheel that was not turned for so long has come to rest.
+/// A handwheel that has not turned for this time is at rest.
 const WHEEL_RESTS: Duration = Duration::from_millis(300);
-/// Commands that wait for the kernel.
+/// Capacity of the queues of commands and notices.
 const QUEUE: usize = 1024;
 
-/// What was handed out of machine and PLC.
+/// What the kernel has published of machine and PLC.
 #[derive(Debug, Default)]
 struct Monitored {
     last: Option<MachineView>,
-    /// When to look again, ticks.
+    /// Tick of the next view.
     next: u64,
 }
 
@@ -85,28 +85,28 @@ pub struct Kernel {
     commands: Receiver<Command>,
     pictures: Arc<ArrayQueue<Snapshot>>,
     machine: Arc<ArrayQueue<MachineView>>,
-    /// Only while somebody asks for machine and PLC.
+    /// `Some` only while a view shows machine and PLC.
     monitored: Option<Monitored>,
-    /// A board that moves the slides.
+    /// The board that moves real slides, if one is connected.
     drive: Option<Drive>,
-    /// Sends programs in DNC operation.
+    /// The partner that sends programs in DNC operation.
     partner: Option<Partner>,
-    /// The serial port at a port of the computer.
+    /// The control's serial port, connected to a port of the computer.
     serial: Option<SerialLine>,
     links: Arc<ArrayQueue<LinkView>>,
     link_watched: bool,
-    /// The LCD is shown in the other language, too.
+    /// The snapshot contains the LCD in the other language, too.
     translates: bool,
-    /// Somebody listens to the machine.
+    /// The snapshot contains the motion, for the sound of the machine.
     listens: bool,
-    /// A practice machine stands in the place of the learner's own.
+    /// The lesson under way: a practice machine replaces the learner's own machine.
     lesson: Option<Practising>,
-    /// The alarms that were raised.
+    /// The alarms raised since the control was opened.
     raised: Raised,
-    /// The program that was opened last.
+    /// The program opened last.
     opened: Option<LastOpened>,
     notices: Sender<Notice>,
-    /// Keys that are down, and what happened to others.
+    /// Key edges that wait, and the keys that are down.
     keys: Edges,
     refusals: Refusals,
     waiting: Waiting,
@@ -115,21 +115,22 @@ pub struct Kernel {
     speed_percent: u32,
     speed: Speed,
     times: Option<Times>,
-    /// Only while a scope is open.
+    /// `Some` only while a scope is open.
     probing: Option<Probing>,
-    /// The part that is cut.
+    /// The part in the lathe.
     part: PartSide,
-    /// Commands so far: the window is heard.
+    /// Number of commands so far: it proves that the window is alive.
     heard: u64,
-    /// What proves that held keys are still held.
+    /// Proof that held keys are still held.
     watch: InputWatch,
-    /// After the display has hung the handwheel has to rest until then.
+    /// After the display has hung, the kernel drops handwheel turns until the wheel has
+    /// rested up to this time.
     wheel_rests_until: Duration,
     quit: bool,
 }
 
 impl Kernel {
-    /// A kernel and the console that goes with it.
+    /// Creates a kernel and the console for its window.
     pub fn new(emulator: Emulator) -> (Self, Console) {
         let (commands, from_window) = bounded(QUEUE);
         let (notices, from_kernel) = bounded(QUEUE);
@@ -185,24 +186,23 @@ impl Kernel {
         )
     }
 
-    /// Who sends programs in DNC operation.
+    /// Sets the partner that sends programs in DNC operation.
     pub fn take_programs_from(&mut self, source: Source) {
         self.partner = Some(Partner::new(source));
     }
 
-    /// The serial port is at a port of the computer.
+    /// Connects the control's serial port to a port of the computer.
     pub fn take_serial_line(&mut self, line: SerialLine) {
         self.emulator.panel.connect_port();
         self.serial = Some(line);
     }
 
-    /// The emulator.
     pub const fn emulator(&self) -> &Emulator {
         &self.emulator
     }
 
-    /// The speed in force: only a program that runs by itself on the simulated lathe is
-    /// faster or slower than a real one (decision WINDOW-9).
+    /// Returns the speed in force: only a program in automatic operation on the simulated
+    /// lathe runs faster or slower than on a real one (decision WINDOW-9).
     pub fn speed(&self) -> Speed {
         let runs = self.emulator.simulation.cnc.run_state() == RunState::Run;
         match runs && self.drive.is_none() {
@@ -211,7 +211,7 @@ impl Kernel {
         }
     }
 
-    /// Takes what the window asked for and runs so many ticks.
+    /// Takes the window's commands and runs this number of ticks.
     pub fn run(&mut self, ticks: u64) {
         self.take_commands();
         for _ in 0..ticks {
@@ -239,7 +239,7 @@ impl Kernel {
         self.tick += 1;
         self.raised.look(&self.emulator.simulation.cnc);
         if let Some(serial) = &mut self.serial {
-            // Files come and go at the learner's own machine, also during a lesson.
+            // Files are exchanged with the learner's own machine, also during a lesson.
             let own = match &mut self.lesson {
                 Some(lesson) => lesson.own(),
                 None => &mut self.emulator,
@@ -274,7 +274,8 @@ impl Kernel {
         }
     }
 
-    /// Puts out a picture if anything has changed since the last one.
+    /// Publishes a snapshot if anything has changed since the last one; returns whether
+    /// there is something new to show.
     pub fn show(&mut self) -> bool {
         let part_shown = self.part.show(&self.emulator.simulation);
         let monitored = self.show_machine() || part_shown;
@@ -288,7 +289,7 @@ impl Kernel {
         true
     }
 
-    /// Puts out machine and PLC if somebody asks for them and they have changed.
+    /// Publishes machine and PLC if a view shows them and they have changed.
     fn show_machine(&mut self) -> bool {
         let Some(monitored) = &mut self.monitored else {
             return false;
@@ -306,7 +307,7 @@ impl Kernel {
         true
     }
 
-    /// The panel as it is now.
+    /// Returns the current state of the panel.
     pub fn snapshot(&self) -> Snapshot {
         let panel = &self.emulator.panel;
         Snapshot {
@@ -347,9 +348,9 @@ impl Kernel {
         }
     }
 
-    /// What moves.
+    /// Returns slides and spindle in motion, of the board or of the simulated lathe.
     fn motion(&self) -> Motion {
-        /// Steps of the spindle's speed, r/min.
+        /// Resolution of the spindle speed, r/min.
         const STEP: f64 = 10.0;
         let Simulation { cnc, lathe, .. } = &self.emulator.simulation;
         let (slides, spindle) = match cnc.has_board() {
@@ -376,7 +377,7 @@ impl Kernel {
             self.learner_acts();
         }
         match command {
-            // It waits for nothing.
+            // The emergency stop waits for no other key.
             Command::Key {
                 key: Key::EmergencyStop,
                 down: true,
@@ -463,14 +464,14 @@ impl Kernel {
                 let _ = to.try_send(self.store(&Program::new(text)));
             }
             Command::HandOut(to) => {
-                // Who asked may have gone.
+                // The receiver may be gone.
                 let _ = to.try_send(Box::new(standing::setup(&self.emulator)));
             }
             Command::HandOutState(to) => {
                 let own = self.kept();
                 let level = own.simulation.cnc.battery().authority.level();
                 let state = retained::project::of_emulator(own);
-                // Who asked may have gone.
+                // The receiver may be gone.
                 let _ = to.try_send(Box::new((state, level)));
             }
             Command::ReleaseAll => self.release_all(),
@@ -479,8 +480,8 @@ impl Kernel {
         }
     }
 
-    /// Whether something was pressed or turned that would move a real machine, and the
-    /// display has hung of late: nobody knows how long ago that was.
+    /// Whether the command would move a real machine while the display has hung: the age
+    /// of the key press is unknown.
     fn is_late(&mut self, command: &Command) -> bool {
         let turns = matches!(command, Command::Turn(_));
         let moves = match command {
@@ -493,14 +494,14 @@ impl Kernel {
         let now = platform::time_with_sleep();
         let late = !self.watch.is_fresh(now) || turns && now < self.wheel_rests_until;
         if turns && late {
-            // A wheel that turns on does not take the axis along again.
+            // A wheel that keeps turning does not take the axis along again.
             self.wheel_rests_until = now + WHEEL_RESTS;
         }
         late
     }
 
-    /// Asks for parameters, pitch errors, offsets and variables as one; where the control
-    /// does not take each of them, none.
+    /// Writes parameters, pitch errors, offsets and variables all or none: if the control
+    /// refuses one of them, it writes none.
     fn write(&mut self, requests: Vec<Request>) {
         let rights = self.emulator.simulation.cnc.rights();
         let taken = |request: &Request| match request {
@@ -521,17 +522,17 @@ impl Kernel {
         }
     }
 
-    /// Turns the handwheel; in step mode it moves nothing and says why.
+    /// Turns the handwheel; in step mode nothing moves and a notice says why.
     fn turn(&mut self, detents: i32) {
         self.emulator.turn(detents);
         let cnc = &self.emulator.simulation.cnc;
-        // An alarm says more.
+        // An alarm takes precedence over this notice.
         if cnc.mode().motion() == Mode::Step && cnc.alarms().is_empty() {
             self.say(Notice::Said(say::key_handwheel_in_step_mode()));
         }
     }
 
-    /// Gives the panel what a key or a typed character did.
+    /// Passes a key event or a typed character to the panel.
     fn hand_over(&mut self, event: KeyEvent) {
         let pressed = match event {
             KeyEvent::Down(key) => Some(KeyPress::new(key, &self.emulator.simulation.cnc)),
@@ -545,7 +546,7 @@ impl Kernel {
         }
     }
 
-    /// Says why a key does nothing, or that one acts again.
+    /// Reports why a key does nothing, or that a key acts again.
     fn tell(&self, verdict: Option<Verdict>) {
         match verdict {
             Some(Verdict::Refused(why)) => self.say(Notice::Key(Some(why))),
@@ -560,15 +561,15 @@ impl Kernel {
         alarm.or_else(|| cnc.standing_message())
     }
 
-    /// Nothing proves any more that the hand is at the machine: every key is let go, and
-    /// what the handwheel was turned by and the axis has not followed is dropped.
+    /// Lets go of every key and drops the handwheel detents that the axis has not
+    /// followed: nothing proves any more that a hand is at the machine.
     fn let_go(&mut self) {
         self.release_all();
         self.drop_wheel();
     }
 
     fn drop_wheel(&mut self) {
-        // It is no request that could be refused.
+        // This request cannot be refused.
         let _ = self.emulator.simulation.cnc.request(Request::DropWheel);
     }
 
@@ -578,7 +579,7 @@ impl Kernel {
     }
 
     fn say(&self, notice: Notice) {
-        // The window reads them with every picture; a thousand unread ones mean
+        // The window reads the notices with every snapshot; a thousand unread ones mean
         // that it is gone.
         let _ = self.notices.try_send(notice);
     }

@@ -1,5 +1,5 @@
-//! From files and options to a [`Setup`] with its program: what `run`, `check`,
-//! `plot`, `operate` and the window start from.
+//! Makes a [`Setup`] with its program from files and options, for `run`, `check`, `plot`,
+//! `operate` and the window.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ use crate::retained;
 use crate::saying::{lines, of_ladder};
 use crate::setup_args::{OfMill, OffsetWord, ParameterWord, SetupArgs};
 
-/// Why something that a control starts from cannot be had.
+/// Why a setup cannot be loaded.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum LoadError {
@@ -36,24 +36,24 @@ pub enum LoadError {
     Data(#[from] DataError),
     /// A file.
     File(#[from] FileError),
-    /// `--input` of something else.
+    /// `--input` with an address outside X.
     NoInput(String),
-    /// `--start` where no slide goes.
+    /// `--start` outside the travel of a slide.
     Beyond {
-        /// The axis.
+        /// Name of the axis.
         name: String,
-        /// The same in a machine file.
+        /// Its section in a machine file.
         section: String,
-        /// Ends of the slide, mm.
+        /// Minus end of the travel, mm.
         minus: f64,
-        /// The other one.
+        /// Plus end of the travel, mm.
         plus: f64,
     },
     /// `--param`.
     Parameter(#[from] ParameterError),
     /// `--model-param`.
     ModelParameter(Message),
-    /// What does not go together with a mill.
+    /// An option that does not apply to a mill.
     OfMill(#[from] OfMill),
     /// `--mill-start`, `--mill-zero`, `--mill-offset`.
     MillWord(Message),
@@ -61,58 +61,58 @@ pub enum LoadError {
     Offset(Box<Alarm>),
     /// An address of the PLC.
     Address {
-        /// What was written.
+        /// The text.
         text: String,
-        /// What is wrong with it.
+        /// The error.
         error: AddressError,
     },
     /// A ladder with errors.
     Ladder {
-        /// Its file.
+        /// Path of the ladder.
         path: PathBuf,
         /// Its errors.
         errors: CompileErrors,
     },
     /// A machine file that cannot be read.
     Machine {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Line, from 1.
         line: usize,
-        /// What is wrong there.
+        /// The error in this line.
         error: Box<ron::Error>,
     },
-    /// A number of a machine file that is not finite.
+    /// A number in a machine file is not finite.
     MachineNumber {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Line, from 1.
         line: usize,
-        /// As it is written.
+        /// The number as written.
         token: String,
     },
-    /// A machine file that breaks its rules.
+    /// A machine file that breaks the rules for lathes.
     NoLathe {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The rules.
+        /// The broken rules.
         rules: Vec<Message>,
     },
     /// No program is named.
     NoProgram,
-    /// A subprogram that nobody could call.
+    /// A subprogram without a number: no program could call it.
     NoNumber(PathBuf),
-    /// The memory does not take a program.
+    /// The memory refuses a program.
     NotStored {
-        /// Its file.
+        /// Path of its file.
         path: PathBuf,
-        /// Why.
+        /// The alarm.
         alarm: Box<Alarm>,
     },
 }
 
 impl LoadError {
-    /// What is said of it.
+    /// Returns the message for the operator.
     pub fn message(&self) -> Message {
         match self {
             Self::Data(error) => error.message(),
@@ -150,12 +150,12 @@ impl LoadError {
     }
 }
 
-/// A program in the control's memory, and what the user should know about it.
+/// Messages about the programs that were loaded into the memory.
 #[derive(Clone, Debug, Default)]
 pub struct Notices(pub Vec<Message>);
 
 impl Notices {
-    /// Prints them on standard error.
+    /// Prints the messages on standard error.
     pub fn print(&self, language: Option<Language>) {
         for notice in &self.0 {
             complain!("gsk980td: {}", report::said(notice, language));
@@ -163,8 +163,8 @@ impl Notices {
     }
 }
 
-/// What a control starts from that has no parameters of its own yet: without a machine
-/// file the training lathe, which has a chuck.
+/// Fits out a new control: without a machine file it drives the training lathe, which has
+/// a chuck.
 pub fn fitted(bare: Setup, machine: Option<&PathBuf>) -> Setup {
     match machine {
         Some(_) => bare,
@@ -172,9 +172,9 @@ pub fn fitted(bare: Setup, machine: Option<&PathBuf>) -> Setup {
     }
 }
 
-/// What a command starts from that writes nothing back: the data directory, if one
-/// is named, under the options. With a work zero (X as a diameter, machine coordinates)
-/// the tool starts where `--start`, or the place of a dry run, is counted from it.
+/// Makes the setup of a command that saves nothing: the data directory, if one is named,
+/// and the options on top. With a work zero (X as a diameter, machine coordinates, mm) the
+/// start position, of `--start` or of a dry run, counts from it.
 pub fn setup(
     args: &SetupArgs,
     work_zero: Option<(f64, f64)>,
@@ -191,7 +191,8 @@ pub fn setup(
     Ok(setup)
 }
 
-/// What `check` and `plot` start from with a mill, and a set-up for its programs.
+/// Makes the setups of `check` and `plot` with a mill: the mill, and the control that
+/// reads its programs.
 pub fn mill(args: &SetupArgs) -> Result<(MillSetup, Setup), LoadError> {
     args.lathe_words()?;
     let mut setup = Setup::default();
@@ -223,7 +224,8 @@ pub fn apply(setup: &mut Setup, args: &SetupArgs) -> Result<(), LoadError> {
     apply_from(setup, args, None)
 }
 
-/// The same; `zero`: where the work zero lies, if somebody has said so.
+/// Applies the options; `zero`: the work zero, if the options set it, machine coordinates,
+/// mm.
 fn apply_from(setup: &mut Setup, args: &SetupArgs, zero: Option<Point>) -> Result<(), LoadError> {
     if let Some(path) = &args.ladder {
         setup.ladder = ladder(path)?.into();
@@ -231,7 +233,7 @@ fn apply_from(setup: &mut Setup, args: &SetupArgs, zero: Option<Point>) -> Resul
     if let Some(path) = &args.machine {
         setup.lathe = machine(path)?;
         if setup.start == Setup::default().start {
-            // Nobody has said where: the place of a dry run is that of no machine.
+            // The start position of a dry run belongs to no machine.
             setup.start = Some(setup.lathe.start());
         }
     } else if let (Some(start), Some(zero)) = (&mut setup.start, zero) {
@@ -276,7 +278,7 @@ fn apply_from(setup: &mut Setup, args: &SetupArgs, zero: Option<Point>) -> Resul
     Ok(())
 }
 
-/// The tool starts where the slides can go.
+/// Checks that the start position is within the travel of the slides.
 fn check_start(setup: &Setup) -> Result<(), LoadError> {
     let beyond = setup.beyond_ends();
     let Some((axis, ends)) = beyond.first() else {
@@ -319,7 +321,7 @@ fn offset(setup: &mut Setup, word: &OffsetWord) -> Result<(), LoadError> {
         .map_err(|alarm| LoadError::Offset(Box::new(alarm)))
 }
 
-/// Reads an address like `X0.4`.
+/// Parses an address such as `X0.4`.
 pub fn address(text: &str) -> Result<BitAddress, LoadError> {
     text.parse().map_err(|error| LoadError::Address {
         text: text.to_owned(),
@@ -327,8 +329,8 @@ pub fn address(text: &str) -> Result<BitAddress, LoadError> {
     })
 }
 
-/// Compiles a ladder file; its first errors are named by line, and the way back
-/// to the standard ladder is told.
+/// Compiles a ladder file. The message of an error names the first bad lines and the
+/// option that returns to the standard ladder.
 pub fn ladder(path: &Path) -> Result<Arc<Ladder>, LoadError> {
     let file = program_file::read(path)?;
     match Ladder::compile(&file.text) {
@@ -345,7 +347,7 @@ pub fn machine(path: &Path) -> Result<LatheConfig, LoadError> {
     machine_of(path, &program_file::read(path)?.text)
 }
 
-/// The lathe of a text that is read from this file.
+/// Parses the text of a machine file; `path` is for messages.
 pub fn machine_of(path: &Path, text: &str) -> Result<LatheConfig, LoadError> {
     if let Some(NonFinite { line, token }) = find_non_finite(text) {
         return Err(LoadError::MachineNumber {
@@ -371,8 +373,8 @@ pub fn machine_of(path: &Path, text: &str) -> Result<LatheConfig, LoadError> {
     Ok(config)
 }
 
-/// Opens a program file as the external program, stores the programs it calls
-/// and those of further files, and selects it.
+/// Opens a program file as the external program, stores the programs it calls and those of
+/// further files, and selects it.
 pub fn open(setup: &mut Setup, files: &[PathBuf]) -> Result<Notices, LoadError> {
     let (main, others) = files.split_first().ok_or(LoadError::NoProgram)?;
     let memory = &mut setup.memory;
@@ -382,7 +384,7 @@ pub fn open(setup: &mut Setup, files: &[PathBuf]) -> Result<Notices, LoadError> 
     Ok(notices)
 }
 
-/// Reads a program file; what it needs besides is stored in the memory.
+/// Reads a program file and stores the other programs it needs in the memory.
 pub fn open_into(
     programs: &mut ProgramMemory,
     model: &ControlModel,
@@ -398,8 +400,8 @@ pub fn open_into(
 }
 
 /// Opens a program text as the external program, stores the programs it calls, and selects
-/// it. `path` is what it is called; `find` gives the programs that are called and not in the
-/// text, and what those call.
+/// it. `path` is its name; `find` returns the called programs that are not in the text,
+/// and those that they call.
 pub fn open_text(
     setup: &mut Setup,
     path: &Path,
@@ -416,7 +418,7 @@ pub fn open_text(
     Ok(notices)
 }
 
-/// The program of a text that is run; what it needs besides is stored in the memory.
+/// Returns the program of a text to run; stores the other programs it needs in the memory.
 fn take_in(
     (programs, model): (&mut ProgramMemory, &ControlModel),
     (main, text): (&Path, String),
@@ -461,15 +463,15 @@ pub fn store_files(programs: &mut ProgramMemory, files: &[PathBuf]) -> Result<No
     Ok(Notices(notices))
 }
 
-/// For DNC the standard ladder gives way to the one that has keys for it.
+/// Replaces the standard ladder by the one with keys for DNC.
 pub fn with_keys_for_dnc(setup: &mut Setup) {
     if setup.ladder.is_standard() {
         setup.ladder = dnc_teach_ladder().into();
     }
 }
 
-/// Which program of a file is run: the first, unless another one calls it; then the
-/// first that none calls.
+/// Returns the index of the program of a file to run: the first, unless another one calls
+/// it; then the first that no program calls.
 fn main_part(parts: &[Program], model: &ControlModel) -> usize {
     let [first, others @ ..] = parts else {
         return 0;
@@ -487,7 +489,7 @@ fn main_part(parts: &[Program], model: &ControlModel) -> usize {
     free.unwrap_or(0)
 }
 
-/// Stores a subprogram; a file without an O word gets the number of its name.
+/// Stores a subprogram; a text without an O word gets `number`.
 fn store(
     programs: &mut ProgramMemory,
     text: &str,
@@ -511,7 +513,7 @@ fn store(
     }
 }
 
-/// What `run` and its kin start from.
+/// Makes the setup of `run` and similar commands.
 pub fn dry_run_setup(args: &SetupArgs) -> Result<Setup, LoadError> {
     let mut setup = fitted(Setup::default(), args.machine.as_ref());
     apply(&mut setup, args)?;

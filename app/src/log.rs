@@ -1,6 +1,5 @@
-//! The log of the program: what it did, for whoever looks for a fault afterwards. The
-//! window writes it into a file of the day, commands on standard error if they are told
-//! to. Its words are English.
+//! The log of the program, for finding faults afterwards, in English. The window writes
+//! one file a day; commands write to standard error on request.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -18,11 +17,11 @@ use crate::platform::{LogFile, LogGuard, log_file};
 use crate::saying::of_system;
 use crate::setup_args::WordError;
 
-/// The folder in the data directory.
+/// Folder of the log in the data directory.
 pub const FOLDER: &str = "log";
-/// Files of days that are kept.
+/// Number of log files that are kept.
 const MOST_FILES: usize = 14;
-/// What the events of this program come from; those of libraries are left out.
+/// Target of this program's events; events of libraries are dropped.
 const OWN: &str = "gsk_app";
 
 /// Levels, from nothing to everything.
@@ -35,10 +34,10 @@ pub const LEVELS: [(&str, LevelFilter); 6] = [
     ("trace", LevelFilter::TRACE),
 ];
 
-/// Reads a level.
+/// Parses a level.
 ///
 /// # Errors
-/// It is none.
+/// The word is no level.
 pub fn level(word: &str) -> Result<LevelFilter, WordError> {
     let found = LEVELS.iter().find(|(name, _)| *name == word);
     let found = found.map(|(_, level)| *level);
@@ -49,23 +48,23 @@ pub fn level(word: &str) -> Result<LevelFilter, WordError> {
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct LogError {
-    /// Its folder, which cannot be made or takes no file.
+    /// The folder that cannot be created or written.
     folder: PathBuf,
-    /// What the system said.
+    /// Error of the system.
     cause: io::Error,
 }
 
 impl LogError {
-    /// What is said of it.
+    /// Returns the message for the operator.
     pub fn message(&self) -> Message {
         say::log_not_written(self.folder.display(), of_system(&self.cause))
     }
 }
 
-/// The thread that writes the file: dropped, it has written what waits.
+/// The thread that writes the file; dropping it writes what waits.
 static WRITER: Mutex<Option<LogGuard>> = Mutex::new(None);
 
-/// A log under way, which is finished when this is dropped.
+/// A running log; dropping it ends the log.
 #[must_use]
 #[derive(Debug)]
 pub struct Log(());
@@ -76,7 +75,7 @@ impl Drop for Log {
     }
 }
 
-/// Says that the program ends, and writes what waits: for an end that drops nothing.
+/// Logs the end of the program and writes what waits: for an exit that drops nothing.
 pub fn finish() {
     info!("ended");
     if let Ok(mut writer) = WRITER.lock() {
@@ -84,8 +83,8 @@ pub fn finish() {
     }
 }
 
-/// Begins the log in a data directory, in a file of today; a thread of its own writes
-/// it. None: it is off.
+/// Starts the log in today's file of a data directory; a separate thread writes it.
+/// `None`: the level is off.
 ///
 /// # Errors
 /// The folder cannot be written.
@@ -102,7 +101,7 @@ pub fn in_data(data: &Path, level: LevelFilter) -> Result<Option<Log>, LogError>
     Ok(Some(Log(())))
 }
 
-/// Begins the log on standard error. None: it is off.
+/// Starts the log on standard error. `None`: the level is off.
 pub fn on_terminal(level: LevelFilter) -> Option<Log> {
     if level == LevelFilter::OFF {
         return None;
@@ -112,7 +111,7 @@ pub fn on_terminal(level: LevelFilter) -> Option<Log> {
     Some(Log(()))
 }
 
-/// A file a day, the oldest go.
+/// Opens one file a day and deletes the oldest ones.
 fn file(folder: &Path) -> Result<(LogFile, LogGuard), LogError> {
     log_file(folder, MOST_FILES).map_err(|cause| LogError {
         folder: folder.to_owned(),
@@ -130,7 +129,7 @@ fn subscriber(
 }
 
 fn begin(subscriber: impl Subscriber + Send + Sync) {
-    // Only the first log of a process is one.
+    // Only the first log of a process takes effect.
     let _ = subscriber::set_global_default(subscriber);
     let before = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {

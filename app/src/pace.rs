@@ -1,22 +1,23 @@
-//! Machine time against wall time: how many ticks are due, and whether the PC
-//! keeps up.
+//! Paces machine time by wall time: how many ticks are due, and whether the computer keeps
+//! up.
 
 use web_time::{Duration, Instant};
 
-/// The kernel thread wakes up every so many milliseconds.
+/// Time between two turns of the kernel thread, ms.
 pub const BATCH_MS: u64 = 8;
-/// The most ticks run in one go at the speed of a real lathe, so that keys are seen in between.
+/// Limit of the ticks in one turn at the speed of a real lathe, so that keys take effect
+/// in between.
 const MOST_AT_ONCE: u64 = 40;
-/// What is missed beyond this is never caught up: the machine is slower than
-/// the clock then, and no motion is skipped.
+/// Longest delay that is caught up, ms. After a longer one the machine is slower than the
+/// clock, and no motion is skipped.
 const CATCH_UP_MS: u64 = 250;
-/// The ratio is measured over this time.
+/// Measuring time of the ratio.
 const WINDOW: Duration = Duration::from_secs(2);
 
-/// The most ticks run in one go when nothing but the computer limits them.
+/// Limit of the ticks in one turn at the speed of the computer.
 const FASTEST_AT_ONCE: u64 = 100_000;
 
-/// How fast machine time is to pass while a program runs on the simulated lathe.
+/// Speed of machine time while a program runs on the simulated lathe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Speed {
     /// Machine time over wall time, %.
@@ -26,10 +27,10 @@ pub enum Speed {
 }
 
 impl Speed {
-    /// As on a real lathe.
+    /// The speed of a real lathe.
     pub const REAL: Self = Self::Percent(100);
 
-    /// Those to choose from, the slowest first.
+    /// Speeds to choose from, the slowest first.
     pub const CHOICES: [Self; 11] = [
         Self::Percent(10),
         Self::Percent(25),
@@ -45,14 +46,14 @@ impl Speed {
     ];
 }
 
-/// Paces ticks of one millisecond.
+/// Paces ticks of 1 ms.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
     speed: Speed,
-    /// Wall time at which tick zero would have run.
+    /// Wall time of tick zero.
     origin: Instant,
     done: u64,
-    /// When was looked last.
+    /// Time of the last call of `due`.
     last: Instant,
     window_start: Instant,
     window_done: u64,
@@ -60,7 +61,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Starts at a moment.
+    /// Starts at a time.
     pub const fn new(now: Instant) -> Self {
         Self {
             speed: Speed::REAL,
@@ -73,12 +74,12 @@ impl Pace {
         }
     }
 
-    /// The speed in force.
+    /// Returns the speed in force.
     pub const fn speed(&self) -> Speed {
         self.speed
     }
 
-    /// Another speed from now on; what is due by the old one is forgotten.
+    /// Sets the speed; drops the ticks due by the old one.
     pub fn set_speed(&mut self, speed: Speed, now: Instant) {
         if speed == self.speed {
             return;
@@ -94,7 +95,7 @@ impl Pace {
         };
     }
 
-    /// The number of ticks to run now; they count as done.
+    /// Returns the number of ticks to run now; they count as done.
     pub fn due(&mut self, now: Instant) -> u64 {
         self.measure(now);
         self.last = now;
@@ -116,12 +117,12 @@ impl Pace {
         behind.min((MOST_AT_ONCE * percent / 100).max(1))
     }
 
-    /// So many of the ticks that were due have not run: there was no time.
+    /// Takes back ticks that were due and have not run, for lack of time.
     pub const fn give_back(&mut self, ticks: u64) {
         self.done = self.done.saturating_sub(ticks);
     }
 
-    /// When the next ticks are due.
+    /// Returns when the next ticks are due.
     pub fn next(&self) -> Instant {
         match self.speed {
             Speed::Percent(percent) => {
@@ -132,8 +133,8 @@ impl Pace {
         }
     }
 
-    /// Machine time over wall time in the last two seconds: what the speed says unless
-    /// the PC is too slow.
+    /// Returns machine time over wall time in the last two seconds: the speed in force
+    /// unless the computer is too slow.
     pub const fn ratio(&self) -> f64 {
         self.ratio
     }
@@ -184,7 +185,7 @@ mod tests {
             ran += pace.due(start + Duration::from_millis(200));
         }
         assert_eq!(ran, 200);
-        // An hour asleep.
+        // Asleep for one hour.
         let later = start + Duration::from_secs(3600);
         let mut ran = 0;
         for _ in 0..20 {
@@ -234,7 +235,7 @@ mod tests {
         }
         assert!((pace.ratio() - 30.0).abs() < 0.5, "{}", pace.ratio());
         assert!(ran <= 150_000);
-        // Back at the speed of a real lathe nothing is owed.
+        // At the speed of a real lathe no ticks are due from before.
         let now = start + Duration::from_secs(5);
         pace.set_speed(Speed::REAL, now);
         assert_eq!(pace.due(now + Duration::from_millis(8)), 8);

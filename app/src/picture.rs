@@ -1,4 +1,4 @@
-//! Files of pictures: under which names one may be written.
+//! Checks the file names of pictures before they are written.
 
 use std::fs::File;
 use std::io::Read;
@@ -7,22 +7,22 @@ use std::path::{Path, PathBuf};
 use gsk_messages::{Message, say};
 use gsk_runner::picture::{Format, NoPicture};
 
-/// Why no picture may be written under a name.
+/// Why a picture cannot be written under a name.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum NameError {
-    /// Its ending is none of a picture.
+    /// The extension is not that of a picture.
     Ending(#[from] NoPicture),
-    /// Its ending is another one than that of a PNG.
+    /// The extension is not that of a PNG.
     NoPng(PathBuf),
-    /// A solid is made of pixels.
+    /// A solid view is made of pixels, not of lines.
     NoLines(PathBuf),
-    /// What stands there is something else.
+    /// The existing file is not a picture.
     NotOverwritten(PathBuf),
 }
 
 impl NameError {
-    /// What is said of it.
+    /// Returns the message for the operator.
     pub fn message(&self) -> Message {
         match self {
             Self::Ending(error) => error.message(),
@@ -33,14 +33,14 @@ impl NameError {
     }
 }
 
-/// What every PNG file begins with.
+/// First bytes of every PNG file.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// Whether a PNG may be written under this name: it ends in `.png`, behind links too,
-/// and what stands there is a picture or nothing.
+/// Checks that a PNG may be written under this name: it ends in `.png`, links followed,
+/// and an existing file is a picture.
 ///
 /// # Errors
-/// A sentence with the name.
+/// The extension or the existing file forbids it; the message has the name.
 pub fn check_png(path: &Path) -> Result<(), NameError> {
     let target = path.canonicalize();
     let named = |path: &Path| matches!(Format::of(path), Ok(Format::Png));
@@ -59,14 +59,14 @@ pub fn check_png(path: &Path) -> Result<(), NameError> {
     Ok(())
 }
 
-/// Whether a name can become a picture.
+/// Checks that a PNG or SVG may be written under this name.
 ///
 /// # Errors
-/// A sentence with the name.
+/// The extension or the existing file forbids it; the message has the name.
 pub fn check_name(path: &Path) -> Result<(), NameError> {
     match (Format::of(path)?, path.canonicalize()) {
         (Format::Png, _) => check_png(path),
-        // What a link leads to is a drawing as well.
+        // The target of a link must be a picture, too.
         (Format::Svg, Ok(target)) => {
             Format::of(&target)?;
             Ok(())

@@ -1,5 +1,5 @@
-//! The sound of the machine (WINDOW-24): what the window hears of it goes to a thread,
-//! which mixes the samples that are due and hands them to the system's player.
+//! The sound of the machine (WINDOW-24): the window sends states of the machine to a
+//! thread, which mixes the due samples and passes them to the system's player.
 
 mod mixer;
 
@@ -11,30 +11,30 @@ use crate::platform::{self, Player};
 pub use mixer::{Heard, OUTPUTS};
 use mixer::{Mixer, RATE};
 
-/// Volumes to choose from, per cent.
+/// Volumes to choose from, %.
 pub const VOLUMES: [u8; 4] = [10, 25, 50, 100];
-/// Samples are handed over so long before they are heard.
+/// How far ahead of their time samples go to the player.
 const LEAD: Duration = Duration::from_millis(60);
-/// Between two looks at the clock.
+/// Time between two turns of the thread.
 const TURN: Duration = Duration::from_millis(10);
-/// What was not played for so long is left out: the computer was asleep.
+/// Sound that is later than this is dropped: the computer was asleep.
 const LOST: Duration = Duration::from_millis(500);
-/// States that wait to be heard.
+/// Capacity of the queue to the thread.
 const QUEUE: usize = 64;
 
-/// What the thread is told.
+/// A command for the thread.
 enum Order {
     Hear(Heard),
     Volume(u8),
 }
 
-/// The line to the thread.
+/// The window's end of the thread's channels.
 struct Line {
     orders: Sender<Order>,
     failed: Receiver<Message>,
 }
 
-/// The sound of the machine; without a volume there is no thread and no player.
+/// The sound of the machine; without a volume it needs no thread and no player.
 #[derive(Default)]
 pub struct Sounds {
     volume: Option<u8>,
@@ -42,8 +42,8 @@ pub struct Sounds {
 }
 
 impl Sounds {
-    /// Turns it on, off, or to another volume, per cent. What cannot be played is
-    /// said once.
+    /// Switches the sound on, off, or to another volume, %. Returns once the message of a
+    /// failed player.
     pub fn follow(&mut self, volume: Option<u8>) -> Option<Message> {
         if self.volume != volume {
             self.volume = volume;
@@ -60,15 +60,15 @@ impl Sounds {
         Some(failed)
     }
 
-    /// Whether somebody listens.
+    /// Whether the sound is on.
     pub const fn listens(&self) -> bool {
         self.line.is_some()
     }
 
-    /// Hears the machine as it is now.
+    /// Sends the current state of the machine.
     pub fn hear(&self, heard: Heard) {
         if let Some(line) = &self.line {
-            // A player that hangs must not hold the window up.
+            // A player that hangs must not hold up the window.
             let _ = line.orders.try_send(Order::Hear(heard));
         }
     }
@@ -107,7 +107,7 @@ fn begin(volume: u8) -> Option<Line> {
     Some(Line { orders, failed })
 }
 
-/// How many samples are due.
+/// Counts the samples that are due.
 struct Clock {
     begin: Instant,
     handed: usize,

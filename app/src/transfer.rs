@@ -1,5 +1,5 @@
-//! The partner at the control's serial port: a folder of the data directory takes
-//! what the control sends; files come from wherever the user has them.
+//! The partner at the control's serial port: a folder of the data directory takes the
+//! files that the control sends; the user chooses the files to receive.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -12,10 +12,10 @@ use crate::files::program_file::{self, FileError};
 use crate::platform;
 use crate::saying::of_system;
 
-/// The folder in the data directory.
+/// Folder of received files in the data directory.
 pub const FOLDER: &str = "transfer";
 
-/// What the control has sent cannot be stored.
+/// Why files that the control has sent cannot be stored.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct TransferError {
@@ -24,13 +24,16 @@ pub struct TransferError {
 }
 
 impl TransferError {
-    /// What is said of it.
+    /// Returns the message for the operator.
     pub fn message(&self) -> Message {
         say::file_not_written(self.folder.display(), of_system(&self.error))
     }
 }
 
-/// Writes files into the folder, making it if it is not there.
+/// Writes files into a folder; creates it if it does not exist.
+///
+/// # Errors
+/// The folder or a file cannot be written.
 pub fn write(folder: &Path, files: &[SerialFile]) -> Result<(), TransferError> {
     let wrong = |error| TransferError {
         folder: folder.to_owned(),
@@ -43,16 +46,19 @@ pub fn write(folder: &Path, files: &[SerialFile]) -> Result<(), TransferError> {
     Ok(())
 }
 
-/// Names that end so are data for the control, and no programs.
+/// Extensions of data for the control, as opposed to programs.
 const DATA: [&str; 3] = ["ofs", "wmp", "par"];
 
-/// Whether a file holds offsets, pitch errors or parameters.
+/// Whether a file contains tool offsets, pitch errors or parameters, by its extension.
 pub fn is_data(path: &Path) -> bool {
     let extension = path.extension().map(|name| name.to_string_lossy());
     extension.is_some_and(|name| DATA.iter().any(|data| name.eq_ignore_ascii_case(data)))
 }
 
 /// Reads a file for the control.
+///
+/// # Errors
+/// The file cannot be read or decoded.
 pub fn read(path: &Path) -> Result<SerialFile, FileError> {
     let name = path.file_name().unwrap_or_default();
     let file = program_file::read(path)?;
@@ -62,7 +68,7 @@ pub fn read(path: &Path) -> Result<SerialFile, FileError> {
     })
 }
 
-/// What was sent, for a message.
+/// Returns the names of files for a message.
 pub fn names(files: &[SerialFile]) -> String {
     match files {
         [file] => file.name.clone(),
@@ -71,8 +77,8 @@ pub fn names(files: &[SerialFile]) -> String {
     }
 }
 
-/// Writes them in a thread of their own: a slow disk never holds up the kernel. `done`
-/// is told what was written, or why it was not.
+/// Writes files in a separate thread: a slow disk never holds up the kernel. `done` gets
+/// the names and the folder, or why they were not written.
 pub fn write_aside(
     folder: PathBuf,
     files: Vec<SerialFile>,

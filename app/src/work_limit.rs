@@ -1,21 +1,20 @@
-//! When a look through a program is given up: by the work it takes, and by the time of this
-//! computer where the user asks for that.
+//! Limits a preview: by its amount of work, and by the time of this computer on request.
 
 use gsk_core::preview::{Progress, WorkBudget};
 use web_time::{Duration, Instant};
 
 use crate::platform;
 
-/// Limits of a look, from its beginning on.
+/// Limits of a preview, from its beginning on.
 #[derive(Clone, Copy, Debug)]
 pub struct WorkLimit {
     budget: WorkBudget,
-    /// When it ends whatever it has found.
+    /// When the preview ends in any case.
     deadline: Option<Instant>,
 }
 
 impl WorkLimit {
-    /// Limits the work alone: the same program gets the same verdict on every computer.
+    /// Limits the work alone: the same program gets the same result on every computer.
     pub fn new(budget: WorkBudget) -> Self {
         Self {
             budget: budget.min(platform::LARGEST_LOOK),
@@ -32,7 +31,7 @@ impl WorkLimit {
         }
     }
 
-    /// Whether a look that has come so far may go on.
+    /// Whether a preview with this progress may continue.
     pub fn allows(&self, progress: &Progress) -> bool {
         let in_time = |deadline| Instant::now() < deadline;
         self.budget.allows(progress) && self.deadline.is_none_or(in_time)

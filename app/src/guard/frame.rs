@@ -1,33 +1,33 @@
-//! What the program and the process that holds its port say to each other: a letter,
-//! a length of two bytes, so many bytes.
+//! Encodes the frames between the program and the process that holds its port: a letter, a
+//! length of two bytes, the content.
 
-/// The longest content.
+/// Longest content, bytes.
 pub const MOST: usize = 4096;
 const HEAD: usize = 3;
 
-/// What a frame is.
+/// Meaning of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// From the holder: bytes of the board.
     Data,
-    /// To the holder: bytes for the board, behind the moment they were handed over at:
-    /// see [`put_dated`].
+    /// To the holder: bytes for the board after the time they were sent at: see
+    /// [`put_dated`].
     Dated,
     /// To the holder: how long the program may be silent, and how old bytes for the board
     /// may be: see [`Lease`].
     Lease,
-    /// From the holder: the program did not renew its lease, or its bytes were too old; it
-    /// has stopped the board, which answered this.
+    /// From the holder: the program has not renewed its lease, or its bytes were too old.
+    /// The holder has stopped the board; the content is the board's answer.
     Stopped,
-    /// To the holder: what stops the board from now on; nothing: it is not to be stopped.
+    /// To the holder: the bytes that stop the board from now on; empty: do not stop it.
     Stop,
-    /// To the holder: the program closes the port; all is said.
+    /// To the holder: the program closes the port after its last bytes.
     End,
     /// From the holder: the port is open.
     Open,
-    /// From the holder: it is not, and why: a message as JSON.
+    /// From the holder: the port cannot be opened; the content is a message as JSON.
     Refused,
-    /// From the holder: the port failed with this error of the system, four bytes.
+    /// From the holder: the port failed with this error number of the system, four bytes.
     Gone,
 }
 
@@ -43,11 +43,11 @@ const LETTERS: [(Kind, u8); 9] = [
     (Kind::Gone, b'G'),
 ];
 
-/// A stream that is none of frames.
+/// A byte stream that contains no frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Strange;
 
-/// Appends a frame. What is longer than [`MOST`] is cut off.
+/// Appends a frame; cuts content above [`MOST`].
 pub fn put(out: &mut Vec<u8>, kind: Kind, content: &[u8]) {
     let content = &content[..content.len().min(MOST)];
     let letter = LETTERS.iter().find(|(one, _)| *one == kind);
@@ -56,19 +56,19 @@ pub fn put(out: &mut Vec<u8>, kind: Kind, content: &[u8]) {
     out.extend_from_slice(content);
 }
 
-/// Bytes of a date.
+/// Length of a time, bytes.
 const DATE: usize = 8;
-/// The longest bytes of a [`Kind::Dated`].
+/// Longest bytes of a [`Kind::Dated`].
 pub const MOST_DATED: usize = MOST - DATE;
 
-/// Appends a [`Kind::Dated`]: bytes for the board, handed over at this moment of the clock
-/// that both processes read, ms.
+/// Appends a [`Kind::Dated`]: bytes for the board, sent at time `at` of the clock that
+/// both processes read, ms; cuts bytes above [`MOST_DATED`].
 pub fn put_dated(out: &mut Vec<u8>, at: u64, bytes: &[u8]) {
     let bytes = &bytes[..bytes.len().min(MOST_DATED)];
     put(out, Kind::Dated, &[&at.to_le_bytes(), bytes].concat());
 }
 
-/// Moment and bytes of a [`Kind::Dated`].
+/// Splits the content of a [`Kind::Dated`] into time, ms, and bytes.
 pub fn dated(content: &[u8]) -> Option<(u64, &[u8])> {
     let (at, bytes) = content.split_first_chunk::<DATE>()?;
     Some((u64::from_le_bytes(*at), bytes))
@@ -77,16 +77,15 @@ pub fn dated(content: &[u8]) -> Option<(u64, &[u8])> {
 /// How long the holder waits for the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lease {
-    /// The board is stopped when the program was silent for so long, ms; 0: it need not
-    /// speak.
+    /// The holder stops the board when the program was silent for this time, ms; 0: never.
     pub silent_ms: u32,
-    /// Bytes for the board that are older than this are not written: the board has run dry
-    /// meanwhile, ms; 0: they are written whenever they come.
+    /// The holder drops bytes for the board that are older than this, ms, because the
+    /// board has run out of motion meanwhile; 0: it writes all bytes.
     pub stale_ms: u32,
 }
 
 impl Lease {
-    /// As the content of a [`Kind::Lease`].
+    /// Encodes the lease as the content of a [`Kind::Lease`].
     pub fn to_bytes(self) -> [u8; 8] {
         let [silent, stale] = [self.silent_ms, self.stale_ms].map(u32::to_le_bytes);
         let mut bytes = [0; 8];
@@ -95,7 +94,7 @@ impl Lease {
         bytes
     }
 
-    /// Of the content of a [`Kind::Lease`].
+    /// Decodes the content of a [`Kind::Lease`].
     pub fn from_bytes(content: &[u8]) -> Option<Self> {
         let (silent, stale) = content.split_first_chunk::<4>()?;
         Some(Self {
@@ -105,20 +104,20 @@ impl Lease {
     }
 }
 
-/// Finds the frames in a stream of bytes.
+/// Splits a stream of bytes into frames.
 #[derive(Debug, Default)]
 pub struct Reader(Vec<u8>);
 
 impl Reader {
-    /// Bytes came.
+    /// Appends received bytes.
     pub fn give(&mut self, bytes: &[u8]) {
         self.0.extend_from_slice(bytes);
     }
 
-    /// The next whole frame.
+    /// Takes the next complete frame; `None`: its bytes have not all arrived.
     ///
     /// # Errors
-    /// Nobody speaks so.
+    /// The bytes are no frame.
     pub fn take(&mut self) -> Result<Option<(Kind, Vec<u8>)>, Strange> {
         let [letter, low, high, ..] = self.0[..] else {
             return Ok(None);

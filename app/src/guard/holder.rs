@@ -1,5 +1,5 @@
-//! The process that holds a port: it carries bytes, and stops the board when the
-//! program at the other end of the tie is gone.
+//! The process that holds a port: it moves bytes, and stops the board when the program at
+//! the other end of the connection is gone.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -13,44 +13,45 @@ use super::now_ms;
 use crate::platform::{self, ToProgram};
 use crate::ports::Port;
 
-/// A port that another process holds may be that of a program that has just ended.
+/// How long to retry a port that a program has just closed.
 const FREE_WITHIN: Duration = Duration::from_secs(1);
-/// Between two looks whether the port says something.
+/// Time between two checks for bytes of the port.
 const READ_WAIT: Duration = Duration::from_secs(1);
-/// Bytes that are written at once: whoever can take some takes so many.
+/// Size of a write, bytes: a port that is ready takes at least this number.
 const AT_ONCE: usize = 256;
-/// How long a port may take none while the board is being stopped.
+/// Longest time a port may take no bytes while the holder stops the board.
 const STUCK: Duration = Duration::from_millis(500);
-/// When the board is told to stop after the program has gone, ms. Once may be lost, and
-/// FluidNC carries out a line that it had taken behind the first one.
+/// Times after the loss of the program at which the holder sends the stop bytes, ms. One
+/// copy may be lost, and FluidNC carries out a line that it had received after the first
+/// copy.
 const STOPS: [u64; 5] = [0, 30, 100, 250, 600];
-/// What the board answers to that is taken away for so long: whoever opens the port next
-/// would take it for an answer of his own.
+/// How long the holder reads the board's answer to the stop bytes: the next program that
+/// opens the port would take it for its own.
 const ANSWERS: Duration = Duration::from_millis(200);
 
-/// Between two looks whether the program still renews its lease.
+/// Time between two checks whether the program renews its lease.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Why nothing more is carried.
+/// Why the holder moves no more bytes.
 enum Gone {
     /// The program has closed the port.
     Closed,
-    /// It is gone, whatever the reason.
+    /// The program is gone, for any reason.
     Lost,
-    /// It is there and has not renewed its lease, or what it said came too late.
+    /// The program runs, but has not renewed its lease, or its bytes came too late.
     Silent,
 }
 
-/// What the board answers while it is being stopped; None: it goes to the program.
+/// The board's answer to the stop bytes; `None`: the bytes go to the program.
 type Answers = Arc<Mutex<Option<Vec<u8>>>>;
 
-/// Standard input is no program that wants a port held.
+/// Standard input is not connected to a program that needs a holder.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct NoProgram(io::Error);
 
 impl NoProgram {
-    /// What is said of it.
+    /// Returns the message for the operator.
     pub fn message(&self) -> Message {
         gsk_messages::say::port_no_holder_wanted(&self.0)
     }
@@ -59,10 +60,10 @@ impl NoProgram {
 /// Opens a port and holds it until the program at standard input is gone.
 ///
 /// # Errors
-/// Standard input is no such program.
+/// Standard input is not connected to such a program.
 pub fn hold(path: &str, baud: u32) -> Result<(), NoProgram> {
     let mut partner = ToProgram::at_standard_input().map_err(NoProgram)?;
-    // The board is stopped before this process goes, whatever it is told.
+    // The holder stops the board before it ends: it ignores termination signals.
     platform::outlive_ending();
     platform::name_process("gsk980td-port");
     let opened = Port::open_within(path, baud, FREE_WITHIN)
@@ -70,14 +71,14 @@ pub fn hold(path: &str, baud: u32) -> Result<(), NoProgram> {
     let (inward, mut port) = match opened {
         Ok(opened) => opened,
         Err(cause) => {
-            // The program speaks the language of its user, and not this one.
+            // The program knows the language of its user, this process does not.
             let said = serde_json::to_vec(&cause.message()).unwrap_or_default();
             let _ = say(&mut partner, Kind::Refused, &said);
             return Ok(());
         }
     };
-    // Before anything the board says; whoever does not hear it is gone already, and that
-    // is noticed below.
+    // Sent before any byte of the board. A program that does not receive it is gone; the
+    // code below notices that.
     let _ = say(&mut partner, Kind::Open, &[]);
     let answers = Answers::default();
     let reads = partner
@@ -89,7 +90,7 @@ pub fn hold(path: &str, baud: u32) -> Result<(), NoProgram> {
     }
     let mut stop = Vec::new();
     match carry(&mut partner, &mut port, &mut stop) {
-        // It has stopped the board by itself.
+        // The program has stopped the board itself.
         Ok(Gone::Closed) => {}
         Ok(Gone::Lost) => stop_board(&mut port, &stop),
         Ok(Gone::Silent) => {
@@ -118,7 +119,7 @@ fn lock(answers: &Answers) -> MutexGuard<'_, Option<Vec<u8>>> {
     answers.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What the board says goes to the program, in a thread of its own.
+/// Starts the thread that passes the board's bytes to the program.
 fn listen(mut port: Port, mut partner: ToProgram, answers: Answers) -> io::Result<()> {
     let listen = move || {
         loop {
@@ -129,7 +130,7 @@ fn listen(mut port: Port, mut partner: ToProgram, answers: Answers) -> io::Resul
             }
             match read {
                 Ok(bytes) if bytes.is_empty() => {}
-                // A program that is gone hears nothing; the board goes on speaking.
+                // A program that is gone receives nothing; the board continues to send.
                 Ok(bytes) => drop(say(&mut partner, Kind::Data, &bytes)),
                 Err(error) => {
                     tell_gone(&mut partner, &error);
@@ -145,14 +146,14 @@ fn listen(mut port: Port, mut partner: ToProgram, answers: Answers) -> io::Resul
         .map(drop)
 }
 
-/// Carries what the program says to the port until it is gone.
+/// Passes the program's bytes to the port until the program is gone.
 fn carry(partner: &mut ToProgram, port: &mut Port, stop: &mut Vec<u8>) -> io::Result<Gone> {
     let mut reader = Reader::default();
     let mut buffer = [0; frame::MOST];
     let mut lease = Lease::default();
     let mut silent = Duration::ZERO;
     loop {
-        // Its own absence is not counted: then the program may have been away, too.
+        // The holder's own sleep does not count: the program may have slept, too.
         if !partner.has_said_within(LOOK)? {
             silent += LOOK;
             let longest = Duration::from_millis(lease.silent_ms.into());
@@ -170,7 +171,7 @@ fn carry(partner: &mut ToProgram, port: &mut Port, stop: &mut Vec<u8>) -> io::Re
         }
         loop {
             match reader.take() {
-                // What a program that is gone has left says nothing any more.
+                // The remaining bytes of a program that is gone are obsolete.
                 Ok(Some((Kind::Dated, _))) if partner.is_gone() => {}
                 Ok(Some((Kind::Dated, content))) => {
                     let Some((at, bytes)) = frame::dated(&content) else {
@@ -197,8 +198,8 @@ fn carry(partner: &mut ToProgram, port: &mut Port, stop: &mut Vec<u8>) -> io::Re
     }
 }
 
-/// Writes all of it, unless it is given up: asked whenever the port takes nothing, with
-/// the time since it last did.
+/// Writes all bytes. When the port takes none, calls `give_up` with the time since it last
+/// took some; true ends the write.
 fn write(port: &mut Port, mut bytes: &[u8], give_up: impl Fn(Duration) -> bool) -> io::Result<()> {
     let mut taken = Instant::now();
     while !bytes.is_empty() {
@@ -213,7 +214,7 @@ fn write(port: &mut Port, mut bytes: &[u8], give_up: impl Fn(Duration) -> bool) 
     Ok(())
 }
 
-/// Tells the board to stop at these times.
+/// Sends the stop bytes to the board at the times in [`STOPS`].
 fn stop_board(port: &mut Port, stop: &[u8]) {
     if stop.is_empty() {
         return;

@@ -1,5 +1,5 @@
-//! What passes between the kernel and the window: commands one way, pictures and notices
-//! the other.
+//! The interface between the kernel and the window: commands to the kernel, snapshots and
+//! notices to the window.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -39,154 +39,156 @@ use crate::job::Chosen;
 use crate::pace::Speed;
 use crate::platform;
 
-/// What the window asks of the kernel.
+/// A command of the window to the kernel.
 #[derive(Clone, Debug)]
 pub enum Command {
-    /// A key of the panel went down or came up.
+    /// A key of the panel goes down or comes up.
     Key {
         /// The key.
         key: Key,
-        /// Down, or up.
+        /// True: down; false: up.
         down: bool,
     },
-    /// Press a key and let it go.
+    /// Press a key and release it.
     Tap(Key),
-    /// A character that the panel has no key of its own for.
+    /// A typed character that has no key on the panel.
     Type(char),
-    /// Turn the handwheel by so many detents.
+    /// Turn the handwheel by this number of detents.
     Turn(i32),
-    /// Open a program that was read from a file.
+    /// Open a program read from a file.
     Open(Box<Opened>),
-    /// Open a program and press [自动] and cycle start: a person wants to see it cut. With a
-    /// pulse board it is opened only.
+    /// Open a program and press [自动] and cycle start. With a pulse board the program is
+    /// opened only.
     OpenAndStart(Box<Opened>),
-    /// A file comes in through the serial port.
+    /// Receive a file through the serial port.
     Receive(Box<SerialFile>),
-    /// The partner could not take what the control sent.
+    /// The partner could not take the file that the control has sent.
     TransferFailed,
-    /// What the opened program cuts, for the graphic page.
+    /// Range of the opened program's cuts, for the graphic page.
     Fit {
-        /// Least point, X as a radius.
+        /// Least point, mm, X as a radius.
         least: Point,
-        /// Greatest point.
+        /// Greatest point, mm, X as a radius.
         greatest: Point,
     },
-    /// Take samples for the scope from now on, or no more.
+    /// Take samples for the scope; `None` stops it.
     Probe(Option<Probe>),
-    /// Hand out the machine and the PLC with the pictures, or no more.
+    /// Publish machine and PLC with the snapshots, or stop it.
     Monitor(bool),
-    /// Break something, or mend it.
+    /// Set a fault of the lathe, or clear it.
     Fault(Fault, bool),
-    /// Ask the control for something; a refusal is said.
+    /// Send a request to the control; a refusal becomes a notice.
     Ask(Box<Request>),
-    /// Ask the control for parameters, pitch errors, offsets and variables, all of them or
-    /// none; a refusal is said.
+    /// Write parameters, pitch errors, offsets and variables, all or none; a refusal
+    /// becomes a notice.
     Write(Vec<Request>),
     /// Switch the control off and on again.
     PowerCycle,
-    /// Hold a machine input at a value, or give it back to its sensor.
+    /// Force a machine input to a value; `None` returns it to its sensor.
     ForceInput(BitAddress, Option<bool>),
-    /// Let every forced bit of the PLC go.
+    /// Release every forced bit of the PLC.
     FreeBits,
-    /// Mend every fault and give every input back to its sensor.
+    /// Clear every fault of the lathe and return every input to its sensor.
     Mend,
     /// End the faults of a crash and press RESET.
     FreeLathe,
-    /// Run programs at this speed from now on, while no board moves real slides.
+    /// Run programs at this speed, unless a board moves real slides.
     Speed(Speed),
-    /// Do something with lessons.
+    /// A command for lessons.
     Lesson(LessonOrder),
-    /// Do something with the pulse board.
+    /// A command for the pulse board.
     Link(LinkOrder),
-    /// Hand out what the LCD shows in the other language, too, or no more.
+    /// Publish the LCD in the other language, too, or stop it.
     Translate(bool),
-    /// Hand out what is heard of the machine, or no more.
+    /// Publish the motion for the sound of the machine, or stop it.
     Listen(bool),
-    /// Hand out the state of the pulse board, or no more.
+    /// Publish the state of the pulse board, or stop it.
     WatchLink(bool),
-    /// Store a text as a program of the memory, and say what came of it.
+    /// Store a text as a program of the memory; the channel receives its number or why it
+    /// is not stored.
     Store(String, Sender<Result<u16, NotStored>>),
-    /// Hand out once what a preview of the control as it stands starts from.
+    /// Send once the setup for a preview of the current control.
     HandOut(Sender<Box<Setup>>),
-    /// Hand out once what the control holds, and the operation level in force.
+    /// Send once the content of the control and the operation level in force.
     HandOutState(Sender<Box<(ProjectState, Level)>>),
-    /// The job of the part in the simulated lathe, on fresh stock; none: there is none.
+    /// Set the job of the part in the simulated lathe, on fresh stock; `None`: there is no
+    /// job.
     Job(Option<Box<Chosen>>),
-    /// New stock is clamped.
+    /// Clamp new stock.
     FreshStock,
-    /// Whether the simulated lathe stops where a tool hits something.
+    /// Whether the simulated lathe stops at a collision.
     CrashStops(bool),
-    /// Hand out the part with the pictures, or no more; it is cut in either case.
+    /// Publish the part with the snapshots, or stop it. The part is cut in either case.
     ShowPart(bool),
-    /// The window is alive; held keys may stay down.
+    /// The window is alive: held keys stay down.
     Alive,
-    /// Let go of every key.
+    /// Release every key.
     ReleaseAll,
-    /// Stop the kernel.
     Quit,
 }
 
-/// What may be asked of the pulse board.
+/// A command for the pulse board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkOrder {
     /// Close the port and open it again.
     Reconnect,
     /// Write the settings that differ into the board.
     WriteSettings,
-    /// Compare its count with the commanded pulses now.
+    /// Compare the board's count with the commanded pulses now.
     Check,
 }
 
-/// What becomes of a program whose number is in the memory already, with another text.
+/// What to do with an opened program if the memory has another program of its number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Storing {
-    /// Whoever opened it is asked.
+    /// Query the operator.
     #[default]
     Ask,
-    /// It takes the place of the other.
+    /// Replace the stored program.
     Replace,
-    /// It is run without being stored.
+    /// Run the program without storing it.
     RunOnly,
 }
 
-/// A program read from a file, ready for the control.
+/// A program read from a file, ready to be opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Opened {
-    /// Name to be shown.
+    /// Name to show.
     pub name: String,
-    /// Its file; a sample has none.
+    /// Path of the file; `None` for a sample.
     pub path: Option<PathBuf>,
-    /// What becomes of it when its number is taken.
+    /// What to do if its number is taken.
     pub storing: Storing,
     /// The program.
     pub program: Program,
-    /// Subprograms from its folder.
+    /// Subprograms from the folder of the file.
     pub subprograms: Vec<Program>,
 }
 
-/// Where an opened program stands.
+/// Where the kernel has put an opened program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// In the memory, under its number.
+    /// In the memory, under this number.
     Stored(u16),
-    /// It can be run and read, but not edited, and is gone with the power.
+    /// Outside the memory: it can be run and read, but not edited, and it is lost at
+    /// power-off.
     OnlyRun(NotStored),
 }
 
-/// Why an opened program is not in the memory.
+/// Why an opened program is not stored.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NotStored {
-    /// It has no number, nor has its name.
+    /// Neither the program nor its file name has a number.
     NoNumber,
-    /// Its number belongs to another program, which was to stay.
+    /// Another program has its number and is kept.
     NumberTaken(u16),
-    /// Switch, lock or level stand against it.
+    /// The program switch, a program lock or the operation level forbids it.
     Refused(Refusal),
-    /// The memory does not take it.
+    /// The memory refuses it with this alarm.
     Alarm(Alarm),
 }
 
-/// What the kernel tells the window besides pictures; none is lost.
+/// What the kernel reports to the window besides snapshots; the window loses none.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Notice {
     /// A program was opened.
@@ -195,37 +197,37 @@ pub enum Notice {
         name: String,
         /// Its file, if it has one.
         path: Option<PathBuf>,
-        /// Where it stands now.
+        /// Where the kernel has put it.
         place: Place,
     },
-    /// It was not opened: the memory has another program of its number.
+    /// The program was not opened: the memory has another program of its number.
     NumberTaken(Box<Opened>, u16),
-    /// The control has sent something: what, and where it is.
+    /// The control has sent a file: what and where it is.
     Sent(String),
-    /// Something went wrong, or should be known.
+    /// A message to the operator.
     Said(Message),
-    /// The tool has hit something.
+    /// The tool has collided.
     Collided(Message),
-    /// New stock is clamped: what was hit before is over.
+    /// New stock is clamped: earlier collisions do not count any more.
     FreshStock,
-    /// The control refused what was asked of it.
+    /// The control has refused a request with this alarm.
     Refused(Alarm),
-    /// A program that was opened, by the name of its file, has been looked through.
+    /// The preview of an opened program is finished: its file name and the findings.
     Looked(String, Box<FirstLook>),
-    /// A key does nothing, and why; none: a key acts again.
+    /// A key does nothing, and why; `None`: a key acts again.
     Key(Option<Message>),
 }
 
-/// The panel as it is seen at one moment.
+/// The state of the panel at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     /// The LCD.
     pub screen: Screen,
-    /// The same in the language that it does not speak, while that is asked for.
+    /// The LCD in the other language, while the window has requested it.
     pub translated: Option<Box<Screen>>,
-    /// The page on it.
+    /// The page on the LCD.
     pub page: PageId,
-    /// Which way the axis keys move the slides.
+    /// Direction of the axis keys.
     pub keys_reversed: KeysReversed,
     /// The control model.
     pub model: ModelId,
@@ -233,53 +235,53 @@ pub struct Snapshot {
     pub brightness: u8,
     /// Lamps: the Y memory.
     pub y: [u8; 20],
-    /// Keys that are down, the latched emergency stop among them.
+    /// Keys that are down, including the latched emergency stop.
     pub pressed: Vec<Key>,
     /// Position of the handwheel, detents.
     pub wheel: i32,
-    /// Machine time over wall time at the speed of a real lathe, %; 100 unless the PC is
-    /// too slow.
+    /// Machine time over wall time at the speed of a real lathe, %; 100 unless the
+    /// computer is too slow.
     pub speed_percent: u32,
-    /// How fast a program is to run.
+    /// The selected speed of programs.
     pub speed: Speed,
-    /// Machine time over wall time while another speed than a real lathe's is in force.
+    /// Machine time over wall time while a speed other than a real lathe's is in force.
     pub times: Option<Times>,
-    /// What stands against ladder and sensors.
+    /// Forced bits, forced inputs and faults.
     pub imposed: Imposed,
-    /// The newest alarm that stands, or the first message of the ladder.
+    /// The newest active alarm, or the first message of the ladder.
     pub alarm: Option<Alarm>,
-    /// The slides behind a pulse board want their reference return.
+    /// The slides of a pulse board need a reference return.
     pub place_unknown: bool,
-    /// State of the pulse board that moves real slides, if there is one.
+    /// State of the pulse board that moves real slides; `None`: the lathe is simulated.
     pub board: Option<LinkState>,
     /// Whether a program runs or is held.
     pub run: RunState,
-    /// What the program under way waits for, if that takes longer than usual.
+    /// What the running program waits for, once that takes longer than usual.
     pub waits: Option<Waits>,
     /// A slide or the spindle moves.
     pub moves: bool,
     /// The selected program.
     pub program: Option<ProgramId>,
-    /// The lesson under way: all that is shown is its practice machine.
+    /// The lesson under way: the snapshot then shows its practice machine.
     pub lesson: Option<LessonState>,
-    /// The alarms that were raised since the control was opened, the newest first.
+    /// The alarms raised since the control was opened, the newest first.
     pub raised: Arc<Vec<AlarmRecord>>,
-    /// Slides and spindle, while somebody listens.
+    /// Slides and spindle, while the window plays the sound of the machine.
     pub motion: Option<Motion>,
 }
 
-/// What moves.
+/// Motion of slides and spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// Where the slides are, mm (X in radius).
+    /// Position of the slides, mm (X as a radius).
     pub slides: Point,
-    /// Speed of the spindle without its direction, r/min, in steps so that pictures do not
-    /// change for nothing.
+    /// Absolute speed of the spindle, r/min, rounded so that snapshots do not change
+    /// needlessly.
     pub spindle: f64,
 }
 
-/// Whether the axis keys move the slides the other way round than on a lathe with its chuck
-/// on the left and its tool post in front.
+/// Whether the axis keys move the slides in the opposite direction from a lathe with its
+/// chuck on the left and its tool post in front.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct KeysReversed {
     /// The upper key is X+ (175.0).
@@ -288,53 +290,53 @@ pub struct KeysReversed {
     pub z: bool,
 }
 
-/// Machine time over wall time, in steps so that pictures do not change for nothing.
+/// Machine time over wall time, rounded so that snapshots do not change needlessly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Times(pub f64);
 
-/// What views have imposed on control and lathe; it stands until it is taken back,
-/// also when the view is closed.
+/// What views have forced on control and lathe; it remains until it is taken back, also
+/// when the view is closed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Imposed {
-    /// Forced bits of the PLC.
+    /// Number of forced bits of the PLC.
     pub bits: usize,
-    /// Machine inputs held at a value.
+    /// Number of forced machine inputs.
     pub inputs: usize,
-    /// Faults of the lathe.
+    /// Number of faults of the lathe.
     pub faults: usize,
 }
 
 /// The window's end of the channels.
 #[derive(Clone, Debug)]
 pub struct Console {
-    /// To the kernel.
+    /// Commands to the kernel.
     pub commands: Sender<Command>,
-    /// The newest picture.
+    /// The newest snapshot.
     pub pictures: Arc<ArrayQueue<Snapshot>>,
-    /// The newest state of machine and PLC, while it is asked for.
+    /// The newest state of machine and PLC, while the window has requested it.
     pub machine: Arc<ArrayQueue<MachineView>>,
-    /// The newest state of the pulse board, while it is asked for.
+    /// The newest state of the pulse board, while the window has requested it.
     pub link: Arc<ArrayQueue<LinkView>>,
     /// The newest state of the part, while there is a job.
     pub part: Arc<ArrayQueue<PartView>>,
-    /// Messages.
+    /// Notices from the kernel.
     pub notices: Receiver<Notice>,
-    /// For helpers that read files: their messages come out of `notices`.
+    /// For helper threads: their notices come out of `notices`.
     pub say: Sender<Notice>,
-    /// What proves that held keys are still held.
+    /// Proof that held keys are still held.
     pub watch: InputWatch,
 }
 
 impl Console {
-    /// Sends a command; a kernel that has ended hears nothing.
+    /// Sends a command without waiting; a full queue or an ended kernel drops it.
     pub fn send(&self, command: Command) {
-        // A full queue means that the kernel has stood still for a thousand
-        // commands: one more would not help, and the window must not wait.
+        // A full queue means that the kernel has not run for a thousand commands: one more
+        // would not help, and the window must not wait.
         let _ = self.commands.try_send(command);
     }
 
-    /// What a preview of the control as it stands starts from; `None` where the kernel
-    /// gives no answer. It waits: for threads beside the window only.
+    /// Returns the setup for a preview of the current control; `None` if the kernel does
+    /// not answer within 5 s. It blocks: call it from helper threads only.
     pub fn setup(&self) -> Option<Setup> {
         const LONGEST: Duration = Duration::from_secs(5);
         let (to, answer) = bounded(1);
@@ -342,8 +344,8 @@ impl Console {
         platform::answer(&answer, LONGEST).map(|setup| *setup)
     }
 
-    /// What the control holds, and the operation level in force; `None` where the kernel
-    /// gives no answer. It waits, as [`Self::setup`] does.
+    /// Returns the content of the control and the operation level in force; `None` if the
+    /// kernel does not answer within 5 s. It blocks, as [`Self::setup`] does.
     pub fn state(&self) -> Option<(ProjectState, Level)> {
         const LONGEST: Duration = Duration::from_secs(5);
         let (to, answer) = bounded(1);
@@ -351,8 +353,8 @@ impl Console {
         platform::answer(&answer, LONGEST).map(|state| *state)
     }
 
-    /// Stores a text as a program of the memory and selects it; `None` where the kernel
-    /// gives no answer. It waits, as [`Self::setup`] does.
+    /// Stores a text as a program of the memory and selects it; returns its number. `None`
+    /// if the kernel does not answer within 5 s. It blocks, as [`Self::setup`] does.
     pub fn store(&self, text: String) -> Option<Result<u16, NotStored>> {
         const LONGEST: Duration = Duration::from_secs(5);
         let (to, answer) = bounded(1);

@@ -1,5 +1,5 @@
-//! A pulse board in the kernel's hands: its port, the control it moves, and the
-//! pictures that wait until the slides are where they show them.
+//! Drives a pulse board for the kernel: its port, the control whose slides it moves, and
+//! the snapshots that wait until the slides have reached their positions.
 
 use std::collections::VecDeque;
 use std::fs::OpenOptions;
@@ -23,51 +23,52 @@ use crate::guard::Orphan;
 use crate::host_clock::HostClock;
 use crate::ports;
 
-/// Lines of the traffic that are kept for the link page.
+/// Lines of traffic kept for the link page.
 const EXCHANGES: usize = 200;
-/// Round trips that median and worst are of.
+/// Round trips for median and worst.
 const TRIPS: usize = 100;
-/// Between two looks of the link page.
+/// Time between two updates of the link page.
 const VIEW_INTERVAL: Duration = Duration::from_millis(100);
-/// A computer that was away for so long is busy.
+/// A computer that has not read the port for this time is busy.
 const BUSY: Duration = Duration::from_millis(20);
-/// Two of them are "of late" for the time the port was not looked at.
+/// The longest recent absence from the port covers one to two of these intervals.
 const AWAY_INTERVAL: Duration = Duration::from_secs(5);
-/// Lines of the log that are kept for the link page.
+/// Lines of the log kept for the link page.
 const LOG_LINES: usize = 20;
 
-/// End of the names of the files with dictionaries of boards; how many are read, and
-/// how long they and their names may be.
+/// Extension of the files with the dictionaries of boards; limits of their count, size and
+/// name.
 const DICTIONARY: &str = "dictionary";
 const MOST_BOARDS: usize = 16;
 const LONGEST_FILE: u64 = 1 << 17;
 const LONGEST_NAME: usize = 80;
 
-/// Which board, and where its log goes.
+/// Configuration of a board, and the files about it.
 #[derive(Clone, Debug)]
 pub struct Connection {
     /// The section `link` of the machine file.
     pub config: LinkConfig,
-    /// The log of position checks, if there is a place for it.
+    /// File for the log of position checks; `None`: no log.
     pub log: Option<PathBuf>,
-    /// Folder for what boards say they understand.
+    /// Folder for the dictionaries of boards, so that a known board connects faster;
+    /// `None`: keep none.
     pub boards: Option<PathBuf>,
     /// The program of the process that holds the port: [`crate::platform::own_program`].
     pub program: PathBuf,
 }
 
-/// How long the board was not heard, because the computer did something else.
+/// How long the computer did not read the port, because it was busy.
 #[derive(Clone, Copy, Debug, Default)]
 struct Away {
     heard: Duration,
-    /// The longest of the interval that runs, and of the one before it.
+    /// The longest absence of the current interval, and of the one before it.
     late: [Duration; 2],
     turns: Duration,
     longest: Duration,
 }
 
 impl Away {
-    /// The board is heard.
+    /// Records a read of the port.
     fn hear(&mut self, now: Duration) {
         let away = now.saturating_sub(self.heard);
         self.heard = now;
@@ -79,23 +80,24 @@ impl Away {
         self.longest = self.longest.max(away);
     }
 
-    /// The longest of late, and of all.
+    /// Returns the longest recent absence, and the longest of all.
     fn longest(&self) -> (Duration, Duration) {
         (self.late[0].max(self.late[1]), self.longest)
     }
 }
 
-/// A board that drives the control's slides.
+/// A board that moves the control's slides.
 pub(super) struct Drive {
     connection: Connection,
     linked: Linked,
-    /// None when the port could not be opened, or has failed.
+    /// `None` if the port could not be opened or has failed.
     carrier: Option<Carrier>,
     clock: HostClock,
-    /// What the board answers to the holder that stops it in place of the one that is gone.
+    /// The answers of the board to the holder that stops it after the first holder is
+    /// gone.
     being_stopped: Option<Receiver<Vec<u8>>>,
     watched: bool,
-    /// When the link page looks again.
+    /// When the view of the link page is due.
     next_view: Duration,
     pictures: VecDeque<(Stamp, Snapshot)>,
     exchanges: VecDeque<Line>,
@@ -104,7 +106,7 @@ pub(super) struct Drive {
     reports: u64,
     differences: Vec<SettingDifference>,
     log: VecDeque<PositionCheck>,
-    /// For the operator.
+    /// Messages for the operator.
     said: Vec<Message>,
 }
 
@@ -118,7 +120,7 @@ impl core::fmt::Debug for Drive {
 }
 
 impl Drive {
-    /// Opens the port; a port that cannot be opened is an alarm of the control.
+    /// Opens the port; a port that cannot be opened raises an alarm of the control.
     pub fn open(connection: Connection, simulation: &mut Simulation) -> Self {
         tracing::info!(port = connection.config.port, "port of the board");
         let mut linked = Linked::open(connection.config.clone(), simulation, Duration::ZERO);
@@ -130,7 +132,7 @@ impl Drive {
         );
         let carrier = match Carrier::open(&connection.config, &connection.program) {
             Ok(mut carrier) => {
-                // Who opens the link page after a fault wants to see what came before it.
+                // The link page shows after a fault what came before it.
                 carrier.watch(true);
                 Some(carrier)
             }
@@ -159,7 +161,7 @@ impl Drive {
         }
     }
 
-    /// Gives the slides back to the simulation; the board stops.
+    /// Stops the board and returns the slides to the simulation.
     pub fn close(mut self, simulation: &mut Simulation) -> Connection {
         self.linked.check_last();
         for note in self.linked.notes() {
@@ -178,7 +180,7 @@ impl Drive {
         connection
     }
 
-    /// Hears the board and lets its time pass; waits at most 2 ms.
+    /// Reads the board's bytes and advances its time; waits at most 2 ms.
     pub fn hear(&mut self) {
         let bytes = match self.carrier.as_mut().map(Carrier::read) {
             Some(Ok(bytes)) => bytes,
@@ -199,7 +201,8 @@ impl Drive {
             self.linked.judge_absence(jump);
         }
         if self.linked.is_opening() {
-            // What a board says of itself for the first time is put on the disk.
+            // The first dictionary of a board is written to the disk here: this absence
+            // does not count.
             self.away = Away {
                 heard: now,
                 ..Away::default()
@@ -208,7 +211,7 @@ impl Drive {
         self.away.hear(now);
         self.linked.pump(&bytes, now);
         if self.linked.state() == LinkState::Opening {
-            // What was found different is found again.
+            // The board reports all differences again.
             self.differences.clear();
         }
         let traffic = self.linked.traffic();
@@ -218,7 +221,7 @@ impl Drive {
         }
     }
 
-    /// The port is gone, or its holder is.
+    /// Handles the loss of the port or of its holder.
     fn lose(&mut self, error: &std::io::Error) {
         let orphan = self.carrier.take().and_then(|mut it| it.take_orphan());
         let cause = ports::gone(error);
@@ -231,37 +234,35 @@ impl Drive {
         }
     }
 
-    /// Whether the computer has other things to do than to look at the port.
+    /// Whether the computer is too busy to read the port in time.
     pub fn is_hurried(&self) -> bool {
         self.away.longest().0 > BUSY
     }
 
-    /// Where the link stands.
     pub fn state(&self) -> LinkState {
         self.linked.state()
     }
 
-    /// Whether the slides may still be on their way.
+    /// Whether the slides may still be moving.
     pub fn is_behind(&self) -> bool {
         self.linked.is_behind()
     }
 
-    /// Whether the kernel may make a tick.
     pub fn may_tick(&mut self) -> bool {
         self.linked.may_tick()
     }
 
-    /// Before a tick.
+    /// Prepares the simulation for a tick.
     pub fn before(&mut self, simulation: &mut Simulation) {
         self.linked.before(simulation);
     }
 
-    /// After a tick.
+    /// Collects what a tick has commanded.
     pub fn after(&mut self, simulation: &mut Simulation) {
         self.linked.after(simulation);
     }
 
-    /// Writes what waits, and the log.
+    /// Writes the bytes that wait, and the log.
     pub fn speak(&mut self, program: Option<&str>) {
         let written = match &mut self.carrier {
             Some(carrier) => {
@@ -319,7 +320,7 @@ impl Drive {
         }
     }
 
-    /// What is not kept is read from the board again.
+    /// Keeps a dictionary; without a folder the program reads it from the board each time.
     fn remember(&self, name: &str, packed: &[u8]) {
         let Some(folder) = &self.connection.boards else {
             return;
@@ -343,24 +344,24 @@ impl Drive {
             tracing::error!("{}: {error}", path.display());
             let said = say::subject_reason(path.display(), say::as_written(error));
             self.said.push(said);
-            // Said once; the position check goes on without its log.
+            // Reported once; position checks continue without their log.
             self.connection.log = None;
         }
     }
 
-    /// What the operator should read.
+    /// Takes the messages for the operator.
     pub fn said(&mut self) -> Vec<Message> {
         core::mem::take(&mut self.said)
     }
 
-    /// Keeps a picture until the slides are where it shows them.
+    /// Keeps a snapshot until the slides have reached its positions.
     pub fn keep_picture(&mut self, snapshot: Snapshot) {
         self.pictures.push_back((self.linked.stamp(), snapshot));
     }
 
-    /// The newest picture of what the board has made.
+    /// Returns the newest snapshot whose motion the board has made.
     pub fn due_picture(&mut self) -> Option<Snapshot> {
-        // Behind a stop what they show may never have been made.
+        // After a stop, the board may never make the motion of waiting snapshots.
         self.pictures
             .retain(|(stamp, _)| !self.linked.is_void(*stamp));
         let mut due = None;
@@ -372,33 +373,33 @@ impl Drive {
         due.map(|(_, snapshot)| snapshot)
     }
 
-    /// Writes the settings that differ into the board.
+    /// Writes the settings that differ to the board.
     pub fn write_settings(&mut self) {
         self.differences.clear();
         self.linked.write_settings();
     }
 
-    /// Compares the counts now.
+    /// Compares the board's count with the commanded pulses now.
     pub fn check(&mut self) {
         self.linked.check();
     }
 
-    /// The link page is open, or no more.
+    /// Starts or stops the views for the link page.
     pub const fn watch(&mut self, on: bool) {
         self.watched = on;
     }
 
-    /// Whether a read of the port paces the kernel.
+    /// Whether the port is open; its reads then pace the kernel.
     pub const fn has_port(&self) -> bool {
         self.carrier.is_some()
     }
 
-    /// Whether RESET asks for the lost board.
+    /// Whether RESET has requested to reopen the lost board.
     pub const fn is_to_be_reopened(&self) -> bool {
         self.linked.is_to_be_reopened()
     }
 
-    /// The link page's view, when it is watched and due.
+    /// Returns the view for the link page, if it is watched and due.
     pub fn due_view(&mut self) -> Option<LinkView> {
         let now = self.clock.now();
         if !self.watched || now < self.next_view {
@@ -444,7 +445,7 @@ impl Drive {
     }
 }
 
-/// Name of a program's file without its folder.
+/// Returns the file name of a path without its folder.
 fn file_name(path: &str) -> String {
     let name = Path::new(path).file_name();
     name.map_or_else(
@@ -453,7 +454,7 @@ fn file_name(path: &str) -> String {
     )
 }
 
-/// What boards met before said they understand. A damaged file is as good as none.
+/// Reads the dictionaries of known boards. The caller ignores damaged ones.
 fn met_before(folder: &Path) -> Vec<Vec<u8>> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Vec::new();
@@ -475,7 +476,7 @@ fn met_before(folder: &Path) -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// Appends to what is kept of the newest.
+/// Appends to a list and drops its oldest entries above a limit.
 fn keep<T>(kept: &mut VecDeque<T>, new: impl IntoIterator<Item = T>, most: usize) {
     kept.extend(new);
     while kept.len() > most {
@@ -495,7 +496,7 @@ mod tests {
             away.hear(ms(at));
         }
         assert_eq!(away.longest(), (ms(90), ms(90)));
-        // Two intervals later it is not of late any more.
+        // Two intervals later it is not recent any more.
         for at in (96..12_000).step_by(2) {
             away.hear(ms(at));
         }

@@ -1,39 +1,36 @@
-//! Edges of keys on their way from the window to the panel.
+//! Queues key edges between the window and the panel.
 //!
-//! The window hands over what happened within a picture in one go. Here each press
-//! waits for the one before it, so that a hand faster than the control's eye loses
-//! none: one press a tick, a contact closed and open long enough for the ladder.
-//! Nothing that stops or lets go waits behind them.
+//! The window sends all edges of one frame together. This queue passes one press a tick,
+//! so that the control loses none, and keeps each contact closed and open long enough for
+//! the ladder. Edges that stop or release do not wait for others.
 
 use std::collections::{BTreeMap, VecDeque};
 
 use gsk_panel::keys::{Key, KeyRole};
 use gsk_panel::panel::KeyEvent;
 
-/// A contact stays closed at least so long, ticks: a click between two pictures is
-/// still seen by the ladder.
+/// Shortest time a contact stays closed, ticks: the ladder sees a click between two
+/// frames.
 const SHORTEST_PRESS: u64 = 50;
-/// It stays open at least so long before the next press of the same key, ticks: three
+/// Shortest time a contact stays open before the next press of the same key, ticks: three
 /// samples of the input filter and two slots of the ladder.
 const SHORTEST_REST: u64 = 28;
 /// How long a key pressed by a screen reader stays down, ticks.
 const TAP: u64 = 100;
 
-/// What happened to a key.
+/// A change of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Edge {
-    /// It went down.
     Down(Key),
-    /// It came up.
     Up(Key),
-    /// It was pressed and let go.
+    /// Pressed and released.
     Tap(Key),
-    /// A character was typed that has no key of its own.
+    /// A typed character that has no key on the panel.
     Type(char),
 }
 
 impl Edge {
-    /// The key that goes down.
+    /// Returns the key that goes down.
     const fn pressed(self) -> Option<Key> {
         match self {
             Self::Down(key) | Self::Tap(key) => Some(key),
@@ -42,15 +39,15 @@ impl Edge {
     }
 }
 
-/// How a key is let go.
+/// When a key is released.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Release {
-    /// It acts when it goes down and comes up by itself with the next tick: fingers
-    /// that roll from key to key stay below No.119, the keys accepted at a time.
+    /// With the next tick after its press: fingers that roll from key to key stay below
+    /// No.119, the number of keys accepted at a time.
     ByItself,
     /// With its edge.
     WithEdge,
-    /// With its edge, after the shortest press; it waits behind no other key.
+    /// With its edge, after the shortest press; it waits for no other key.
     Contact,
 }
 
@@ -59,18 +56,18 @@ const fn release(key: Key) -> Release {
         KeyRole::Character(..) => Release::ByItself,
         KeyRole::Machine(_) | KeyRole::OvertravelRelease => Release::Contact,
         KeyRole::Edit if matches!(key, Key::Eob) => Release::ByItself,
-        // Its level starts the MDI block.
+        // The level of the key starts the MDI block.
         KeyRole::Edit if matches!(key, Key::Output) => Release::Contact,
         KeyRole::Edit | KeyRole::Page | KeyRole::EmergencyStop => Release::WithEdge,
     }
 }
 
-/// Keys that end a motion: what was pressed before them goes with them at once.
+/// Whether a key ends a motion: it takes all earlier presses with it at once.
 const fn stops(key: Key) -> bool {
     matches!(key, Key::Reset | Key::FeedHold | Key::SpindleStop)
 }
 
-/// Keys that move or start something by themselves.
+/// Whether a key starts a motion.
 pub(super) const fn moves(key: Key) -> bool {
     matches!(
         key,
@@ -88,27 +85,27 @@ pub(super) const fn moves(key: Key) -> bool {
     )
 }
 
-/// The edges that wait, and the keys that are down.
+/// Edges that wait, and keys that are down.
 #[derive(Debug, Default)]
 pub(super) struct Edges {
     waiting: VecDeque<Edge>,
-    /// Keys that are down, with the tick they went down at.
+    /// Keys that are down, with the tick of their press.
     down: BTreeMap<Key, u64>,
-    /// Keys that come up at a tick.
+    /// Ticks at which keys come up.
     releases: Vec<(u64, Key)>,
-    /// Contacts that are to stay open until a tick.
+    /// Contacts that stay open until a tick.
     rests: BTreeMap<Key, u64>,
 }
 
 impl Edges {
-    /// Something happened to a key.
+    /// Adds a change of a key.
     pub fn push(&mut self, edge: Edge) {
         if let Edge::Up(key) = edge
             && release(key) == Release::Contact
             && self.down.contains_key(&key)
             && !self.waiting.iter().any(|edge| edge.pressed() == Some(key))
         {
-            // No motion goes on because other keys wait.
+            // A release ends its motion even if other keys wait.
             self.let_go(key, SHORTEST_PRESS);
             return;
         }
@@ -120,7 +117,7 @@ impl Edges {
         !self.down.is_empty()
     }
 
-    /// Forgets everything: every key is let go.
+    /// Drops all edges and releases all keys.
     pub fn clear(&mut self) {
         self.waiting.clear();
         self.down.clear();
@@ -128,7 +125,7 @@ impl Edges {
         self.rests.clear();
     }
 
-    /// What the panel is told at a tick.
+    /// Returns the events for the panel at a tick.
     pub fn due(&mut self, tick: u64) -> Vec<KeyEvent> {
         let mut events = Vec::new();
         if self.releases.is_empty() && self.waiting.is_empty() {
@@ -151,7 +148,7 @@ impl Edges {
         events
     }
 
-    /// Whether an edge need not wait any more.
+    /// Whether an edge is due at a tick.
     fn may(&self, edge: Edge, tick: u64) -> bool {
         let rested = |key| self.rests.get(&key).is_none_or(|until| *until <= tick);
         match edge {
@@ -221,7 +218,7 @@ impl Edges {
 mod tests {
     use super::*;
 
-    /// What the panel is told, with the tick, until nothing waits any more.
+    /// Collects the panel's events with their ticks until the queue is empty.
     fn played(edges: &mut Edges, from: u64) -> Vec<(u64, KeyEvent)> {
         let mut told = Vec::new();
         for tick in from..from + 2000 {

@@ -1,5 +1,5 @@
-//! What the log says of the control and its board: alarms that come and go, where the
-//! link stands, a computer that is too slow.
+//! Logs changes of the control and its board: alarms, states of the link, a computer that
+//! is too slow.
 
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Cnc;
@@ -7,12 +7,12 @@ use gsk_link::LinkState;
 use tracing::{info, warn};
 use web_time::{Duration, Instant};
 
-/// Late is who comes so much after his time.
+/// Least delay of the kernel thread to log.
 const LATE: Duration = Duration::from_millis(100);
-/// Between two words about it.
+/// Least time between two logged delays.
 const AGAIN: Duration = Duration::from_secs(10);
 
-/// What was seen at the last look.
+/// The state at the last check.
 #[derive(Debug, Default)]
 pub(super) struct Journal {
     alarms: Vec<Alarm>,
@@ -21,7 +21,7 @@ pub(super) struct Journal {
 }
 
 impl Journal {
-    /// Looks what has changed.
+    /// Logs what has changed since the last check.
     pub(super) fn look(&mut self, cnc: &Cnc, link: Option<LinkState>) {
         self.look_at_alarms(cnc.alarms());
         self.look_at_link(link, cnc.alarms().first());
@@ -68,7 +68,7 @@ impl Journal {
         }
     }
 
-    /// The kernel thread has its turn now, and should have had it at `due`.
+    /// Logs a turn of the kernel thread that was due at `due` and comes late.
     pub(super) fn turn(&mut self, now: Instant, due: Instant) {
         let late = now.saturating_duration_since(due);
         let told = self.late.is_some_and(|told| now < told + AGAIN);

@@ -1,5 +1,5 @@
-//! A lesson under way: the machine of the learner is set aside as it stands, and a practice
-//! machine takes its place until he leaves.
+//! Runs lessons: a practice machine replaces the learner's own machine until the learner
+//! leaves the lesson.
 
 use std::sync::Arc;
 
@@ -17,33 +17,32 @@ use super::refused::Refusals;
 use super::{Kernel, Notice};
 use crate::job::Chosen;
 
-/// What may be asked of lessons.
+/// A command for lessons.
 #[derive(Clone, Debug)]
 pub enum LessonOrder {
-    /// Begin this one, from its beginning.
+    /// Start this lesson at its beginning.
     Begin(Arc<Lesson>),
-    /// Show this from its beginning to its end.
+    /// Demonstrate this lesson from its beginning to its end.
     Show(Arc<Lesson>),
-    /// Press the keys of the step under way.
+    /// Press the keys of the current step for the learner.
     ShowMe,
-    /// Put the practice machine to where the step before began.
+    /// Return the practice machine to the beginning of the previous step.
     Back,
-    /// Put it to where the lesson begins.
+    /// Return the practice machine to the beginning of the lesson.
     Again,
-    /// Give the learner his own machine back.
+    /// End the lesson and return to the learner's own machine.
     Leave,
 }
 
 /// The lesson under way, for the window.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LessonState {
-    /// Its name.
     pub name: String,
-    /// How far it has come.
+    /// Progress of the lesson.
     pub view: View,
 }
 
-/// A practice machine, and what it has taken the place of.
+/// A practice machine, and the learner's own state that it replaces.
 #[derive(Debug)]
 pub(super) struct Practising {
     practice: Practice,
@@ -54,12 +53,12 @@ pub(super) struct Practising {
 }
 
 impl Practising {
-    /// One millisecond of the practice machine.
+    /// Runs one tick of the practice machine.
     pub(super) fn tick(&mut self, emulator: &mut Emulator) {
         self.practice.tick(emulator);
     }
 
-    /// For the window.
+    /// Returns the state for the window.
     pub(super) fn state(&self) -> LessonState {
         LessonState {
             name: self.practice.lesson().name.clone(),
@@ -67,19 +66,19 @@ impl Practising {
         }
     }
 
-    /// The learner's own machine.
+    /// Returns the learner's own machine.
     pub(super) fn own(&mut self) -> &mut Emulator {
         &mut self.own
     }
 
-    /// The learner's own part: what is asked of his job is for after the lesson.
+    /// Returns the learner's own part: a job set during the lesson applies after it.
     pub(super) const fn own_part(&mut self) -> &mut PartSide {
         &mut self.own_part
     }
 }
 
 impl Kernel {
-    /// The machine whose memory is kept: the learner's own, also during a lesson.
+    /// Returns the machine whose memory is saved: the learner's own, also during a lesson.
     pub(super) fn kept(&self) -> &Emulator {
         match &self.lesson {
             Some(lesson) => &lesson.own,
@@ -87,7 +86,6 @@ impl Kernel {
         }
     }
 
-    /// Does what is asked of lessons.
     pub(super) fn order_lesson(&mut self, order: LessonOrder) {
         match order {
             LessonOrder::Begin(lesson) => self.begin_lesson(lesson),
@@ -107,7 +105,7 @@ impl Kernel {
         }
     }
 
-    /// The learner presses a key himself: nothing is shown to him any more.
+    /// The learner presses a key: this ends a demonstration.
     pub(super) fn learner_acts(&mut self) {
         if let Some(lesson) = &mut self.lesson {
             lesson.practice.interrupt(&mut self.emulator);
@@ -125,7 +123,8 @@ impl Kernel {
         self.practise(Practice::begin(lesson), job);
     }
 
-    /// Shows something, unless the learner is in a lesson: it would be lost.
+    /// Starts a demonstration, unless the learner is in a lesson: its progress would be
+    /// lost.
     fn show_lesson(&mut self, lesson: Arc<Lesson>) {
         let under_way = self.lesson.as_ref().map(Practising::state);
         if under_way.is_some_and(|it| demonstration_named(&it.name).is_none()) {
@@ -146,7 +145,7 @@ impl Kernel {
         !matches!(run, RunState::Reset | RunState::Stop)
     }
 
-    /// Puts a practice machine in the place of the learner's own.
+    /// Replaces the learner's own machine with a practice machine.
     fn practise(&mut self, begun: Result<(Practice, Emulator), Message>, job: Option<Job>) {
         let (practice, machine) = match begun {
             Ok(begun) => begun,
@@ -170,7 +169,7 @@ impl Kernel {
         self.refusals = Refusals::default();
     }
 
-    /// Gives the learner his own machine back, as it stood.
+    /// Restores the learner's own machine unchanged.
     pub(super) fn leave_lesson(&mut self) {
         self.let_go_of_keys();
         if let Some(lesson) = self.lesson.take() {

@@ -1,4 +1,4 @@
-//! What the link page sees: the board, its wire and its counts at one moment.
+//! The view of the link page: the board, its wire and its counts at one moment.
 
 use std::time::Duration;
 
@@ -15,55 +15,53 @@ use crate::carrier::Line;
 /// A comparison of the board's count with the commanded pulses.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PositionCheck {
-    /// When, after which program, and both counts.
+    /// Time, program and both counts.
     pub said: Message,
-    /// Whether they are the same.
+    /// Whether the counts agree.
     pub agrees: bool,
 }
 
-/// The link at one moment. Taken only while somebody asks for it.
+/// The link at one moment. The kernel makes it only while the link page is open.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinkView {
-    /// Where the link stands.
     pub state: LinkState,
-    /// The board is there and has said how it is set: what it tells holds now.
+    /// The board is connected and has reported its settings: its reports are current.
     pub connected: bool,
-    /// What the board understands.
+    /// Protocol of the board.
     pub protocol: Protocol,
-    /// Its port.
+    /// Name of its port.
     pub port: String,
-    /// What it said it is.
+    /// Identification of the board.
     pub board: BoardInfo,
-    /// Whether it is known where the slides stand.
+    /// Whether the position of the slides is known.
     pub position_known: bool,
     /// Median and worst of the last round trips.
     pub round_trip: Option<(Duration, Duration)>,
-    /// The longest that the computer was away from the port, in the last seconds and
-    /// since the board was connected.
+    /// Longest absences of the computer from the port: in the last 5 to 10 s, and since
+    /// the board was connected.
     pub away: (Duration, Duration),
-    /// Motion handed over that may not have been made yet.
+    /// Motion that the board holds and may not have made yet.
     pub outstanding: Duration,
-    /// How much that may be.
+    /// Limit of `outstanding`.
     pub lookahead: Duration,
     /// Counters of the wire.
     pub traffic: Traffic,
-    /// Inputs of the board: whether each is operated, a contact closed; none: not
-    /// wired.
+    /// Inputs of the board. `true`: operated, the contact is closed; `None`: not wired.
     pub inputs: Vec<(Input, Option<bool>)>,
     /// Outputs that are not wired.
     pub missing_outputs: Vec<Output>,
-    /// What the board has switched; none while an order is under way.
+    /// Outputs that the board has switched; `None` while a command is under way.
     pub outputs: Option<BoardOutputs>,
-    /// The spindle whose index the board sees.
+    /// The spindle whose index the board reads.
     pub spindle: Option<SpindleView>,
     /// Pulses commanded.
     pub commanded: PerAxis<Pulses>,
     /// Pulses the board has counted, as last reported.
     pub counted: Option<PerAxis<Pulses>>,
-    /// Settings of the board that must be written first.
+    /// Settings of the board that must be written before it can move.
     pub differences: Vec<SettingDifference>,
-    /// The last 200 lines on the wire, the newest last.
+    /// The last 200 lines of traffic, the newest last.
     pub exchanges: Vec<Line>,
-    /// The last lines of the log, the newest last.
+    /// The last 20 lines of the position log, the newest last.
     pub log: Vec<PositionCheck>,
 }

@@ -1,4 +1,4 @@
-//! The kernel while a pulse board moves the slides: its clock counts.
+//! Runs the kernel while a pulse board moves the slides: the clock of the board counts.
 
 use gsk_link::LinkState;
 use web_time::{Duration, Instant};
@@ -7,17 +7,17 @@ use super::drive::Drive;
 use super::{Connection, Kernel, LinkOrder, Notice, PICTURE_TICKS, Snapshot};
 use crate::pace::Pace;
 
-/// How often a link without a port is looked at.
+/// Time between two checks of a link without a port.
 const WITHOUT_PORT: Duration = Duration::from_millis(4);
-/// So long the kernel makes ticks before it hears the board again: on a slow computer
-/// a whole lookahead of them would take too long.
+/// Longest time the kernel makes ticks before it reads the port again: on a slow computer
+/// a whole lookahead of ticks would take too long.
 const AT_ONCE: Duration = Duration::from_millis(3);
-/// Ticks between two pictures of a computer that is busy.
+/// Ticks between two snapshots on a busy computer.
 const HURRIED_PICTURE_TICKS: u64 = 4 * PICTURE_TICKS;
 
 impl Kernel {
-    /// A board moves the slides from now on. Its port may be missing: that is an
-    /// alarm of the control.
+    /// Connects a board: it moves the slides from now on. A missing port raises an alarm
+    /// of the control.
     pub fn connect(&mut self, connection: Connection) {
         self.disconnect();
         let mut drive = Drive::open(connection, &mut self.emulator.simulation);
@@ -32,8 +32,8 @@ impl Kernel {
         Some(drive.close(&mut self.emulator.simulation))
     }
 
-    /// When the thread has something to do again; none: at once, a board is heard all
-    /// the time.
+    /// Returns when the thread has work again; `None`: at once, because a board needs
+    /// constant reading.
     pub(super) fn wakes_at(&self, now: Instant, pace: &Pace) -> Option<Instant> {
         match &self.drive {
             None => Some(pace.next()),
@@ -42,19 +42,18 @@ impl Kernel {
         }
     }
 
-    /// Whether a board moves the slides.
     pub const fn is_linked(&self) -> bool {
         self.drive.is_some()
     }
 
-    /// Where the link stands, if there is one.
+    /// Returns the state of the link, if there is one.
     pub(super) fn link_state(&self) -> Option<LinkState> {
         self.drive.as_ref().map(Drive::state)
     }
 
-    /// Takes what the window asked for, hears the board, runs as many ticks as it
-    /// lets pass, and puts out pictures of what it has made. Waits 2 ms at most.
-    /// Returns whether there is something to be seen.
+    /// Takes the window's commands, reads the board, runs the ticks that it permits and
+    /// publishes snapshots of what the board has made. Waits 2 ms at most. Returns whether
+    /// there is something new to show.
     pub fn run_linked(&mut self) -> bool {
         self.take_commands();
         let Some(mut drive) = self.drive.take() else {
@@ -86,7 +85,7 @@ impl Kernel {
             self.say(Notice::Said(said));
             shown = true;
         }
-        // The state is the board's of now, also while no motion is made.
+        // The board's state is current, also while no motion is made.
         let board = Some(drive.state());
         let changed = self.last.as_ref().is_some_and(|last| last.board != board);
         let again = || self.last.clone().filter(|_| changed);

@@ -1,5 +1,5 @@
-//! A control without a window whose slides a board moves: it ticks at the board's pace,
-//! for scripts and programs at a computer without a display.
+//! Runs a control without a window while a board moves its slides: it ticks at the pace of
+//! the board, for scripts and for computers without a display.
 
 use std::thread;
 
@@ -17,29 +17,29 @@ use crate::board::GET_KNOWN;
 use crate::ending::{Ending, SignalError};
 use crate::output;
 
-/// How often a link without a port is looked at.
+/// Time between two checks of a link without a port.
 const WITHOUT_PORT: Duration = Duration::from_millis(4);
-/// So long the control makes ticks before it hears the board again.
+/// Longest time the control makes ticks before it reads the port again.
 const AT_ONCE: Duration = Duration::from_millis(3);
-/// Behind the last motion the board stands within this, ticks.
+/// Longest time from the last command to the end of all motion, ticks.
 const STANDS_WITHIN: u32 = 2000;
 
-/// Why a board cannot be worked with.
+/// Why a board is not ready for work.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum NotReady {
-    /// The end was asked for.
+    /// The operator has requested the end of the program.
     Asked,
-    /// It raises an alarm.
+    /// The board raises an alarm.
     Refused(Message),
-    /// Its settings differ.
+    /// The settings of the board differ from the configuration.
     Settings(Box<Alarm>),
-    /// It says nothing.
+    /// The board has not answered in time.
     Silent,
 }
 
 impl NotReady {
-    /// What is said of it.
+    /// Returns the message for the operator.
     pub fn message(&self) -> Message {
         match self {
             Self::Asked => say::link_ended_unknown(),
@@ -50,10 +50,11 @@ impl NotReady {
     }
 }
 
-/// The board of a control without a window. Dropped without [`Live::close`] it stops.
+/// The board of a control without a window. Dropping it without [`Live::close`] stops the
+/// board at once.
 #[derive(Debug)]
 pub struct Live {
-    /// None when the end was asked for: the board has been stopped.
+    /// `None` after a termination signal: the board has been stopped.
     drive: Option<Drive>,
     ending: Ending,
     heard: Instant,
@@ -61,10 +62,10 @@ pub struct Live {
 }
 
 impl Live {
-    /// Opens the port; from now on Ctrl-C and `kill` are heard, and stop the board.
+    /// Opens the port and handles Ctrl-C and `kill` from now on: they stop the board.
     ///
     /// # Errors
-    /// Signals cannot be heard.
+    /// The signal handlers cannot be installed.
     pub fn open(connection: Connection, simulation: &mut Simulation) -> Result<Self, SignalError> {
         Ok(Self {
             ending: Ending::heard()?,
@@ -74,15 +75,16 @@ impl Live {
         })
     }
 
-    /// Whether the end was asked for; the board has been stopped then.
+    /// Whether a termination signal has arrived and the board has been stopped.
     pub const fn is_over(&self) -> bool {
         self.drive.is_none()
     }
 
-    /// Lets time pass until the board is known; `tick` makes a tick of the control.
+    /// Ticks until the board is ready; `tick` makes one tick of the control.
     ///
     /// # Errors
-    /// It is not there, or not as it must be: a sentence.
+    /// The board does not answer in time, raises an alarm or has other settings; or the
+    /// end of the program is requested.
     pub fn get_known<M>(
         &mut self,
         machine: &mut M,
@@ -117,8 +119,8 @@ impl Live {
         Err(NotReady::Silent)
     }
 
-    /// Lets the board make what it was handed, and closes the port: it stops, spindle and
-    /// coolant with it.
+    /// Waits until the board has made its remaining motion, then closes the port: this
+    /// stops spindle and coolant, too.
     pub fn close<M>(
         mut self,
         machine: &mut M,
@@ -155,7 +157,7 @@ impl PulseBoard for Live {
                 drive.before(simulation);
                 return true;
             }
-            // What was made of it before is written only if the port was looked at of late.
+            // Messages of the last tick are written only after a recent read of the port.
             drive.speak(None);
             drive.hear();
             for said in drive.said() {
@@ -170,7 +172,7 @@ impl PulseBoard for Live {
                 let connection = drive.close(simulation);
                 self.drive = Some(Drive::open(connection, simulation));
             }
-            // Behind all that takes time here: the control ticks on without a port, too.
+            // Set after all slow work: the control ticks on without a port, too.
             self.heard = Instant::now();
         }
     }

@@ -1,5 +1,4 @@
-//! What fault bench, ladder view, commissioning and the editing of data see: the machine
-//! and the PLC as they are.
+//! Views of machine and PLC for fault bench, ladder view, commissioning and data editing.
 
 use std::sync::Arc;
 
@@ -11,55 +10,47 @@ use gsk_core::plc::{Ladder, Plc};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::pages::CoordinateFormat;
 
-/// The machine and the PLC at one moment. Taken only while a view is open that
-/// shows them.
+/// Machine and PLC at one moment. The kernel makes it only while a view shows it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineView {
-    /// The lathe.
     pub lathe: Lathe,
-    /// What its contacts and sensors say.
+    /// Inputs of the machine: contacts and sensors.
     pub inputs: Inputs,
-    /// The PLC with its memory.
     pub plc: Plc,
-    /// The scan stands still for stepping.
+    /// The scan of the PLC is halted for stepping.
     pub halted: bool,
-    /// The ladder that runs at the next power-on, if it is another one.
+    /// The ladder that runs from the next power-on, if it differs from the current one.
     pub next_ladder: Option<Arc<Ladder>>,
-    /// Why the control would not take a ladder now.
+    /// Why the control would refuse a ladder now; `None`: it would take one.
     pub ladder_refused: Option<Refusal>,
-    /// The parameters.
     pub parameters: Parameters,
-    /// The pitch error table.
     pub pitch: PitchTable,
-    /// Why the control would not take parameters now.
+    /// Why the control would refuse parameters now; `None`: it would take them.
     pub parameters_refused: Option<Refusal>,
-    /// The tool offsets.
     pub offsets: OffsetTable,
-    /// The macro variables.
     pub variables: VariableTable,
-    /// Alarms and messages that stand, the newest first.
+    /// Active alarms and messages, the newest first.
     pub alarms: Vec<String>,
 }
 
 /// The tool offsets at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OffsetTable {
-    /// Their values.
     pub rows: Offsets,
-    /// How lengths are shown.
+    /// Display format of lengths.
     pub display: CoordinateFormat,
-    /// Why the control would not take any now.
+    /// Why the control would refuse tool offsets now; `None`: it would take them.
     pub refused: Option<Refusal>,
 }
 
 /// The macro variables at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VariableTable {
-    /// Number and value; `None`: null.
+    /// Number of the variable and its value; `None`: null (empty).
     pub rows: Vec<(u16, Option<f64>)>,
-    /// They take values with a fraction.
+    /// Variables take values with a fraction.
     pub real: bool,
-    /// Why the control would not take any now.
+    /// Why the control would refuse variables now; `None`: it would take them.
     pub refused: Option<Refusal>,
 }
 
@@ -81,7 +72,7 @@ impl VariableTable {
 }
 
 impl MachineView {
-    /// As it is now.
+    /// Returns the current state of an emulator.
     pub fn of(emulator: &Emulator) -> Self {
         let simulation = &emulator.simulation;
         let cnc = &simulation.cnc;

@@ -1,5 +1,4 @@
-//! A program that was read from a file becomes a program of the memory, or it is said
-//! why it does not.
+//! Opens a program read from a file: stores it in the memory, or reports why not.
 
 use gsk_core::cnc::Request;
 use gsk_core::command::ProgramId;
@@ -10,11 +9,11 @@ use tracing::info;
 
 use super::{Kernel, NotStored, Notice, Opened, Place, Storing};
 
-/// The last program that was opened.
+/// The program opened last.
 #[derive(Clone, Debug)]
 pub(super) struct LastOpened {
     pub name: String,
-    /// Its text as it was stored.
+    /// Its text as stored.
     stored: Option<Program>,
 }
 
@@ -63,8 +62,8 @@ impl Kernel {
         true
     }
 
-    /// Whether the memory has a program of this number that is not the file's, nor
-    /// what the file was when it was opened last.
+    /// Whether the memory has a program of this number that is neither this file's text
+    /// nor the text of this file when it was opened last.
     fn is_anothers(&self, number: u16, program: &Program, name: &str) -> bool {
         let programs = self.emulator.simulation.cnc.programs();
         let Some(there) = programs.get(ProgramId::Stored(number)) else {
@@ -75,7 +74,7 @@ impl Kernel {
         there.text() != program.text() && before.is_none_or(|before| before.text() != there.text())
     }
 
-    /// Stores a program where it may be stored, and selects it.
+    /// Selects a program; stores it first unless the memory has the same text.
     pub(super) fn store(&mut self, program: &Program) -> Result<u16, NotStored> {
         let number = program.number().ok_or(NotStored::NoNumber)?;
         let cnc = &mut self.emulator.simulation.cnc;
@@ -91,7 +90,7 @@ impl Kernel {
         Ok(number)
     }
 
-    /// A subprogram that the memory has already stays as it is.
+    /// Stores a subprogram unless the memory has one of its number.
     fn store_subprogram(&mut self, program: &Program) {
         let cnc = &mut self.emulator.simulation.cnc;
         let known = program
@@ -107,7 +106,8 @@ impl Kernel {
     }
 }
 
-/// The program with its number; one without takes that of its file.
+/// Returns the program with its number; a program without one takes the number in its file
+/// name.
 fn numbered(opened: &Opened) -> Program {
     let program = &opened.program;
     match (

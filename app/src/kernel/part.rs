@@ -1,5 +1,5 @@
-//! The part in the simulated lathe: it is cut as the slides move, whether a view shows it
-//! or not, and a crash may stop the lathe.
+//! The part in the simulated lathe: the slides cut it as they move, whether a view shows it
+//! or not. A collision may stop the lathe.
 
 use std::sync::Arc;
 
@@ -15,40 +15,36 @@ use gsk_workpiece::region::Region;
 
 use crate::job::Chosen;
 
-/// The part and the lathe about it at one moment.
+/// The part and the lathe around it at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartView {
-    /// The job.
     pub job: Arc<Job>,
-    /// It was guessed.
+    /// The job is a guess, not read from a file.
     pub guessed: bool,
-    /// What is left of the stock, half section.
+    /// Half section of what is left of the stock.
     pub section: Arc<Region>,
     /// Tool in the working position, 0 = none.
     pub tool: u8,
-    /// Its tip, part coordinates.
+    /// Position of its tip, part coordinates, mm.
     pub tip: Point,
-    /// Slide position at which the tip stands on the zero of the part, machine
-    /// coordinates: `part = program + zero of the frame + offset − this`.
+    /// Slide position at which the tip is at the zero of the part, machine coordinates,
+    /// mm: `part = program + zero of the frame + offset − this`.
     pub zero: Point,
-    /// The coordinate frame of the control.
     pub frame: Frame,
-    /// Speed of the spindle, r/min; backwards less than 0.
+    /// Speed of the spindle, r/min; negative in reverse.
     pub rpm: f64,
-    /// Coolant flows.
     pub coolant: bool,
     /// The power chuck holds the stock.
     pub clamped: bool,
-    /// The power chuck held it and has let it go. One that never held anything is
-    /// clamped by hand.
+    /// The power chuck has held the stock and has released it. A chuck that never held
+    /// anything counts as clamped by hand.
     pub chuck_open: bool,
-    /// The tailstock's quill is out.
+    /// The quill of the tailstock is extended.
     pub tailstock_forward: bool,
-    /// The guard door is open.
     pub door_open: bool,
-    /// What was hit.
+    /// Collisions so far.
     pub findings: Vec<Finding>,
-    /// The block that is carried out; none while nothing runs.
+    /// The block under execution; `None` while no program runs.
     pub block: Option<Source>,
 }
 
@@ -71,17 +67,17 @@ pub(super) struct PartSide {
     crash_stops: bool,
     /// A view shows the part.
     visible: bool,
-    /// The power chuck has held the stock.
+    /// The power chuck has held the stock once.
     gripped: bool,
     section: Arc<Region>,
-    /// The version of the part that `section` shows.
+    /// The version of the part in `section`.
     shown: Option<u64>,
     last: Option<PartView>,
     views: Arc<ArrayQueue<PartView>>,
 }
 
 impl PartSide {
-    /// No part yet.
+    /// Creates a side without a part.
     pub(super) fn new(views: Arc<ArrayQueue<PartView>>) -> Self {
         Self {
             live: None,
@@ -97,12 +93,12 @@ impl PartSide {
         }
     }
 
-    /// Another one without a part yet, for the same window.
+    /// Creates another side without a part for the same window.
     pub(super) fn beside(&self) -> Self {
         Self::new(Arc::clone(&self.views)).with_switches_of(self)
     }
 
-    /// The same part with the switches of another one: they belong to the window.
+    /// Takes the switches of another side: they belong to the window.
     pub(super) fn with_switches_of(mut self, other: &Self) -> Self {
         self.crash_stops = other.crash_stops;
         self.visible = other.visible;
@@ -110,12 +106,12 @@ impl PartSide {
         self
     }
 
-    /// It is shown again although nothing has changed.
+    /// Publishes the part again although nothing has changed.
     pub(super) fn show_again(&mut self) {
         self.last = None;
     }
 
-    /// Another job, on fresh stock. None: the program cuts nothing.
+    /// Sets another job, on fresh stock; `None`: the program cuts nothing.
     pub(super) fn set(&mut self, chosen: Option<Chosen>) {
         self.shown = None;
         self.last = None;
@@ -126,7 +122,6 @@ impl PartSide {
         });
     }
 
-    /// New stock is clamped.
     pub(super) fn fresh_stock(&mut self) {
         if let Some(live) = &mut self.live {
             live.fresh_stock();
@@ -134,21 +129,20 @@ impl PartSide {
         self.shown = None;
     }
 
-    /// Whether the lathe stops at a crash.
+    /// Sets whether the lathe stops at a collision.
     pub(super) const fn set_crash_stops(&mut self, stops: bool) {
         self.crash_stops = stops;
     }
 
-    /// Whether a view shows the part: only then is its section handed out.
+    /// Whether a view shows the part. Only then is its section published.
     pub(super) fn set_visible(&mut self, visible: bool) {
         self.visible = visible;
         self.show_again();
     }
 
-    /// After a tick: cuts the part; returns the first collision that was met in it, and
-    /// whether it stops the lathe. With a crash the spindle of a simulated lathe stalls and
-    /// the drive that ran into it trips; a real one is not stopped by what is believed of
-    /// its part.
+    /// Cuts the part after a tick. Returns the first collision in it, and whether it stops the
+    /// lathe. A collision stalls the spindle of a simulated lathe and trips the drive that ran
+    /// into the part. A real lathe is not stopped: its part may differ from this one.
     pub(super) fn ticked(
         &mut self,
         simulation: &mut Simulation,
@@ -168,7 +162,7 @@ impl PartSide {
         Some((finding, stops))
     }
 
-    /// Puts out the part if a view shows it and it has changed since the last time.
+    /// Publishes the part if a view shows it and it has changed since the last time.
     pub(super) fn show(&mut self, simulation: &Simulation) -> bool {
         let Some(live) = self.live.as_ref().filter(|_| self.visible) else {
             return false;

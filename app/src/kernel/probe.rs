@@ -1,4 +1,4 @@
-//! What the scope sees: one sample a tick, as long as a scope is open.
+//! Takes samples for the scope: one a tick while a scope is open.
 
 use std::sync::Arc;
 
@@ -7,48 +7,46 @@ use gsk_core::plc::address::BitAddress;
 use gsk_core::units::{PerAxis, Point};
 use gsk_panel::emulator::Emulator;
 
-/// Samples that wait for the window at most: a minute.
+/// Capacity of the sample queue: one minute.
 pub const SAMPLES: usize = 60_000;
-/// PLC bits that a sample has room for.
+/// Number of PLC bits in a sample.
 pub const BITS: usize = 32;
 
 /// The machine at the end of one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// The tick.
     pub tick: u64,
     /// Commanded machine coordinate, mm (X in radius).
     pub commanded: Point,
-    /// Where the slides are in the same coordinates, mm (X in radius); with a pulse
-    /// board where its pulses put them.
+    /// Position of the slides in the same coordinates, mm (X in radius); with a pulse
+    /// board the position of its pulses.
     pub actual: Point,
-    /// How far the motors are behind their pulses, mm (X in radius); none: a pulse
-    /// board does not see that.
+    /// Following error of the motors, mm (X in radius); `None`: a pulse board cannot
+    /// measure it.
     pub following: Option<Point>,
-    /// Spindle speed, r/min; negative in reverse. None: the board has no index.
+    /// Spindle speed, r/min; negative in reverse. `None`: the board has no index.
     pub spindle: Option<f64>,
-    /// Spindle speed that is commanded, r/min; 0 while it is switched off, negative in
-    /// reverse.
+    /// Commanded spindle speed, r/min; 0 while the spindle is off, negative in reverse.
     pub spindle_commanded: f64,
     /// The watched bits, the first in bit 0.
     pub bits: u32,
 }
 
-/// Takes a sample a tick. The queue forgets the oldest when nobody reads.
+/// Settings of the sampling. The queue drops its oldest sample when it is full.
 #[derive(Clone, Debug)]
 pub struct Probe {
-    /// Where the samples go.
+    /// The queue that takes the samples.
     pub queue: Arc<ArrayQueue<Sample>>,
-    /// The watched PLC bits, each in its place in [`Sample::bits`].
+    /// The watched PLC bits, in the order of [`Sample::bits`].
     pub bits: Vec<Option<BitAddress>>,
 }
 
-/// The probe at work.
+/// A probe at work.
 #[derive(Clone, Debug)]
 pub(super) struct Probing {
     probe: Probe,
-    /// Coordinate of the place that the lathe counts from; it changes when an axis
-    /// takes its reference.
+    /// Machine coordinate of the lathe's own zero; it changes when an axis makes its
+    /// reference return.
     origin: Option<(PerAxis<bool>, Point)>,
 }
 
@@ -60,7 +58,7 @@ impl Probing {
         }
     }
 
-    /// Other bits, or another queue.
+    /// Sets other bits, or another queue.
     pub fn exchange(&mut self, probe: Probe) {
         self.probe = probe;
     }

@@ -1,11 +1,11 @@
-//! The alarms that were raised, for the window.
+//! Collects the alarms raised since the control was opened, for the window.
 
 use std::sync::Arc;
 
 use gsk_core::cnc::Cnc;
 use gsk_panel::alarm_log::{AlarmLog, AlarmRecord};
 
-/// The record, and what was handed out of it.
+/// The alarm log, and the copy for the window.
 #[derive(Debug, Default)]
 pub(super) struct Raised {
     record: AlarmLog,
@@ -13,14 +13,14 @@ pub(super) struct Raised {
 }
 
 impl Raised {
-    /// Looks at the control, once a tick.
+    /// Updates the log; called once a tick.
     pub(super) fn look(&mut self, cnc: &Cnc) {
         if self.record.update(cnc) {
             self.shown = Arc::new(self.record.newest_first().cloned().collect());
         }
     }
 
-    /// For the window, the newest first.
+    /// Returns the alarms, the newest first.
     pub(super) fn shown(&self) -> Arc<Vec<AlarmRecord>> {
         Arc::clone(&self.shown)
     }

@@ -1,28 +1,28 @@
-//! Keys that do nothing, and why: said once, and taken back when a key acts again.
+//! Reports once why a key does nothing, and takes the report back when a key acts again.
 
 use gsk_core::cnc::Cnc;
 use gsk_messages::Message;
 use gsk_panel::refusal::{CHECK_DELAY_TICKS, KeyPress};
 
-/// What becomes of the word on refused keys.
+/// A change of the report on refused keys.
 pub(super) enum Verdict {
     /// The key does nothing, and why.
     Refused(Message),
-    /// A key acts: what was said of the one before is over.
+    /// A key acts: the earlier refusal is obsolete.
     Acts,
 }
 
-/// Keys that wait to be judged.
+/// Key presses that wait for their check.
 #[derive(Debug, Default)]
 pub(super) struct Refusals {
-    /// Machine keys, with the tick to judge them at.
+    /// Machine keys, with the tick of their check.
     pending: Vec<(u64, KeyPress)>,
-    /// Something was said and still stands.
+    /// A refusal is on display.
     said: bool,
 }
 
 impl Refusals {
-    /// A key goes down at a tick; `refused`: page, mode or a switch is against it.
+    /// Records a key press at a tick; `refused`: page, mode or a switch forbids it.
     pub(super) fn pressed(
         &mut self,
         press: Option<KeyPress>,
@@ -40,7 +40,7 @@ impl Refusals {
         }
     }
 
-    /// Judges the machine keys whose time has come.
+    /// Checks the machine keys that are due.
     pub(super) fn judge(&mut self, tick: u64, cnc: &Cnc) -> Option<Verdict> {
         if self.pending.is_empty() {
             return None;

@@ -1,4 +1,4 @@
-//! The control as it stands, for whoever previews a program in a thread of his own.
+//! Makes the setup for a preview of the current control in another thread.
 
 use std::sync::Arc;
 
@@ -7,14 +7,14 @@ use gsk_core::cnc::Cnc;
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::Emulator;
 
-/// What a preview of this control starts from: its memory, its ladder and its lathe, with
-/// the slides and the work zero where they are now. It shares its large parts.
+/// Returns the setup for a preview of this control: its memory, its ladder and its lathe,
+/// with the current positions of slides and work zero. Large parts are shared, not copied.
 pub fn setup(emulator: &Emulator) -> Setup {
     let simulation = &emulator.simulation;
     let cnc: &Cnc = &simulation.cnc;
     let machine = cnc.position_machine();
     Setup {
-        // With the program that can only be run: the battery does not keep that one.
+        // Including the program that can only be run: the battery does not keep it.
         memory: Memory {
             programs: cnc.programs().clone(),
             ..cnc.battery()
@@ -23,7 +23,7 @@ pub fn setup(emulator: &Emulator) -> Setup {
         plc_retained: Some(cnc.plc().memory().retained()),
         lathe: simulation.lathe.config().clone(),
         start: Some(machine),
-        // The offset in force is none of the work zero: the program calls its own.
+        // The active tool offset is not part of the work zero: the program calls its own.
         absolute: Some(machine - cnc.frame().zero),
         ..Setup::default()
     }

@@ -1,4 +1,4 @@
-//! The kernel in its thread: ticks against the clock, asleep in between.
+//! Runs the kernel in its thread: ticks by the clock, sleeps in between.
 
 use std::path::PathBuf;
 
@@ -15,34 +15,33 @@ use crate::platform::{self, Turning};
 use crate::retained::Keeper;
 use crate::{log, output, transfer};
 
-/// How often the memory is looked at for something to be saved.
+/// Time between two checks whether memory needs to be saved.
 const KEEP: Duration = Duration::from_millis(100);
-/// So long the window may take to close when the program is to end.
+/// Time the window has to close when the program ends.
 const WINDOW_CLOSES: Duration = Duration::from_secs(3);
 
-/// Between two pictures: as long as the control needs for them at the speed of a real
-/// lathe.
+/// Time between two snapshots: the duration of [`PICTURE_TICKS`] on a real lathe.
 const PICTURE: Duration = Duration::from_millis(PICTURE_TICKS);
-/// A program that was not given time for so long was asleep.
+/// A program that got no processor time for this duration was asleep.
 const ASLEEP: Duration = Duration::from_secs(2);
-/// Ticks between two looks at keys and clock.
+/// Ticks between two checks of keys and clock.
 const TICKS_A_LOOK: u64 = 40;
-/// So long ticks run at once, at most.
+/// Longest time the thread makes ticks without other work.
 const AT_ONCE: Duration = Duration::from_millis(10);
 
-/// What the kernel thread needs from outside.
+/// What the kernel thread needs from its environment.
 pub struct Outside {
-    /// Called when there is a new picture or a notice; must not wait for the window.
+    /// Called when there is a new snapshot or notice; it must not wait for the window.
     pub wake: Box<dyn Fn() + Send>,
-    /// Saves the memory, if there is a data directory.
+    /// Saves the memory; `None` without a data directory.
     pub keeper: Option<Keeper>,
-    /// The folder that takes what the control sends, if there is one.
+    /// The folder for files that the control sends, if there is one.
     pub partner: Option<PathBuf>,
-    /// Whether the program is to end.
+    /// Requests the end of the program.
     pub ending: Ending,
 }
 
-/// The running thread.
+/// Handle of the running kernel thread; dropping it stops the thread.
 #[derive(Debug)]
 pub struct KernelThread {
     console: Console,
@@ -50,12 +49,11 @@ pub struct KernelThread {
 }
 
 impl KernelThread {
-    /// Whether it still runs.
     pub fn is_alive(&self) -> bool {
         self.turning.as_ref().is_some_and(Turning::goes_on)
     }
 
-    /// Stops it; everything is saved then.
+    /// Stops the thread and waits until it has saved everything.
     pub fn stop(&mut self) {
         let Some(turning) = self.turning.take() else {
             return;
@@ -74,7 +72,10 @@ impl Drop for KernelThread {
     }
 }
 
-/// Starts the kernel in a thread of its own.
+/// Starts the kernel thread.
+///
+/// # Errors
+/// The system starts no thread.
 pub fn start(kernel: Kernel, console: &Console, outside: Outside) -> std::io::Result<KernelThread> {
     let mut running = Some(Running::new(kernel, outside, console.clone()));
     let turning = platform::turn("kernel", move || {
@@ -97,16 +98,15 @@ struct Running {
     console: Console,
     pace: Pace,
     journal: Journal,
-    /// When the next picture is due.
+    /// When the next snapshot is due.
     picture_at: Instant,
-    /// When the window was heard last, or a moment before, and how many commands that
-    /// were by then.
+    /// A moment just before the window's last command, and the number of commands by then.
     heard: (Duration, u64),
-    /// Since when keys are held.
+    /// Time at which the keys that are down were first seen held.
     held: Option<Duration>,
-    /// When the clock was looked at last.
+    /// When the loop last checked the clock.
     looked: Instant,
-    /// When the memory was looked at.
+    /// When the keeper last checked the memory.
     kept: Instant,
 }
 
@@ -129,8 +129,8 @@ impl Running {
         }
     }
 
-    /// Makes the ticks that are due and waits for the next ones, or for a command;
-    /// `false`: it is over.
+    /// Makes the ticks that are due and waits for the next ones, or for a command; returns
+    /// `false` at the end.
     fn turn(&mut self) -> bool {
         if self.kernel.quit || self.outside.ending.is_asked() {
             return false;
@@ -145,16 +145,16 @@ impl Running {
         self.hand_out_sent();
         self.keep(now);
         let goes_on = self.hear(now);
-        // The computer may have slept since: what was heard counts from the moment
-        // before it.
+        // The computer may have slept since: a command counts from the moment before it
+        // was received.
         if self.kernel.heard > self.heard.1 {
             self.heard = (awake, self.kernel.heard);
         }
         goes_on
     }
 
-    /// Lets held keys go when the window has said nothing for too long, or when nothing
-    /// proves that they are still held: no motion depends on a release that may never come.
+    /// Releases held keys if the window has been silent for too long, or if nothing proves
+    /// that they are still held: no motion depends on a release that may never come.
     fn let_go(&mut self, now: Duration) {
         let kernel = &mut self.kernel;
         if !kernel.keys.any_down() {
@@ -174,7 +174,8 @@ impl Running {
         }
     }
 
-    /// Says that the machine stood still while the computer slept, or the page was frozen.
+    /// Reports that the machine was not running while the computer slept or the page was
+    /// frozen.
     fn say_after_sleep(&mut self, now: Instant) {
         let away = now.duration_since(self.looked);
         self.looked = now;
@@ -185,7 +186,6 @@ impl Running {
         }
     }
 
-    /// Makes the ticks that are due.
     fn tick(&mut self, now: Instant) {
         let Self { kernel, pace, .. } = self;
         if !kernel.is_linked() {
@@ -194,7 +194,7 @@ impl Running {
         pace.set_speed(kernel.speed(), now);
         let due = pace.due(now);
         if kernel.is_linked() {
-            // The board's clock counts; the machine is as fast as it has to be.
+            // The clock of the board counts; the machine runs as fast as it must.
             kernel.speed_percent = 100;
             kernel.times = None;
             if kernel.run_linked() {
@@ -208,7 +208,7 @@ impl Running {
         self.journal.look(&kernel.emulator.simulation.cnc, link);
     }
 
-    /// Hands a picture out when one is due; of what a board moves they come with the
+    /// Publishes a snapshot when one is due; with a board the snapshots come with its
     /// ticks.
     fn show(&mut self, now: Instant) {
         let Self { kernel, pace, .. } = self;
@@ -228,7 +228,7 @@ impl Running {
         }
     }
 
-    /// Puts what the control has sent where its partner takes it.
+    /// Passes the files that the control has sent to its partner.
     fn hand_out_sent(&mut self) {
         let Some(folder) = &self.outside.partner else {
             return;
@@ -242,7 +242,7 @@ impl Running {
         }
     }
 
-    /// Saves what has changed in the memory.
+    /// Saves changes of the memory.
     fn keep(&mut self, now: Instant) {
         if let Some(keeper) = &mut self.outside.keeper
             && now.duration_since(self.kept) > KEEP
@@ -257,14 +257,15 @@ impl Running {
         }
     }
 
-    /// Waits for a command, or for the next ticks; `false`: nobody can command any more.
+    /// Waits for a command, or for the next ticks; returns `false` once every sender is
+    /// gone.
     fn hear(&mut self, now: Instant) -> bool {
         let kernel = &mut self.kernel;
         let told = match kernel.wakes_at(now, &self.pace) {
             Some(until) => platform::receive(&kernel.commands, Some(until)),
-            // Whoever waits yields the processor first, even when there is no time to
-            // wait: on a busy computer it is back tens of milliseconds later, and the
-            // board has heard nothing meanwhile.
+            // A wait yields the processor, even with no time to wait: on a busy computer
+            // the thread continues tens of milliseconds later, and the board gets no bytes
+            // meanwhile.
             None => kernel.commands.try_recv().map_err(|error| match error {
                 TryRecvError::Empty => RecvTimeoutError::Timeout,
                 TryRecvError::Disconnected => RecvTimeoutError::Disconnected,
@@ -279,7 +280,7 @@ impl Running {
         }
     }
 
-    /// Lets go of everything, and saves.
+    /// Releases all keys, disconnects the board and saves.
     fn end(self) {
         let Self {
             mut kernel,
@@ -303,8 +304,8 @@ impl Running {
     }
 }
 
-/// Runs what is due as long as there is time and the speed stays in force; returns how
-/// many ticks that were. Keys are seen every few ticks.
+/// Runs the ticks that are due until time is up or the speed in force changes; returns the
+/// number of ticks. Keys take effect every few ticks.
 fn run(kernel: &mut Kernel, due: u64, speed: Speed, until: Instant) -> u64 {
     let mut ran = 0;
     loop {
@@ -317,8 +318,8 @@ fn run(kernel: &mut Kernel, due: u64, speed: Speed, until: Instant) -> u64 {
     }
 }
 
-/// The board stands and all is saved: the window closes now, or the program ends
-/// without it.
+/// Waits until the window closes after the board has stopped and all is saved; ends the
+/// program without the window if it does not.
 fn wait_for_window(kernel: &Kernel) {
     let last = Instant::now() + WINDOW_CLOSES;
     while let Ok(command) = platform::receive(&kernel.commands, Some(last)) {
@@ -330,7 +331,7 @@ fn wait_for_window(kernel: &Kernel) {
     std::process::exit(ENDED.into());
 }
 
-/// The operator is told what has become of files that the control has sent.
+/// Reports to the operator what happened to files that the control has sent.
 fn tell_of_transfer(console: &Console, written: Result<String, Message>) {
     match written {
         // A window that is gone needs no message.
@@ -343,7 +344,7 @@ fn tell_of_transfer(console: &Console, written: Result<String, Message>) {
     }
 }
 
-/// With two digits, so that the picture does not change for nothing.
+/// Rounds to two digits, so that snapshots do not change needlessly.
 fn times(ratio: f64) -> Times {
     let step = match ratio {
         ..1.0 => 0.05,
@@ -354,7 +355,7 @@ fn times(ratio: f64) -> Times {
     Times((ratio / step).round() * step)
 }
 
-/// In steps of 5 % below 95 %, so that the picture does not change for nothing.
+/// Rounds down to steps of 5 % below 95 %, so that snapshots do not change needlessly.
 fn speed_percent(ratio: f64) -> u32 {
     if ratio > 0.95 {
         100
@@ -389,15 +390,15 @@ mod tests {
             down: true,
         };
         for _ in 0..2 {
-            // Pressed after the silence it is held.
+            // A key pressed after the silence is held.
             console.send(held());
             assert!(running.turn());
-            // It counts from the turn that heard it: before the next one the computer
-            // may sleep.
+            // The silence counts from the turn that received the key: the computer may
+            // sleep before the next one.
             assert_eq!(running.heard.1, running.kernel.heard);
             assert!(running.turn());
             assert!(running.kernel.keys.any_down());
-            // The computer slept: what the window said before it is no sign of life.
+            // The computer slept: commands from before the sleep are no sign of life.
             running.heard.0 = platform::time_with_sleep().saturating_sub(Duration::from_secs(2));
             console.send(Command::Alive);
             assert!(running.turn());

@@ -1,4 +1,4 @@
-//! What the program under way waits for, once that takes longer than usual.
+//! Reports what the running program waits for, once that takes longer than usual.
 
 use gsk_core::command::Source;
 use gsk_core::operation::RunState;
@@ -6,19 +6,19 @@ use gsk_core::simulation::Simulation;
 use gsk_messages::Message;
 use gsk_runner::machining::live::running;
 
-/// So long nothing is said, ticks: a tool post and a spindle take their time.
+/// Usual duration of a wait for tool post or spindle, ticks; shorter waits are not
+/// reported.
 const USUAL: u64 = 3000;
 
-/// What is waited for, and by which block.
+/// What a program waits for, and in which block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Waits {
-    /// What has to come.
+    /// The condition it waits for.
     pub what: Message,
-    /// The block.
     pub block: Option<Source>,
 }
 
-/// The wait that goes on, and since which tick.
+/// The current wait, and the tick it began at.
 #[derive(Debug, Default)]
 pub(super) struct Waiting {
     now: Option<Waits>,
@@ -26,7 +26,7 @@ pub(super) struct Waiting {
 }
 
 impl Waiting {
-    /// Looks again.
+    /// Updates the current wait.
     pub(super) fn look(&mut self, tick: u64, simulation: &Simulation) {
         let now = simulation.cnc.waits_for().map(|what| Waits {
             what,
@@ -38,7 +38,7 @@ impl Waiting {
         }
     }
 
-    /// What is to be said of it; of a program that is held at once.
+    /// Returns the wait if it is longer than usual, or at once if the program is held.
     pub(super) fn said(&self, tick: u64, run: RunState) -> Option<Waits> {
         let is_long = run == RunState::Hold || tick.saturating_sub(self.since) >= USUAL;
         self.now.clone().filter(|_| is_long)

@@ -1,4 +1,4 @@
-//! Why files do not go through the serial port.
+//! Errors of file transfer through the serial port.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -10,22 +10,22 @@ use crate::files::program_file::FileError;
 use crate::output::WriteError;
 use crate::ports::{self, PortError};
 
-/// Why the PC's side does not do what it is asked for.
+/// Why a transfer command has failed.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum PcError {
-    /// The port is not opened.
+    /// The port cannot be opened.
     Port(#[from] PortError),
-    /// It does not go through the port.
+    /// The transfer through the port has failed.
     Files(#[from] FilesError),
-    /// A file of the PC is not read.
+    /// A file of the PC cannot be read.
     File(#[from] FileError),
-    /// A file of the PC is not written.
+    /// A file of the PC cannot be written.
     Write(#[from] WriteError),
 }
 
 impl PcError {
-    /// What is said of it.
+    /// Returns the message for the operator.
     pub fn message(&self) -> Message {
         match self {
             Self::Port(error) => error.message(),
@@ -35,7 +35,7 @@ impl PcError {
         }
     }
 
-    /// There is no connection any more, or no port.
+    /// Whether the connection or the port is lost.
     pub const fn ends_connection(&self) -> bool {
         matches!(
             self,
@@ -44,65 +44,65 @@ impl PcError {
     }
 }
 
-/// Why files do not go through the serial port.
+/// Why a file transfer has failed.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum FilesError {
-    /// There is no connection with the control, or none any more.
+    /// There is no connection with the control, or it was lost.
     Lost(#[from] ConnectionLoss),
-    /// The open port has gone.
+    /// The open port has failed.
     Gone(io::Error),
-    /// The user has broken it off.
+    /// The operator has cancelled it.
     Cancelled,
     /// The control refuses it.
     Refused {
-        /// The file there.
+        /// The file at the control.
         name: FileName,
-        /// Why.
+        /// The reason.
         fault: TransferFault,
     },
-    /// What came is no text.
+    /// The received bytes are no text.
     Noise,
-    /// A text ended in the middle.
+    /// A text ended before its last character.
     Broken,
-    /// Nothing came within so many seconds.
+    /// No byte arrived within this time, s.
     Nothing(u64),
-    /// The other end held the line for so many seconds.
+    /// The other end stopped the line for this time, s.
     HeldUp(u64),
-    /// Something of several was not done; each has been said.
+    /// Some of several files failed; each has been reported.
     Some,
     /// A file that has no name at the control.
     NoName(PathBuf),
-    /// A name that the control cannot have.
+    /// A name that the control does not permit.
     Name(#[from] FileNameError),
-    /// A name twice.
+    /// Two files of the same name.
     Twice {
         /// The name at the control.
         name: FileName,
-        /// A file.
+        /// The first file.
         first: PathBuf,
-        /// Another one.
+        /// The second file.
         second: PathBuf,
     },
-    /// A file that is there already.
+    /// The file already exists.
     There(PathBuf),
-    /// A name that is taken, and nobody at a terminal.
+    /// The name is taken and there is no terminal to query the operator.
     NobodyToAsk(FileName),
     /// No program number is free.
     NoFreeName(FileName),
-    /// A folder without files for the control.
+    /// The folder has no files for the control.
     Empty(PathBuf),
-    /// A program with a character that is none of ASCII.
+    /// A program contains a character outside ASCII.
     NotText {
         /// The file.
         file: PathBuf,
-        /// Where.
+        /// The character and its position.
         error: InvalidCharacter,
     },
 }
 
 impl FilesError {
-    /// Whether it is a matter of the line and the control, not of the call and its files.
+    /// Whether the cause is the line or the control, not the command and its files.
     pub const fn is_of_the_line(&self) -> bool {
         matches!(
             self,
@@ -118,7 +118,7 @@ impl FilesError {
         )
     }
 
-    /// What is said of it.
+    /// Returns the message for the operator.
     pub fn message(&self) -> Message {
         let path = |path: &Path| path.display().to_string();
         match self {

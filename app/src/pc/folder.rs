@@ -1,5 +1,4 @@
-//! Files of the PC: what they are called at the control, and where those of the control
-//! are stored.
+//! Files of the PC: their names at the control, and the paths of received files.
 
 use std::path::{Path, PathBuf};
 
@@ -14,17 +13,18 @@ use crate::output::WriteError;
 /// A file of the PC and its name at the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Chosen {
-    /// Where it stands on the PC.
+    /// Path on the PC.
     pub path: PathBuf,
-    /// Its name at the control.
+    /// Name at the control.
     pub name: FileName,
 }
 
-/// From a word of the command line: `FILE=NAME`, else the name is that of the file, or
-/// made of the program number in the file's name or first block.
+/// Parses a word of the command line: `FILE=NAME`, or a file. Without a name the function
+/// takes the file's name, or one made from the program number in the file's name or first
+/// block.
 ///
 /// # Errors
-/// There is no name for it, or not such a one.
+/// The file yields no name, or `NAME` is invalid.
 pub fn chosen(word: &str) -> Result<Chosen, FilesError> {
     let path = PathBuf::from(word);
     if !path.exists()
@@ -41,8 +41,8 @@ pub fn chosen(word: &str) -> Result<Chosen, FilesError> {
     }
 }
 
-/// The name at the control: that of the file, or made of the program number in the file's
-/// name or first block; none where there is none.
+/// Returns the name at the control: the file's name, or one made from the program number
+/// in the file's name or first block; `None` without both.
 pub fn named(path: &Path) -> Option<FileName> {
     let own = path.file_name().and_then(|name| name.to_str());
     let own = own.filter(|name| FileId::of(name).is_some());
@@ -55,7 +55,7 @@ pub fn named(path: &Path) -> Option<FileName> {
         .or_else(number)
 }
 
-/// Refuses two files of one name.
+/// Refuses two files of the same name.
 ///
 /// # Errors
 /// Names both.
@@ -72,11 +72,11 @@ pub fn each_once(files: &[Chosen]) -> Result<(), FilesError> {
     Ok(())
 }
 
-/// The files of a folder that the control knows: programs first, parameters last, since
-/// they may change the speed of the line.
+/// Lists the files of a folder that the control can take: programs first, parameters last,
+/// since they may change the rate of the line.
 ///
 /// # Errors
-/// The folder cannot be read, or has none.
+/// The folder cannot be read, or has no such files.
 pub fn of_folder(folder: &Path) -> Result<Vec<Chosen>, PcError> {
     let entries = std::fs::read_dir(folder).map_err(|error| unreadable(folder, error))?;
     let mut files: Vec<(u8, Chosen)> = entries
@@ -105,10 +105,10 @@ pub fn of_folder(folder: &Path) -> Result<Vec<Chosen>, PcError> {
     Ok(files)
 }
 
-/// What a file holds.
+/// Reads a file.
 ///
 /// # Errors
-/// Names it, and what the system said.
+/// Names the file and the error of the system.
 pub fn read(path: &Path) -> Result<Vec<u8>, PcError> {
     std::fs::read(path).map_err(|error| unreadable(path, error))
 }
@@ -118,10 +118,10 @@ fn unreadable(path: &Path, source: std::io::Error) -> PcError {
     PcError::File(FileError::System { path, source })
 }
 
-/// Refuses files that are there already, before anything is received.
+/// Checks before a transfer that no file would be replaced, unless `overwrite` is set.
 ///
 /// # Errors
-/// Names the first one.
+/// Names the first existing file.
 pub fn keep_apart(
     folder: &Path,
     names: impl Iterator<Item = String>,
@@ -134,25 +134,25 @@ pub fn keep_apart(
     }
 }
 
-/// Makes a folder, if it is not there.
+/// Creates a folder if it does not exist.
 ///
 /// # Errors
-/// Names it, and what the system said.
+/// Names the folder and the error of the system.
 pub fn make(folder: &Path) -> Result<(), PcError> {
     let made = std::fs::create_dir_all(folder);
     made.map_err(|error| WriteError::new(folder, error).into())
 }
 
-/// Writes a file, all of it or nothing.
+/// Writes a file completely or not at all.
 ///
 /// # Errors
-/// Names it, and what the system said.
+/// Names the file and the error of the system.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), PcError> {
     let written = atomic::write(path, bytes);
     written.map_err(|error| WriteError::new(path, error).into())
 }
 
-/// A name in a folder that is free: the file's own, else with a number behind it.
+/// Returns a free path in a folder: with this name, or with a number after it.
 pub fn free(folder: &Path, name: &str) -> PathBuf {
     let (stem, ending) = name.split_once('.').unwrap_or((name, ""));
     let numbered = (2_u32..).map(|number| folder.join(format!("{stem} ({number}).{ending}")));

@@ -1,5 +1,5 @@
-//! The PC's side of the serial port (manual V) at a port of the computer: what `transfer`
-//! does on the command line, and a thread that does it for the window.
+//! The PC side of the serial port (manual V) at a port of the computer: for the command
+//! `transfer`, and in a thread for the window.
 
 mod error;
 pub mod folder;

@@ -1,11 +1,11 @@
-//! Names at the control that are not taken.
+//! Free file names at the control.
 
 use gsk_transfer::{DirectoryEntry, FileName};
 
-/// Numbers from here on need another level.
+/// Program numbers from here on need a higher operation level.
 const PROTECTED_FROM: u16 = 9000;
 
-/// The next program number that is free, for a program whose name is taken; none for data,
+/// Returns the next free program name for a program whose name is taken; `None` for data,
 /// which have one name only.
 pub fn free_name(name: &FileName, entries: &[DirectoryEntry]) -> Option<FileName> {
     let number = name.program_number()?;

@@ -1,4 +1,4 @@
-//! What the PC's side is called with next time: port, speed, files to send (manual V-3.3).
+//! Remembers the settings of the PC side: port, rate and files to send (manual V-3.3).
 
 use std::path::PathBuf;
 
@@ -7,22 +7,22 @@ use serde::{Deserialize, Serialize};
 
 use crate::files::{data_dir, models};
 
-/// The rate of a control as it is delivered, bits a second (parameter 044).
+/// Rate of a control as delivered, bits a second (parameter 044).
 pub const DELIVERED: u32 = 115_200;
 
-/// A file of the list of those to be sent (发送文件).
+/// A file of the send list (发送文件).
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Item {
-    /// Where it stands on the PC (发送文件路径).
+    /// Path on the PC (发送文件路径).
     pub path: PathBuf,
-    /// Its name at the control (CNC保存文件名).
+    /// Name at the control (CNC保存文件名).
     pub name: String,
-    /// Where it goes (存储区), as a position in [`Partition::ALL`].
+    /// Partition (存储区), as an index of [`Partition::ALL`].
     pub partition: usize,
 }
 
 impl Item {
-    /// Its partition.
+    /// Returns the partition; the first one if the index is out of range.
     pub fn partition(&self) -> Partition {
         Partition::ALL
             .get(self.partition)
@@ -30,13 +30,13 @@ impl Item {
             .unwrap_or_default()
     }
 
-    /// A line of a saved list: path, name, partition, with tabs between them.
+    /// Returns a line of a saved list: path, name and partition, separated by tabs.
     pub fn line(&self) -> String {
         let (path, name) = (self.path.display(), &self.name);
         format!("{path}\t{name}\t{}\n", self.partition().name())
     }
 
-    /// From a line of a saved list.
+    /// Parses a line of a saved list; `None` if the path is empty or the name is invalid.
     pub fn of_line(line: &str) -> Option<Self> {
         let mut words = line.trim_end().split('\t');
         let (path, name) = (words.next()?, words.next()?);
@@ -52,15 +52,15 @@ impl Item {
     }
 }
 
-/// What the view of the window remembers.
+/// Settings that the transfer view of the window remembers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Remembered {
-    /// The port; empty before there was one (端口选择).
+    /// The port (端口选择); empty before the first one.
     pub port: String,
-    /// Its speed, bits a second (波特率).
+    /// Its rate, bits a second (波特率).
     pub baud: u32,
-    /// Files to be sent.
+    /// The send list.
     pub list: Vec<Item>,
 }
 
@@ -74,15 +74,15 @@ impl Default for Remembered {
     }
 }
 
-/// The part of the window's settings that the command line asks for.
+/// The part of the window's settings that the command line reads.
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct OfWindow {
     transfer: Remembered,
 }
 
-/// What the window was called with last, where there is one; a window that runs has not
-/// written its last second yet.
+/// Reads the transfer settings that the window has saved last; `None` without a port. A
+/// running window has not saved the changes of its last second yet.
 pub fn of_window() -> Option<Remembered> {
     let path = data_dir::default_path().ok()?;
     let folder = models::folder(&path, models::chosen(&path));

@@ -1,4 +1,5 @@
-//! The PC's side at a port of the computer: an order, and what comes of it.
+//! Runs the PC side of the transfer protocol at a port of the computer: one command at a
+//! time.
 
 use gsk_messages::{Message, say};
 use gsk_transfer::{
@@ -10,57 +11,57 @@ use web_time::{Duration, Instant};
 use super::{FilesError, PcError};
 use crate::ports::Port;
 
-/// So long a port that another program has just left may still be in use.
+/// How long to retry a port that another program has just closed.
 const IN_USE: Duration = Duration::from_millis(500);
-/// So long the last answer may take to leave.
+/// Longest time for the last replies to leave.
 const LAST_WORDS: Duration = Duration::from_millis(300);
-/// So long the answer to a farewell may take.
+/// Longest time for the reply to a goodbye.
 const FAREWELL: Duration = Duration::from_secs(1);
 
-/// Who watches files on their way.
+/// Observes the transfer of files.
 pub trait Watch: Send {
-    /// A file begins; its length, where it is known, bytes.
+    /// A file begins; `_size` is its length, bytes, or 0 if unknown.
     fn begins(&mut self, _name: &FileName, _size: usize) {}
 
-    /// How far it has come, and how many frames went out again so far (重试次数).
+    /// Progress of the file, and the number of frames retransmitted so far (重试次数).
     fn moves(&mut self, _progress: TransferProgress, _retries: u64) {}
 
-    /// It has ended, well or not.
+    /// The file has ended, successfully or not.
     fn ends(&mut self) {}
 
-    /// Whether it is to be broken off.
+    /// Whether the caller has cancelled the transfer.
     fn is_cancelled(&mut self) -> bool {
         false
     }
 }
 
-/// What has gone through the port so far.
+/// Totals of the transfers through the port.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Traffic {
-    /// Files.
+    /// Number of files.
     pub files: usize,
-    /// What they hold, bytes.
+    /// Their content, bytes.
     pub bytes: usize,
-    /// Time in which files were under way.
+    /// Time during which files were transferred.
     pub busy: Duration,
-    /// Frames that went out again (重试次数).
+    /// Number of retransmitted frames (重试次数).
     pub retries: u64,
-    /// Speed of the line, bits a second.
+    /// Rate of the line, bits a second.
     pub baud: u32,
 }
 
 impl Traffic {
-    /// Bytes a second (传输速率).
+    /// Returns the average rate, bytes a second (传输速率).
     pub fn rate(&self) -> f64 {
         self.bytes as f64 / self.busy.as_secs_f64().max(0.001)
     }
 
-    /// What that is of what the line carries with ten bits a byte, 1: all of it.
+    /// Returns the used share of the line at ten bits a byte; 1 is all of it.
     pub fn share(&self) -> f64 {
         self.rate() * 10.0 / f64::from(self.baud.max(1))
     }
 
-    /// What has gone and how fast (传输速率, 重试次数).
+    /// Returns a message with totals, rate and retries (传输速率, 重试次数).
     pub fn message(&self) -> Message {
         say::transfer_rate(
             self.files,
@@ -74,7 +75,7 @@ impl Traffic {
     }
 }
 
-/// The PC's side at its port.
+/// The PC side of the protocol at its port.
 pub struct Talk {
     port: Port,
     side: PcSide,
@@ -84,10 +85,10 @@ pub struct Talk {
 }
 
 impl Talk {
-    /// Opens the port at so many bits a second.
+    /// Opens a port at this rate, bits a second.
     ///
     /// # Errors
-    /// It cannot be opened: names the port and what to do.
+    /// The port cannot be opened: names the port and what to do.
     pub fn open(port: &str, baud: u32, watch: Box<dyn Watch>) -> Result<Self, PcError> {
         Ok(Self {
             port: Port::open_within(port, baud, IN_USE)?,
@@ -101,15 +102,16 @@ impl Talk {
         })
     }
 
-    /// Connects: the control answers.
+    /// Connects with the control.
     ///
     /// # Errors
-    /// It does not, or the port has gone.
+    /// The control does not answer, or the port has gone.
     pub fn connect(&mut self) -> Result<(), PcError> {
         self.order(PcCommand::Connect).map(drop)
     }
 
-    /// Carries bytes; what has come of it, if anything.
+    /// Moves bytes in both directions; returns the outcome of the command, if there is
+    /// one.
     fn pump(&mut self) -> Result<Option<TransferOutcome>, PcError> {
         let heard = self.port.read().map_err(FilesError::Gone)?;
         let now = self.begun.elapsed();
@@ -126,27 +128,27 @@ impl Talk {
         Ok(outcome)
     }
 
-    /// Gives an order and waits for what comes of it.
+    /// Starts a command and waits for its outcome.
     fn order(&mut self, order: PcCommand) -> Result<TransferOutcome, PcError> {
         self.side.start(order);
         let mut cancelled = false;
         loop {
             match self.pump()? {
-                // What the control sends by itself meanwhile it sends to nobody.
+                // A file that the control sends unrequested meanwhile is dropped.
                 None | Some(TransferOutcome::Pushed(_)) => {}
                 Some(TransferOutcome::Lost(loss)) => return Err(FilesError::Lost(loss).into()),
                 Some(_) if cancelled => return Err(FilesError::Cancelled.into()),
                 Some(outcome) => return Ok(outcome),
             }
             if !cancelled && self.watch.is_cancelled() {
-                // Connected anew, the control forgets the half of a file that it has.
+                // On a new connection the control drops a partial file.
                 cancelled = true;
                 self.side.start(PcCommand::Connect);
             }
         }
     }
 
-    /// An order about a file; a refusal is an error.
+    /// Runs a command for a file; a refusal is an error.
     fn order_for(&mut self, name: &FileName, order: PcCommand) -> Result<TransferOutcome, PcError> {
         match self.order(order)? {
             TransferOutcome::Refused(fault) => Err(FilesError::Refused {
@@ -158,10 +160,10 @@ impl Talk {
         }
     }
 
-    /// The files of a partition.
+    /// Lists the files of a partition.
     ///
     /// # Errors
-    /// The control refuses it, or does not answer, or the port has gone.
+    /// The control refuses it or does not answer, or the port has gone.
     pub fn list(&mut self, partition: Partition) -> Result<Vec<DirectoryEntry>, PcError> {
         match self.order(PcCommand::Directory(partition))? {
             TransferOutcome::Listed(entries) => Ok(entries),
@@ -177,7 +179,7 @@ impl Talk {
     /// Sends a file.
     ///
     /// # Errors
-    /// The control refuses it, or does not answer, or the port has gone.
+    /// The control refuses it or does not answer, or the port has gone.
     pub fn send(&mut self, file: TransferFile) -> Result<(), PcError> {
         let (name, size) = (file.remote_path.name.clone(), file.bytes.len());
         self.watched(&name, size, |talk| {
@@ -187,10 +189,10 @@ impl Talk {
         })
     }
 
-    /// Receives a file.
+    /// Receives a file and returns its content.
     ///
     /// # Errors
-    /// The control refuses it, or does not answer, or the port has gone.
+    /// The control refuses it or does not answer, or the port has gone.
     pub fn receive(&mut self, place: RemotePath) -> Result<Vec<u8>, PcError> {
         let name = place.name.clone();
         self.watched(&name, 0, |talk| {
@@ -204,15 +206,16 @@ impl Talk {
         })
     }
 
-    /// Deletes or renames.
+    /// Deletes or renames a file.
     ///
     /// # Errors
-    /// The control refuses it, or does not answer, or the port has gone.
+    /// The control refuses it or does not answer, or the port has gone.
     pub fn change(&mut self, name: &FileName, order: PcCommand) -> Result<(), PcError> {
         self.order_for(name, order).map(drop)
     }
 
-    /// Carries bytes while nothing is asked for: a file that the control has sent by itself.
+    /// Moves bytes while no command runs; returns a file that the control has sent
+    /// unrequested.
     ///
     /// # Errors
     /// The port has gone.
@@ -241,7 +244,7 @@ impl Talk {
         result
     }
 
-    /// What has gone and how fast (传输速率, 重试次数).
+    /// Returns the totals of the transfers so far.
     pub fn traffic(&self) -> Traffic {
         Traffic {
             retries: self.side.retransmissions(),
@@ -249,7 +252,7 @@ impl Talk {
         }
     }
 
-    /// Lets the last answers leave.
+    /// Moves bytes until the last replies have left.
     fn rest(&mut self) -> Result<(), PcError> {
         let begun = Instant::now();
         while !self.side.is_drained() && begun.elapsed() < LAST_WORDS {
@@ -258,8 +261,8 @@ impl Talk {
         Ok(())
     }
 
-    /// Says goodbye and stays at the port; a control that does not answer has gone all the
-    /// same.
+    /// Disconnects from the control and keeps the port open; a control that does not
+    /// answer counts as disconnected.
     ///
     /// # Errors
     /// The port has gone.
@@ -274,9 +277,9 @@ impl Talk {
         self.rest()
     }
 
-    /// Says goodbye.
+    /// Disconnects from the control and closes the port.
     pub fn end(mut self) {
-        // It is closed in any case.
+        // The port is closed in any case.
         let _ = self.take_leave();
     }
 }

@@ -1,5 +1,5 @@
-//! The PC's side for the window: a thread that has the port, takes orders and says what
-//! comes of them. The window never waits for it.
+//! The thread that works as the PC side of the serial port for the window: it owns the
+//! port, takes commands and reports events. The window never waits for it.
 
 mod job;
 
@@ -18,177 +18,177 @@ use web_time::Duration;
 use super::{FilesError, PcError, Talk, Traffic, Watch, folder};
 use crate::{platform, ports};
 
-/// A file of the PC for the control.
+/// A file of the PC to send to the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ToSend {
-    /// Where it stands on the PC.
+    /// Path on the PC.
     pub path: PathBuf,
-    /// Where it goes at the control.
+    /// Location at the control.
     pub place: RemotePath,
-    /// It takes the place of one of its name unasked.
+    /// Replace a file of the same name without a question.
     pub overwrite: bool,
 }
 
-/// What the thread is to do.
+/// A command for the thread.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Order {
-    /// Say which ports there are.
+    /// List the ports of the computer.
     FindPorts,
-    /// Say how long files of the PC are.
+    /// Read the lengths of files on the PC.
     Measure(Vec<PathBuf>),
-    /// Open a port (打开串口), at so many bits a second.
+    /// Open a port (打开串口).
     Open {
-        /// Its name.
+        /// Name of the port.
         port: String,
-        /// Its speed.
+        /// Rate, bits a second.
         baud: u32,
     },
-    /// Close it (关闭串口), connected or not.
+    /// Close the port (关闭串口), connected or not.
     Close,
     /// Connect with the control (建立连接).
     Connect,
-    /// Take leave of it (断开连接).
+    /// Disconnect from the control (断开连接).
     Disconnect,
-    /// List its files (获取CNC目录).
+    /// List the files of the control (获取CNC目录).
     List,
     /// Send files (开始传送).
     Send(Vec<ToSend>),
-    /// Send the files of a folder, parameters last; each takes the place of one of its name.
+    /// Send the files of a folder, parameters last; each replaces a file of the same name.
     Restore(PathBuf),
     /// Receive files into a folder.
     Receive {
-        /// The files.
+        /// The files at the control.
         places: Vec<RemotePath>,
-        /// The folder.
+        /// The folder on the PC.
         into: PathBuf,
     },
-    /// Receive all files into a folder.
+    /// Receive all files of the partition USER into a folder.
     BackUp(PathBuf),
-    /// Delete files (删除文件).
+    /// Delete files at the control (删除文件).
     Delete(Vec<RemotePath>),
-    /// Rename one (文件重命名).
+    /// Rename a file at the control (文件重命名).
     Rename {
         /// The file.
         from: RemotePath,
         /// Its new name.
         to: FileName,
     },
-    /// Write a file that the control has sent by itself.
+    /// Write a file that the control has sent unrequested.
     Keep {
-        /// Where to.
+        /// Path on the PC.
         path: PathBuf,
         /// The file.
         file: TransferFile,
     },
-    /// What was asked is answered.
+    /// The answer to a question of the current job.
     Answer(Answer),
 }
 
-/// How far the line is.
+/// State of the connection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stage {
     /// No port is open.
     #[default]
     Closed,
-    /// The port is open.
+    /// The port is open, the control has not answered yet.
     Open,
     /// The control has answered.
     Connected,
 }
 
-/// A name that is taken.
+/// A question of a job: a file name is taken.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Question {
     /// At the control (manual V-3.3).
     AtControl {
         /// The file.
         place: RemotePath,
-        /// A name that the one there could be given; none for data.
+        /// A free name for the existing file; `None` for data, which have one name only.
         free: Option<FileName>,
-        /// What the partition holds.
+        /// Files in the partition.
         entries: Vec<DirectoryEntry>,
     },
-    /// On the PC.
+    /// On the PC, at this path.
     OnDisk(PathBuf),
 }
 
-/// What becomes of it.
+/// What to do with a file whose name is taken.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// The new file takes its place (`是`).
+    /// Replace the existing file (`是`).
     Overwrite,
-    /// The one at the control gets this name, else a free one (`否`); on the PC the new
-    /// file gets a number behind its name.
+    /// Rename (`否`): the existing file at the control gets this name, or a free one; on
+    /// the PC the new file gets a number after its name.
     Rename(Option<FileName>),
-    /// The file is left out (`取消`).
+    /// Skip the new file (`取消`).
     Skip,
 }
 
 /// The answer to a question.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answer {
-    /// What becomes of the file.
+    /// What to do with the file.
     pub choice: Choice,
-    /// The same of all others of this job.
+    /// Apply the choice to all other files of this job.
     pub of_all: bool,
 }
 
-/// What a job does.
+/// What a job does with its files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Files go to the control.
+    /// Send them to the control.
     Send,
-    /// They come from it.
+    /// Receive them from the control.
     Receive,
-    /// They are deleted.
+    /// Delete them at the control.
     Delete,
 }
 
-/// What has become of a file of a job.
+/// Result for one file of a job.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// All of it has arrived; or it is gone, where it was to be.
+    /// The file has been sent, received or deleted.
     Done,
-    /// It was left out.
+    /// The operator has skipped it.
     Skipped,
     /// It was refused: which file, and why.
     Refused(Message),
 }
 
-/// What has come of something.
+/// An event for the window.
 #[derive(Clone, Debug, PartialEq)]
 pub enum News {
-    /// The ports there are: each with what it is opened by.
+    /// The ports of the computer, each by the name that opens it.
     Ports(Vec<String>),
-    /// How long files of the PC are, bytes; none: there is no such file.
+    /// Lengths of files on the PC, bytes; `None`: the file does not exist.
     Lengths(Vec<(PathBuf, Option<u64>)>),
-    /// How far the line is now.
+    /// The state of the connection has changed.
     Stage(Stage),
-    /// What went wrong beside a job.
+    /// A command other than a job has failed.
     Failed(Message),
-    /// Something is done.
+    /// A command other than a job has succeeded.
     Said(Message),
-    /// What the partitions of the control hold.
+    /// Files in the partitions of the control.
     Listed(Vec<(Partition, Vec<DirectoryEntry>)>),
-    /// A job begins, with these files.
+    /// A job begins with these files.
     Begun(Kind, Vec<String>),
-    /// A file of the job begins.
+    /// A file of the job begins, by its index.
     At(usize),
-    /// How far it has come, and frames that went out again.
+    /// Progress of the current file, and the number of retransmitted frames.
     Moves(TransferProgress, u64),
-    /// It has ended.
+    /// A file of the job has ended, by its index.
     Ended(usize, Fate),
-    /// What has gone so far.
+    /// Transfer totals so far.
     Traffic(Traffic),
-    /// A name is taken: the job waits for the answer.
+    /// A file name is taken: the job waits for the answer.
     Asked(Question),
-    /// The job is over; why, if it did not come to its end.
+    /// The job is finished; the reason, if it has not reached its end.
     Over(Option<Message>),
-    /// The control has sent a file by itself (manual V-3.4).
+    /// The control has sent a file unrequested (manual V-3.4).
     Pushed(TransferFile),
 }
 
-/// The thread, from outside. It ends with this.
+/// Handle of the thread; dropping it ends the thread.
 #[derive(Debug)]
 pub struct Worker {
     orders: Sender<Order>,
@@ -197,10 +197,10 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// Starts it. `wake` is called when there is news.
+    /// Starts the thread. It calls `wake` after each event.
     ///
     /// # Errors
-    /// The system gives no thread.
+    /// The system starts no thread.
     pub fn start(wake: impl Fn() + Send + Sync + 'static) -> io::Result<Self> {
         let (orders, from_window) = unbounded();
         let (to_window, news) = unbounded();
@@ -223,25 +223,25 @@ impl Worker {
         })
     }
 
-    /// Gives an order; those before it are carried out first.
+    /// Queues a command; the thread carries out earlier ones first.
     pub fn order(&self, order: Order) {
         self.cancel.store(false, Ordering::Relaxed);
-        // A thread that has ended has nothing to do any more.
+        // A thread that has ended needs no command.
         let _ = self.orders.send(order);
     }
 
-    /// Breaks the job under way off (取消).
+    /// Cancels the current job (取消).
     pub fn cancel(&self) {
         self.cancel.store(true, Ordering::Relaxed);
     }
 
-    /// What has come since.
+    /// Returns the next event, if there is one.
     pub fn news(&self) -> Option<News> {
         self.news.try_recv().ok()
     }
 }
 
-/// What the window is told.
+/// Reports events to the window.
 #[derive(Clone)]
 struct Tell {
     news: Sender<News>,
@@ -250,13 +250,13 @@ struct Tell {
 
 impl Tell {
     fn tell(&self, news: News) {
-        // A window that is gone needs no news.
+        // A window that is gone needs no events.
         let _ = self.news.send(news);
         (self.wake)();
     }
 }
 
-/// Tells the window how far files have come.
+/// Reports the progress of files to the window.
 struct Onlooker {
     tell: Tell,
     cancel: Arc<AtomicBool>,
@@ -276,7 +276,7 @@ impl Watch for Onlooker {
     }
 }
 
-/// The thread.
+/// The state of the thread.
 struct Desk {
     orders: Receiver<Order>,
     tell: Tell,
@@ -286,7 +286,8 @@ struct Desk {
 }
 
 impl Desk {
-    /// Carries out an order, or bytes while there is none; whether to go on.
+    /// Carries out a command, or moves bytes while there is none; returns whether to
+    /// continue.
     fn turn(&mut self) -> bool {
         if self.talk.is_none() {
             return match platform::receive(&self.orders, None) {
@@ -308,7 +309,8 @@ impl Desk {
         true
     }
 
-    /// Nothing is asked for: the control may send by itself, and a cable may be pulled.
+    /// Handles an idle line: the control may send unrequested, and a cable may be
+    /// unplugged.
     fn listen(&mut self) {
         let Some(talk) = &mut self.talk else { return };
         match talk.idle() {
@@ -328,7 +330,7 @@ impl Desk {
         }
     }
 
-    /// Says why; without a port or an answer there is no connection any more.
+    /// Reports an error; without a port or an answer the connection is lost.
     fn failed(&mut self, error: &PcError) {
         self.falls_back(error);
         self.tell.tell(News::Failed(error.message()));
@@ -371,7 +373,7 @@ impl Desk {
             Order::Delete(places) => self.delete(places),
             Order::Rename { from, to } => self.rename(from, to),
             Order::Keep { path, file } => self.tell.tell(kept(&path, &file)),
-            // The job that has asked has ended meanwhile.
+            // The job that asked has ended meanwhile.
             Order::Answer(_) => {}
         }
     }
@@ -392,7 +394,7 @@ impl Desk {
         }
     }
 
-    /// Does something at the open port.
+    /// Runs work at the open port and reports its error.
     fn at_port<T>(&mut self, work: impl FnOnce(&mut Talk) -> Result<T, PcError>) -> Option<T> {
         let done = work(self.talk.as_mut()?);
         match done {
@@ -437,9 +439,9 @@ impl Desk {
     }
 }
 
-/// The ports of the computer.
+/// Returns the ports of the computer.
 fn found() -> Vec<String> {
-    // A system that does not tell its ports leaves them to be typed.
+    // Without a list from the system the user types the port.
     let found = ports::list().unwrap_or_default();
     let name = |port: ports::Found| match port.by_id {
         Some(by_id) => by_id.display().to_string(),
@@ -466,5 +468,5 @@ fn kept(path: &Path, file: &TransferFile) -> News {
     }
 }
 
-/// So often somebody who waits for an answer looks at the line.
+/// Time between two checks of the line while a job waits for an answer.
 const LOOK: Duration = Duration::from_millis(50);

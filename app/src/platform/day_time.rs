@@ -1,8 +1,8 @@
-//! Date and time of day where the computer stands.
+//! Local date and time of day.
 
 use gsk_core::memory::DayTime;
 
-/// Now, as a clock on the wall shows it.
+/// Returns the current local date and time of day.
 pub fn day_time() -> DayTime {
     let now = chrono::Local::now().naive_local();
     DayTime::from_seconds(now.and_utc().timestamp())

@@ -1,28 +1,28 @@
-//! What the systems that the program runs on do each in its own way. Nothing outside
-//! this room asks which of them it is.
+//! What differs between operating systems and the browser. No code outside this module
+//! checks which of them it runs on.
 //!
 //! | File | What |
 //! |---|---|
-//! | `files` | one file under two names, files for their owner alone, names of ports |
-//! | `process` | this program's own file and name, how its end is asked for |
+//! | `files` | identity of files, files that only their owner reads, names of ports |
+//! | `process` | this program's own file and name, termination signals |
 //! | `clock` | a clock that counts the sleep of the computer |
-//! | `display` | the display server: whether it answers, and what it shows held |
-//! | `tie` | what ties the program to the process that holds its port |
+//! | `display` | the display server: whether it answers, which keys it reports as held |
+//! | `tie` | the connection between the program and the process that holds its port |
 //! | `serial` | serial ports, pseudo terminals |
-//! | `sound` | what plays samples |
-//! | `desktop` | whether there is a display, a file dialog; the console behind a window |
+//! | `sound` | output of samples |
+//! | `desktop` | whether there is a display and a file dialog; the console of a window |
 //!
-//! Linux and Windows do these alike (`computer/`), a page in a browser does not:
+//! Linux and Windows share these (`computer/`), a page in a browser differs:
 //!
 //! | File | What |
 //! |---|---|
-//! | `disk` | files: of the disk, or of the storage that a browser has for a page |
-//! | `turns` | what goes on beside the window: threads, or turns between two frames |
-//! | `view` | the window itself, dialogs for files, files dropped on it |
+//! | `disk` | files: on the disk, or in the storage that a browser has for a page |
+//! | `turns` | background work: threads, or turns between two frames |
+//! | `view` | the window itself, file dialogs, files dropped on it |
 //! | `log_file` | the file of the log |
-//! | `panic` | what is done before a panic of the window |
+//! | `panic` | the action before a panic of the window |
 //!
-//! `day_time` is the clock on the wall, which a library knows on all of them.
+//! `day_time` is the local time of day; one library reads it on all systems.
 
 use std::io;
 use std::path::Path;
@@ -54,10 +54,7 @@ pub use windows::*;
 #[error("{}", say::file_name_device(.0))]
 pub struct DeviceName(pub String);
 
-/// Refuses a path whose last name is that of a device: reading `CON` waits for the keyboard.
-///
-/// # Errors
-/// [`DeviceName`].
+/// Refuses a path whose last name is a device: reading `CON` waits for the keyboard.
 pub fn refuse_device(path: &Path) -> io::Result<()> {
     if !is_device(path) {
         return Ok(());
@@ -66,36 +63,36 @@ pub fn refuse_device(path: &Path) -> io::Result<()> {
     Err(io::Error::other(DeviceName(name.into_owned())))
 }
 
-/// What stands at a path.
+/// What exists at a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Facts {
     /// A plain file.
     pub is_file: bool,
     /// A folder.
     pub is_folder: bool,
-    /// Of a file, bytes.
+    /// Size of a file, bytes.
     pub length: u64,
 }
 
-/// What a file or folder is chosen for.
+/// A dialog that chooses a file or folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FileDialog {
-    /// To be read.
+    /// Choose a file to read.
     Open {
-        /// What files with these endings are called.
+        /// Label of the filter for files with these extensions.
         kind: String,
-        /// The endings, in small letters.
+        /// Extensions, in lower case, without the dot.
         endings: Vec<&'static str>,
-        /// What all other files are called.
+        /// Label of the filter for all files.
         all: String,
     },
-    /// A folder.
+    /// Choose a folder.
     Folder,
-    /// To be written.
+    /// Choose a name for a file to write.
     Save {
-        /// The name that is proposed.
+        /// Suggested name.
         name: String,
-        /// The ending.
+        /// Extension, without the dot.
         ending: &'static str,
     },
 }

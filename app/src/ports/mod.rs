@@ -1,5 +1,4 @@
-//! Serial ports, pseudo terminals and their like over a network, without waiting longer
-//! than asked.
+//! Serial ports, pseudo terminals and TCP connections, with bounded waiting times.
 
 pub mod tcp;
 
@@ -14,74 +13,74 @@ use web_time::{Duration, Instant};
 use crate::platform::{self, Serial};
 use crate::saying::{of_port, of_system};
 
-/// How long a read may wait for the first byte, and a write for room.
+/// How long a read waits for its first byte, and a write for space.
 const WAIT: Duration = Duration::from_millis(2);
-/// Where a virtual board is offered when there are no pseudo terminals; the system
-/// chooses the port.
+/// Address for a virtual board on a system without pseudo terminals; the system chooses
+/// the port number.
 const OWN_COMPUTER: &str = "127.0.0.1:0";
-/// Between two attempts to open a port that is in use.
+/// Time between two attempts to open a port that is in use.
 const BETWEEN: Duration = Duration::from_millis(20);
 
 /// Why a port cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum PortError {
-    /// It may not be used by this user.
+    /// The user has no permission for the port.
     Forbidden {
         /// The port.
         path: String,
-        /// What the system said.
+        /// Error of the system.
         error: serialport::Error,
     },
-    /// There is none of this name.
+    /// No port has this name.
     NotFound {
         /// The port.
         path: String,
-        /// What the system said.
+        /// Error of the system.
         error: serialport::Error,
     },
-    /// There is no device behind it, or another program has it.
+    /// The port has no device, or another program uses it.
     NoDevice {
         /// The port.
         path: String,
-        /// What the system said.
+        /// Error of the system.
         error: serialport::Error,
     },
-    /// For another reason.
+    /// Another reason.
     Refused {
         /// The port.
         path: String,
-        /// What the system said.
+        /// Error of the system.
         error: serialport::Error,
     },
-    /// Nobody listens at this network address.
+    /// No program listens at this network address.
     Unreachable {
         /// The port.
         path: String,
-        /// What the system said.
+        /// Error of the system.
         error: io::Error,
     },
-    /// Nothing can be offered at this network address.
+    /// The program cannot listen at this network address.
     NotOffered {
         /// The address.
         address: String,
-        /// What the system said.
+        /// Error of the system.
         error: io::Error,
     },
     /// An open port cannot be used twice.
     Clone(serialport::Error),
-    /// The system gives no pseudo terminal.
+    /// The system opens no pseudo terminal.
     NoTerminal(serialport::Error),
-    /// Nobody could open the other end.
+    /// The other end has no name, so no program could open it.
     NoName,
-    /// A pseudo terminal does not take its settings.
+    /// A pseudo terminal refuses its settings.
     Terminal(serialport::Error),
-    /// The system does not tell its ports.
+    /// The system does not list its ports.
     Unknown(serialport::Error),
 }
 
 impl PortError {
-    /// What is said of it.
+    /// Returns the message for the operator.
     pub fn message(&self) -> Message {
         match self {
             Self::Forbidden { path, error } => say::port_forbidden(path, of_port(error)),
@@ -120,11 +119,11 @@ enum Kind {
 }
 
 impl Port {
-    /// Opens a device for itself alone, or connects with `tcp:HOST:PORT`. A device that
-    /// is in use is waited for so long.
+    /// Opens a device exclusively, or connects with `tcp:HOST:PORT`. Retries a device that
+    /// is in use for this time.
     ///
     /// # Errors
-    /// It cannot be opened: names the port and what to do.
+    /// The port cannot be opened: names the port and what to do.
     pub fn open_within(path: &str, baud: u32, patience: Duration) -> Result<Self, PortError> {
         if let Some(address) = path.strip_prefix(tcp::PREFIX) {
             return match tcp::Connection::open(address) {
@@ -139,7 +138,7 @@ impl Port {
         loop {
             match Serial::open(serialport::new(path, baud).timeout(WAIT)) {
                 Ok(port) => {
-                    // What was said to somebody else.
+                    // Bytes sent to an earlier program.
                     port.forget_arrived();
                     return Ok(Self(Kind::Serial(port)));
                 }
@@ -154,10 +153,10 @@ impl Port {
         }
     }
 
-    /// The same port for somebody who reads, and waits so long for the first byte.
+    /// Returns the same port for a reader that waits this time for the first byte.
     ///
     /// # Errors
-    /// The system gives none.
+    /// The system refuses.
     pub fn reading(&self, wait: Duration) -> Result<Self, PortError> {
         let again = match &self.0 {
             Kind::Serial(port) => port.try_clone().and_then(|mut port| {
@@ -172,10 +171,11 @@ impl Port {
         again.map(Self).map_err(PortError::Clone)
     }
 
-    /// Opens a device whose partner is stopped by XOFF when nobody reads.
+    /// Opens a device with software flow control: XOFF stops its partner while the program
+    /// does not read.
     ///
     /// # Errors
-    /// It cannot be opened: names the port and what to do.
+    /// The port cannot be opened: names the port and what to do.
     pub fn open_with_handshake(path: &str, baud: u32) -> Result<Self, PortError> {
         let port = serialport::new(path, baud)
             .timeout(WAIT)
@@ -185,8 +185,8 @@ impl Port {
             .map_err(|error| PortError::opening(path, error))
     }
 
-    /// What has arrived; empty when nothing did for 2 ms, or for the time of
-    /// [`Port::reading`].
+    /// Reads the bytes that have arrived; waits 2 ms for the first one, or the time of
+    /// [`Port::reading`], and returns none after it.
     ///
     /// # Errors
     /// The port is gone.
@@ -200,7 +200,7 @@ impl Port {
         }
     }
 
-    /// Writes as much as the port takes now.
+    /// Writes as many bytes as the port takes now; returns their number.
     ///
     /// # Errors
     /// The port is gone.
@@ -231,13 +231,14 @@ impl Kind {
     }
 }
 
-/// Our end of a port at which somebody else is to find a virtual board.
+/// Our end of a port that offers a virtual board to another program.
 pub enum Offer {
-    /// A pseudo terminal. Its other end is kept open: whoever opens it may close it.
+    /// A pseudo terminal. Its other end is kept open here, because the program that opens
+    /// it may close it again.
     Terminal {
         /// Our end.
         near: Port,
-        /// The other one.
+        /// The other end.
         far: Serial,
     },
     /// A network address.
@@ -245,11 +246,12 @@ pub enum Offer {
 }
 
 impl Offer {
-    /// At this network address, else behind a pseudo terminal; where the system has none,
-    /// at an address that only this computer reaches.
+    /// Listens at this network address, or opens a pseudo terminal without one; on a
+    /// system without pseudo terminals, listens at an address that only this computer
+    /// reaches.
     ///
     /// # Errors
-    /// The system gives none.
+    /// The system refuses.
     pub fn open(address: Option<&str>) -> Result<Self, PortError> {
         let listen = |address: &str| {
             let listening = tcp::Offer::listen(address).map(Self::Tcp);
@@ -272,10 +274,10 @@ impl Offer {
         }
     }
 
-    /// What the other end is called.
+    /// Returns the name that opens the other end.
     ///
     /// # Errors
-    /// The system does not tell.
+    /// The system does not report it.
     pub fn name(&self) -> Result<String, PortError> {
         match self {
             Self::Terminal { far, .. } => far.name(),
@@ -284,7 +286,8 @@ impl Offer {
         .ok_or(PortError::NoName)
     }
 
-    /// What the other end says; empty when it says nothing for 2 ms.
+    /// Reads the bytes of the other end; waits 2 ms for the first one and returns none
+    /// after it.
     ///
     /// # Errors
     /// The other end can never come back.
@@ -295,8 +298,8 @@ impl Offer {
         }
     }
 
-    /// Says as much to the other end as it takes now; where nobody has connected, it is
-    /// lost, as on a wire.
+    /// Writes as many bytes to the other end as it takes now. Without a connection they
+    /// are lost, as on a wire.
     ///
     /// # Errors
     /// The other end can never come back.
@@ -310,7 +313,7 @@ impl Offer {
         }
     }
 
-    /// Says all of it to the other end.
+    /// Writes all bytes to the other end.
     ///
     /// # Errors
     /// The other end can never come back.
@@ -327,7 +330,7 @@ impl Offer {
     }
 }
 
-/// Whether the port is only busy, not gone.
+/// Whether an error only means that the port is busy.
 fn passes(error: &io::Error) -> bool {
     matches!(
         error.kind(),
@@ -335,12 +338,12 @@ fn passes(error: &io::Error) -> bool {
     )
 }
 
-/// Nobody is at the other end.
+/// Returns the error of a closed connection.
 pub fn closed() -> io::Error {
     io::Error::new(io::ErrorKind::BrokenPipe, say::port_closed().to_string())
 }
 
-/// What an open port's failure means.
+/// Returns the message for the failure of an open port.
 pub fn gone(error: &io::Error) -> Message {
     if error.kind() == io::ErrorKind::ConnectionAborted {
         return say::port_holder_gone();
@@ -362,16 +365,16 @@ pub fn gone(error: &io::Error) -> Message {
 /// A port of this computer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
-    /// Device.
+    /// Path of the device.
     pub path: String,
-    /// Its unchanging name, where the system has one.
+    /// Its persistent name; `None` where the system has none.
     pub by_id: Option<PathBuf>,
 }
 
-/// The serial ports with something behind them.
+/// Lists the serial ports that have a device.
 ///
 /// # Errors
-/// The system does not tell.
+/// The system does not list its ports.
 pub fn list() -> Result<Vec<Found>, PortError> {
     let ports = serialport::available_ports().map_err(PortError::Unknown)?;
     let names = platform::unchanging_names();

@@ -1,5 +1,5 @@
-//! A virtual board behind a network address instead of a serial port, where there are
-//! no pseudo terminals or the board is played on another computer.
+//! A virtual board at a network address instead of a serial port: for systems without
+//! pseudo terminals, and for boards on another computer.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream, ToSocketAddrs};
@@ -9,15 +9,15 @@ use web_time::{Duration, Instant};
 
 use super::{WAIT, closed, passes};
 
-/// How such a port's name begins: `tcp:HOST:PORT`.
+/// Prefix of such a port's name: `tcp:HOST:PORT`.
 pub const PREFIX: &str = "tcp:";
 
-/// How long a computer may take to answer.
+/// Longest time for a computer to answer.
 const CONNECTS_WITHIN: Duration = Duration::from_secs(2);
-/// Between two looks whether something has arrived.
+/// Time between two checks for arrived bytes.
 const LOOK: Duration = Duration::from_millis(1);
 
-/// A connection to whoever is at the other end.
+/// A connection to the program at the other end.
 pub struct Connection {
     stream: TcpStream,
     wait: Duration,
@@ -27,7 +27,7 @@ impl Connection {
     /// Connects with `HOST:PORT`.
     ///
     /// # Errors
-    /// There is no such computer, or nobody listens there.
+    /// The computer does not exist, or no program listens there.
     pub fn open(address: &str) -> io::Result<Self> {
         let mut refused = ErrorKind::AddrNotAvailable.into();
         for address in address.to_socket_addrs()? {
@@ -45,10 +45,10 @@ impl Connection {
         Ok(Self { stream, wait: WAIT })
     }
 
-    /// The same connection for somebody who waits so long for the first byte.
+    /// Returns the same connection for a reader that waits this time for the first byte.
     ///
     /// # Errors
-    /// The system gives none.
+    /// The system refuses.
     pub fn reading(&self, wait: Duration) -> io::Result<Self> {
         let stream = self.stream.try_clone()?;
         Ok(Self { stream, wait })
@@ -81,17 +81,18 @@ impl Write for Connection {
     }
 }
 
-/// Where a virtual board is offered: one partner at a time, the next one when it is gone.
+/// A listener that offers a virtual board to one partner at a time, and to the next one
+/// when it is gone.
 pub struct Offer {
     listener: TcpListener,
     partner: Option<Connection>,
 }
 
 impl Offer {
-    /// Listens at `HOST:PORT`; at port 0 the system chooses one.
+    /// Listens at `HOST:PORT`; with port 0 the system chooses one.
     ///
     /// # Errors
-    /// The address is none of this computer, or is in use.
+    /// The address does not belong to this computer, or is in use.
     pub fn listen(address: &str) -> io::Result<Self> {
         let listener = TcpListener::bind(address)?;
         listener.set_nonblocking(true)?;
@@ -101,18 +102,19 @@ impl Offer {
         })
     }
 
-    /// The name of the port for whoever opens it.
+    /// Returns the name of the port for the program that opens it.
     ///
     /// # Errors
-    /// The system does not tell.
+    /// The system does not report it.
     pub fn name(&self) -> io::Result<String> {
         Ok(format!("{PREFIX}{}", self.listener.local_addr()?))
     }
 
-    /// What the partner says; empty when there is none or it said nothing for 2 ms.
+    /// Reads the bytes of the partner; waits 2 ms for the first one. Returns none after
+    /// it, and without a partner.
     ///
     /// # Errors
-    /// The system lets nobody in.
+    /// The system accepts no connection.
     pub fn read(&mut self) -> io::Result<Vec<u8>> {
         let Some(partner) = self.partner()? else {
             thread::sleep(WAIT);
@@ -129,7 +131,7 @@ impl Offer {
         }
     }
 
-    /// Says something to the partner; without one it is lost, as on a wire.
+    /// Writes bytes to the partner; without one they are lost, as on a wire.
     pub fn write(&mut self, mut bytes: &[u8]) {
         while let Some(partner) = &mut self.partner
             && !bytes.is_empty()
@@ -191,7 +193,7 @@ mod tests {
         assert!(!matches!(reading.read(&mut [0; 9]), Ok(1..)));
         drop(listener);
         assert!(Connection::open(&address).is_err());
-        // Said into the void once or twice, then refused.
+        // The system takes one or two writes without a receiver before it refuses.
         let refused = (0..1000).any(|_| {
             thread::sleep(LOOK);
             connection.write(b"?").is_err()

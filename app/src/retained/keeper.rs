@@ -1,4 +1,4 @@
-//! Keeps the memory of a running control on the disk.
+//! Saves the memory of a running control to the disk.
 
 use std::sync::Arc;
 
@@ -13,18 +13,18 @@ use crate::files::data_dir::DataDir;
 use crate::output;
 use crate::platform::{self, Turning};
 
-/// Looks between two savings of what changes all the time in a run: counters and
+/// Number of checks between two saves of what changes constantly in a run: counters and
 /// position.
 const COUNTER_LOOKS: u32 = 100;
 
-/// Looks between two savings of a text that is being typed.
+/// Number of checks between two saves of a text that is being typed.
 pub(super) const TEXT_LOOKS: u32 = 5;
 
-/// A snapshot to be written, and who waits for it.
+/// A snapshot to write, and a channel for a caller that waits for it.
 type Job = (Snapshot, Option<Sender<()>>);
 
-/// Watches the memory and saves what has changed, in a thread of its own: a slow
-/// disk never holds up the kernel.
+/// Saves changes of the memory in a separate thread: a slow disk never holds up the
+/// kernel.
 pub struct Keeper {
     last: Snapshot,
     looks: u32,
@@ -34,7 +34,10 @@ pub struct Keeper {
 }
 
 impl Keeper {
-    /// Starts to keep the memory of a control in a directory.
+    /// Starts to save the memory of a control in a directory.
+    ///
+    /// # Errors
+    /// The system starts no thread.
     pub fn start(
         data: Arc<DataDir>,
         restored: &Restored,
@@ -73,7 +76,7 @@ impl Keeper {
         if now == self.last {
             return;
         }
-        // A machine zero set by hand is no small thing of the moment.
+        // A machine zero set by hand is saved at once, unlike the position.
         let places = |(now, last): (Standing, Standing)| Standing {
             zero_kept: now.zero_kept,
             ..last
@@ -92,7 +95,7 @@ impl Keeper {
                 return;
             }
         }
-        // A disk that still writes the last one gets this one at the next look.
+        // A disk that still writes the last snapshot gets this one at the next check.
         if let Some(to_disk) = &self.to_disk
             && to_disk.try_send((now.clone(), None)).is_ok()
         {
@@ -114,12 +117,12 @@ impl Keeper {
         }
     }
 
-    /// What could not be saved, since the last call.
+    /// Returns the messages for failed saves since the last call.
     pub fn complaints(&self) -> Vec<Message> {
         self.complaints.try_iter().collect()
     }
 
-    /// Saves everything and waits for the disk.
+    /// Saves everything, waits until it is on the disk and ends the thread.
     pub fn finish(mut self, emulator: &Emulator) {
         if let Some(to_disk) = self.to_disk.take() {
             let _ = to_disk.send((Snapshot::of_emulator(emulator), None));

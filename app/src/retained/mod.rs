@@ -1,5 +1,5 @@
-//! The control's battery-backed memory and the data directory: loading at the
-//! start, saving while the control runs.
+//! Loads the control's battery-backed memory from the data directory at the start, and
+//! saves it while the control runs.
 
 mod keeper;
 pub mod project;
@@ -31,12 +31,12 @@ use crate::files::decode::Encoding;
 use crate::files::kept::Complaint;
 use crate::saying;
 
-/// Where the slides stand, and what the display says of it.
+/// Position of the slides, and the coordinates on the display.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Standing {
     /// Machine coordinates (X as a radius), mm.
     pub machine: Point,
-    /// Absolute coordinates.
+    /// Absolute coordinates, mm.
     pub absolute: Point,
     /// The slides of the simulated lathe, mm from its reference point (X as a radius).
     #[serde(default)]
@@ -46,33 +46,34 @@ pub struct Standing {
     pub zero_kept: PerAxis<bool>,
 }
 
-/// What could not be saved, one a line.
+/// Messages for the files that could not be saved.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct NotSaved(pub Vec<Message>);
 
 impl NotSaved {
-    /// What is said of it.
+    /// Returns the message for the operator, one file a line.
     pub fn message(&self) -> Message {
         saying::lines(self.0.iter().cloned())
     }
 }
 
-/// What a data directory held.
+/// Content of a data directory besides the setup.
 #[derive(Debug)]
 pub struct Restored {
-    /// The encodings of the programs, to be written back the same way.
+    /// The encodings of the programs, so that they are written back unchanged.
     encodings: BTreeMap<u16, Encoding>,
-    /// What is wrong with damaged files.
+    /// Messages for damaged files.
     pub complaints: Vec<Message>,
-    /// Where the slides stood.
+    /// Last position of the slides.
     pub standing: Option<Standing>,
-    /// What the panel kept.
+    /// Saved state of the panel.
     pub panel: Option<PanelRetained>,
 }
 
 impl Restored {
-    /// Puts the slides where they stood: for sessions that go on with the machine.
+    /// Puts the slides to their last position: for sessions that continue with the
+    /// machine.
     pub fn place(&self, setup: &mut Setup) {
         if let Some(standing) = self.standing {
             setup.start = Some(standing.machine);
@@ -82,7 +83,7 @@ impl Restored {
         }
     }
 
-    /// Gives the panel back what it kept.
+    /// Restores the saved state of the panel.
     pub fn restore_panel(&self, emulator: &mut Emulator) {
         if let Some(panel) = &self.panel {
             emulator.panel.restore(panel);
@@ -90,8 +91,8 @@ impl Restored {
     }
 }
 
-/// Puts the memory of a data directory, if there is one, into the setup of a command; what
-/// is wrong with it is said on standard error.
+/// Loads the memory of a data directory, if there is one, into the setup of a command;
+/// prints damage on standard error.
 pub fn bring_back(data: Option<&DataDir>, setup: &mut Setup) -> Option<Restored> {
     let restored = load(data?, setup);
     for complaint in &restored.complaints {
@@ -101,7 +102,7 @@ pub fn bring_back(data: Option<&DataDir>, setup: &mut Setup) -> Option<Restored>
     Some(restored)
 }
 
-/// Puts the memory of a data directory into a setup.
+/// Loads the memory of a data directory into a setup.
 pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
     let mut complaints = Vec::new();
     for (name, part) in parts(&mut setup.memory) {
@@ -166,7 +167,7 @@ fn take<T>(loaded: Loaded<T>, place: &mut T, complaints: &mut Vec<Complaint>) {
     }
 }
 
-/// What was loaded, if anything; what was wrong with it is added to the complaints.
+/// Returns the loaded value, if there is one; adds damage to the complaints.
 fn value<T>(loaded: Loaded<T>, complaints: &mut Vec<Complaint>) -> Option<T> {
     match loaded {
         Loaded::Value(value) => Some(value),
@@ -182,18 +183,18 @@ fn value<T>(loaded: Loaded<T>, complaints: &mut Vec<Complaint>) -> Option<T> {
     }
 }
 
-/// Writes the memory of a control into its directory, once.
+/// Saves the memory of a control in its directory, once.
 ///
 /// # Errors
-/// What could not be written; the rest is.
+/// The files that could not be written; all others are written.
 pub fn save(data: DataDir, restored: &Restored, cnc: &Cnc) -> Result<(), NotSaved> {
     save_once(data, restored, &Snapshot::of(cnc))
 }
 
-/// Writes the memory of a whole emulator into its directory, once.
+/// Saves the memory of a whole emulator in its directory, once.
 ///
 /// # Errors
-/// What could not be written; the rest is.
+/// The files that could not be written; all others are written.
 pub fn save_emulator(
     data: DataDir,
     restored: &Restored,

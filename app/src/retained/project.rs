@@ -1,4 +1,4 @@
-//! The data directory as a project, and a project into the data directory.
+//! Reads the data directory as a project, and writes a project into it.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,17 +15,17 @@ use super::{NotSaved, Restored, load};
 use crate::files::data_dir::DataDir;
 use crate::files::decode::Encoding;
 
-/// What a data directory holds.
+/// Content of a data directory.
 #[derive(Debug)]
 pub struct Held {
-    /// The same as a project has it.
+    /// The content as a project.
     pub state: ProjectState,
-    /// All that the battery keeps, with operation level and passwords.
+    /// Everything the battery keeps, with operation level and passwords.
     pub memory: Memory,
     restored: Restored,
 }
 
-/// Reads a data directory; what is not in it is as in `setup`.
+/// Reads a data directory; missing files take their values from `setup`.
 pub fn held(data: &DataDir, mut setup: Setup) -> Held {
     let restored = load(data, &mut setup);
     Held {
@@ -35,28 +35,28 @@ pub fn held(data: &DataDir, mut setup: Setup) -> Held {
     }
 }
 
-/// What a control that is on holds, with a text that is being typed.
+/// Returns the state of a running control, with a text that is being typed.
 pub fn of_emulator(emulator: &Emulator) -> ProjectState {
     let now = Snapshot::of_emulator(emulator);
     ProjectState::new(&now.memory, Some(&now.plc), now.ladder, now.panel)
 }
 
 impl Held {
-    /// What is wrong with files of the directory.
+    /// Returns the messages for damaged files.
     pub fn complaints(&self) -> &[Message] {
         &self.restored.complaints
     }
 
-    /// How the programs are written down.
+    /// Returns the encodings of the programs, by number.
     pub const fn encodings(&self) -> &BTreeMap<u16, Encoding> {
         &self.restored.encodings
     }
 
-    /// Writes another state into the directory it was read from. Operation level, passwords
-    /// and the position of the slides stay.
+    /// Writes another state into the directory. Operation level, passwords and the
+    /// position of the slides remain.
     ///
     /// # Errors
-    /// What could not be written; the rest is.
+    /// The files that could not be written; all others are written.
     pub fn replace(
         mut self,
         data: DataDir,

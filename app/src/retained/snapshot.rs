@@ -1,4 +1,4 @@
-//! Everything that survives power-off, and the files it stands in.
+//! Everything that survives power-off, and its files.
 
 use std::sync::Arc;
 
@@ -19,12 +19,12 @@ use crate::files::kept::{Change, Complaint};
 /// Everything that survives power-off.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Snapshot {
-    /// What the control's battery keeps.
+    /// Content of the control's battery-backed memory.
     pub memory: Memory,
     pub plc: PlcRetained,
     pub standing: Option<Standing>,
     pub panel: Option<PanelRetained>,
-    /// The ladder that the next power-on runs.
+    /// The ladder that runs from the next power-on.
     pub ladder: Arc<Ladder>,
 }
 
@@ -39,7 +39,7 @@ impl Snapshot {
         }
     }
 
-    /// With what the whole emulator keeps besides the control.
+    /// Returns the state of a whole emulator, including panel and position.
     pub(super) fn of_emulator(emulator: &Emulator) -> Self {
         let cnc = &emulator.simulation.cnc;
         let mut snapshot = Self::of(cnc);
@@ -58,7 +58,7 @@ impl Snapshot {
         }
     }
 
-    /// The selected program.
+    /// Returns the number of the selected program, if it is stored.
     pub(super) fn selected(&self) -> Option<u16> {
         match self.memory.programs.current() {
             Some(ProgramId::Stored(number)) => Some(number),
@@ -67,15 +67,15 @@ impl Snapshot {
     }
 }
 
-/// A part of the memory that has a file of its own.
+/// A part of the memory that has its own file.
 pub(super) trait Part {
-    /// Takes on what the file holds; what is wrong with it is added to the complaints.
+    /// Reads the file; adds damage to the complaints.
     fn load(&mut self, data: &DataDir, name: &str, complaints: &mut Vec<Complaint>);
 
-    /// The file.
+    /// Returns the content of the file.
     ///
     /// # Errors
-    /// Why it cannot be written down.
+    /// The value cannot be serialized.
     fn file(&self, name: &str) -> Result<Change, Message>;
 }
 
@@ -89,8 +89,8 @@ impl<T: Serialize + DeserializeOwned> Part for T {
     }
 }
 
-/// The parts of the control's memory, each with the name of its file; programs have a
-/// file each.
+/// Returns the parts of the control's memory, each with its file name. Programs are not
+/// among them: each has a separate file.
 pub(super) fn parts(memory: &mut Memory) -> [(&'static str, &mut dyn Part); 9] {
     [
         ("parameters", &mut memory.parameters),

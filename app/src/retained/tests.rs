@@ -1,4 +1,4 @@
-//! The data directory as the control's memory.
+//! Tests of the data directory as the control's memory.
 
 use std::sync::Arc;
 
@@ -52,7 +52,7 @@ fn without_another_ladder_none_is_written() {
 fn a_variable_that_is_not_finite_is_emptied_and_reported() {
     let folder = crate::files::test_folder("not-finite");
     let data = DataDir::open(&folder).expect("open");
-    // As earlier versions wrote it after a project with `nan`.
+    // The content that earlier versions wrote after a project with `nan`.
     std::fs::write(
         folder.join("variables.ron"),
         "{\n500: NaN,\n501: 7,\n600: 2.5,\n}",
@@ -68,11 +68,11 @@ fn a_variable_that_is_not_finite_is_emptied_and_reported() {
         "{said}"
     );
     assert_eq!(setup.alarms[0].number, number::MEMORY_DAMAGED);
-    // What is written next has no such number.
+    // The next write contains no such number.
     save(data, &restored, &Emulator::new(setup).simulation.cnc).expect("saved");
     let data = DataDir::open(&folder).expect("open");
     assert!(load(&data, &mut Setup::default()).complaints.is_empty());
-    // Where the slides stand cannot be guessed: the whole file is refused.
+    // The position of the slides cannot be guessed: the whole file is refused.
     drop(data);
     std::fs::write(
         folder.join("standing.ron"),
@@ -155,8 +155,8 @@ fn what_is_typed_is_on_the_disk_before_its_page_is_left() {
     for _ in 0..TEXT_LOOKS {
         keeper.look(&emulator);
     }
-    // The thread writes what it was given before it ends; the emulator is gone,
-    // as after a kill.
+    // The thread writes all its snapshots before it ends; the emulator is gone, as after a
+    // kill.
     keeper.to_disk = None;
     assert!(keeper.turning.take().is_some_and(Turning::finish));
     let mut next = Setup::delivered();
@@ -280,8 +280,8 @@ fn a_machine_zero_set_by_hand_outlasts_the_process() {
     assert!(referenced.z && !referenced.x);
 }
 
-/// Before its first zero return the control counts from where it was switched on; the
-/// dogs stay where they are.
+/// Before its first zero return the control counts from its position at power-on; the dogs
+/// stay where they are.
 #[test]
 fn slides_without_a_reference_stand_there_after_the_next_start() {
     let folder = crate::files::test_folder("slides-kept");

@@ -12,13 +12,13 @@ use crate::files::data_dir::{DataDir, as_ladder, as_program, as_ron};
 use crate::files::decode::Encoding;
 use crate::files::kept::Change;
 
-/// Writes what differs from what is on the disk.
+/// Writes the files that differ from the disk.
 pub(super) struct Writer {
     data: Arc<DataDir>,
     encodings: BTreeMap<u16, Encoding>,
-    /// Programs that were read from the disk or written there: no other is deleted.
+    /// Programs read from the disk or written there: only these can be deleted.
     programs: BTreeSet<u16>,
-    /// The ladder of the last power-on: only another one is written down.
+    /// The ladder of the last power-on: only another one is written.
     ladder: Arc<Ladder>,
 }
 
@@ -32,12 +32,12 @@ impl Writer {
         }
     }
 
-    /// Programs that come from elsewhere, and how they are written down.
+    /// Sets the encodings of programs from elsewhere.
     pub(super) fn written_as(&mut self, encodings: &BTreeMap<u16, Encoding>) {
         self.encodings.clone_from(encodings);
     }
 
-    /// Writes each file for itself; what could not be written.
+    /// Writes all changed files; returns messages for those that could not be written.
     pub(super) fn write(&mut self, now: &Snapshot) -> Vec<Message> {
         let mut changes = Vec::new();
         let mut failures = Vec::new();
@@ -47,7 +47,7 @@ impl Writer {
                 Err(said) => failures.push(said),
             }
         }
-        // New texts first: a program that gets another number is never nowhere.
+        // New texts first: a renumbered program is always in at least one file.
         for (number, program) in now.memory.programs.iter() {
             let encoding = self.encodings.get(&number).copied().unwrap_or_default();
             changes.push(as_program(number, Some((program.text(), encoding))));
@@ -73,7 +73,7 @@ impl Writer {
         failures
     }
 
-    /// The files of values. What only the window knows is left as it is without one.
+    /// Returns the changed value files. Without a window its own files stay unchanged.
     fn values(now: &Snapshot) -> Vec<Result<Change, Message>> {
         let mut memory = now.memory.clone();
         let mut values: Vec<_> = parts(&mut memory)

@@ -1,4 +1,4 @@
-//! The memory of the control as a store of files.
+//! The memory of the control as a file store.
 
 use gsk_core::memory::Refusal;
 use gsk_messages::Message;
@@ -11,10 +11,10 @@ use gsk_transfer::{
 
 use crate::files::decode;
 
-/// The memory, in the partition USER: the other two are empty and take nothing.
+/// The memory as the partition USER; the other two partitions are empty and read-only.
 pub(super) struct Memory<'a> {
     emulator: &'a mut Emulator,
-    /// Why the last file was not taken, in full.
+    /// The full reason why the last file was refused.
     why: Option<Message>,
 }
 
@@ -36,7 +36,7 @@ impl<'a> Memory<'a> {
     }
 }
 
-/// As it goes over the wire.
+/// Returns the fault code for the wire.
 fn fault(refusal: &FileRefusal) -> TransferFault {
     match refusal {
         FileRefusal::Refused(refusal) => match refusal {
@@ -52,7 +52,7 @@ fn fault(refusal: &FileRefusal) -> TransferFault {
     }
 }
 
-/// Which file is meant; in the other partitions there is none.
+/// Returns the file to read; the other partitions have none.
 fn found(place: &RemotePath) -> Result<FileId, TransferFault> {
     match place.partition {
         Partition::User => FileId::of(place.name.as_str()).ok_or(TransferFault::NotFound),
@@ -60,7 +60,7 @@ fn found(place: &RemotePath) -> Result<FileId, TransferFault> {
     }
 }
 
-/// Which file is to come.
+/// Returns the file to write.
 fn wanted(place: &RemotePath) -> Result<FileId, TransferFault> {
     match place.partition {
         Partition::User => FileId::of(place.name.as_str()).ok_or(TransferFault::BadName),

@@ -1,4 +1,4 @@
-//! The control's serial port at a port of the computer: files come and go in frames, or
+//! Connects the control's serial port to a port of the computer: files in frames, or
 //! programs as text (manual III-9).
 
 mod memory;
@@ -17,25 +17,25 @@ use web_time::{Duration, Instant};
 use memory::Memory;
 use wire::{Heard, Wire};
 
-/// So long the port stays as it is after 044 has changed, until all is said: the answer to
-/// the file that has changed it still goes out at the old rate.
+/// Longest time the port keeps its rate after a change of parameter 044, until the last
+/// bytes have left: the reply to the file that changed it still has the old rate.
 const LAST_WORDS: Duration = Duration::from_secs(3);
-/// What has left the program may not have left the computer.
+/// Time for bytes that have left the program to leave the computer.
 const LEAVES: Duration = Duration::from_millis(60);
 
-/// Where the other end of the line is.
+/// The other end of the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum End {
     /// A port of the computer, or `tcp:HOST:PORT`.
     Port(String),
-    /// A new pseudo terminal; its name is said.
+    /// A new pseudo terminal; a message reports its name.
     Terminal,
-    /// Whoever connects with this address, `HOST:PORT`.
+    /// The program that connects with this address, `HOST:PORT`.
     Listening(String),
 }
 
 impl End {
-    /// From its name on the command line: `pty`, `listen:HOST:PORT`, else a port.
+    /// Parses a name of the command line: `pty`, `listen:HOST:PORT`, or a port.
     pub fn of(name: &str) -> Self {
         match name.strip_prefix("listen:") {
             Some(address) => Self::Listening(address.to_owned()),
@@ -45,16 +45,15 @@ impl End {
     }
 }
 
-/// The control's serial port.
+/// The control's serial port at its line.
 #[derive(Debug)]
 pub struct SerialLine {
     wire: Wire,
     /// None while the control or its port is off.
     port: Option<Open>,
-    /// How it speaks.
     framing: Framing,
     line_end: TextLineEnd,
-    /// The name of the port, when it is open.
+    /// Name of the port while it is open.
     name: Option<String>,
     begun: Instant,
 }
@@ -65,17 +64,17 @@ struct Open {
     side: ControlPort,
     baud: u32,
     shown: PortStatus,
-    /// Since when 044 says another rate.
+    /// Start of a difference between the rate and parameter 044.
     outdated: Option<Instant>,
-    /// When bytes went out last.
+    /// When bytes were last sent.
     spoken: HostTime,
 }
 
 impl SerialLine {
-    /// Begins to open a port; what comes of it is said by [`Self::tick`].
+    /// Starts to open a port; [`Self::tick`] reports the result.
     ///
     /// # Errors
-    /// The system gives no thread.
+    /// The system starts no thread.
     pub fn open(end: End, text: Option<TextLineEnd>) -> std::io::Result<Self> {
         Ok(Self {
             wire: Wire::open(end)?,
@@ -90,8 +89,7 @@ impl SerialLine {
         })
     }
 
-    /// Does what is to be done by now, after a tick of the control; what somebody should
-    /// know of it.
+    /// Runs the port after a tick of the control; returns messages for the operator.
     pub fn tick(&mut self, emulator: &mut Emulator) -> Vec<Message> {
         let mut said = Vec::new();
         let rate = emulator.panel.baud_rate(&emulator.simulation.cnc);
@@ -141,7 +139,7 @@ impl SerialLine {
         said
     }
 
-    /// The port follows 044, 002.5 and the power of the control.
+    /// Follows parameters 044 and 002.5 and the power of the control.
     fn follow_rate(&mut self, rate: Option<u32>, emulator: &mut Emulator, said: &mut Vec<Message>) {
         let now = self.begun.elapsed();
         match (&mut self.port, rate) {
@@ -177,7 +175,7 @@ impl SerialLine {
         said.extend(self.opened());
     }
 
-    /// The port is open at the rate of the control.
+    /// Returns the message that the port is open at the control's rate.
     fn opened(&self) -> Option<Message> {
         let (name, port) = (self.name.as_ref()?, self.port.as_ref()?);
         Some(match port.side.framing() {
@@ -220,10 +218,10 @@ impl SerialLine {
     }
 }
 
-/// A file that the control sends by itself. Data take the place of data; a program never
-/// that of another one (alarm 073 at a control, a question at a PC).
+/// Makes a transfer of a file that the control sends. Data replace data; a program never
+/// replaces another one (alarm 073 at a control, a question at a PC).
 fn pushed(file: SerialFile) -> Option<TransferFile> {
-    // The control's own names are good ones.
+    // The control's own file names are valid.
     let name = FileName::new(&file.name).ok()?;
     Some(TransferFile {
         overwrite: name.program_number().is_none(),
@@ -235,10 +233,11 @@ fn pushed(file: SerialFile) -> Option<TransferFile> {
     })
 }
 
-/// The word on the LCD.
+/// Returns the state to show on the LCD.
 const fn word(event: &ControlEvent) -> Option<Communication> {
     match event {
-        // Whoever asks whether a file is there has not begun; of a text 073 says it.
+        // A query whether a file exists starts no transfer; for a text alarm 073 reports
+        // it.
         ControlEvent::Received(_)
         | ControlEvent::Sent(_)
         | ControlEvent::Refused(_, TransferFault::Exists) => None,
@@ -251,7 +250,7 @@ const fn word(event: &ControlEvent) -> Option<Communication> {
     }
 }
 
-/// What is said of it; `why`: more than goes over the wire.
+/// Returns the message for an event; `why`: a longer reason than the wire carries.
 fn sentence(event: ControlEvent, why: &mut Option<Message>) -> Option<Message> {
     Some(match event {
         ControlEvent::Received(name) => say::serial_received(name),
@@ -264,7 +263,7 @@ fn sentence(event: ControlEvent, why: &mut Option<Message>) -> Option<Message> {
         ControlEvent::InvalidCharacter(name, why) => say::subject_reason(name, why.message()),
         ControlEvent::OnlyPrograms(name) => say::serial_only_programs(name),
         ControlEvent::Interrupted => say::serial_broken(),
-        // 串口未连接 on the LCD says it, and comes as often as there is noise.
+        // The LCD shows 串口未连接, as often as there is noise.
         ControlEvent::NotConnected => return None,
     })
 }

@@ -1,5 +1,5 @@
-//! Bytes between the kernel and a port, carried by a thread of its own: the kernel waits
-//! for no port.
+//! Moves bytes between the kernel and a port in a separate thread, so that the kernel
+//! never waits for a port.
 
 use std::io;
 use std::thread;
@@ -11,29 +11,28 @@ use web_time::Duration;
 use super::End;
 use crate::ports::{self, Offer, Port, PortError};
 
-/// Pieces that wait, either way.
+/// Capacity of the queues, chunks in each direction.
 const QUEUE: usize = 64;
-/// Between two attempts to open a port.
+/// Time between two attempts to open a port.
 const AGAIN: Duration = Duration::from_secs(1);
-/// How often somebody looks meanwhile whether the program goes on.
+/// Time between two checks whether the program still runs.
 const LOOK: Duration = Duration::from_millis(20);
-/// So long a port that is opened anew at another rate may still be in use.
+/// How long to retry a port that is opened again at another rate.
 const IN_USE: Duration = Duration::from_millis(500);
 
-/// What comes from the port.
+/// An event of the port.
 pub(super) enum Heard {
-    /// It is open, under this name.
+    /// The port is open under this name.
     Opened(String),
-    /// It is not, or no more; it is tried again.
+    /// The port cannot be opened or has failed; the thread tries again.
     Gone(Message),
-    /// Bytes.
     Bytes(Vec<u8>),
 }
 
-/// What goes to the port.
+/// A command for the port.
 enum Order {
     Bytes(Vec<u8>),
-    /// Bits a second from now on.
+    /// Rate from now on, bits a second.
     Rate(u32),
 }
 
@@ -45,7 +44,7 @@ pub(super) struct Wire {
 }
 
 impl Wire {
-    /// Starts the thread; the port is opened when it has its rate.
+    /// Starts the thread; it opens the port once the rate is set.
     pub(super) fn open(end: End) -> io::Result<Self> {
         let (to_port, orders) = bounded(QUEUE);
         let (heard, from_port) = bounded(QUEUE);
@@ -63,13 +62,13 @@ impl Wire {
         Ok(Self { to_port, from_port })
     }
 
-    /// From now on the port has this rate.
+    /// Sets the rate of the port, bits a second.
     pub(super) fn set_rate(&self, baud: u32) {
         // The thread empties the queue, or has ended.
         let _ = self.to_port.send(Order::Rate(baud));
     }
 
-    /// Hands bytes over; how many are taken now.
+    /// Queues bytes; returns how many are taken now.
     pub(super) fn give(&self, bytes: &[u8]) -> usize {
         match self.to_port.try_send(Order::Bytes(bytes.to_vec())) {
             Ok(()) => bytes.len(),
@@ -77,13 +76,13 @@ impl Wire {
         }
     }
 
-    /// What has come.
+    /// Returns the next event, if there is one.
     pub(super) fn heard(&self) -> Option<Heard> {
         self.from_port.try_recv().ok()
     }
 }
 
-/// An end of the line, open.
+/// An open end of the line.
 enum Line {
     Port(Port),
     Offer(Offer),
@@ -105,20 +104,20 @@ impl Line {
     }
 }
 
-/// The thread.
+/// The state of the thread.
 struct Carrier {
     end: End,
     orders: Receiver<Order>,
     heard: Sender<Heard>,
     baud: Option<u32>,
-    /// What the port has not taken yet.
+    /// Bytes that the port has not taken yet.
     rest: Vec<u8>,
-    /// Why it was not opened, as it was said last.
+    /// The last reported reason why the port is not open.
     told: Option<Message>,
 }
 
 impl Carrier {
-    /// Opens the port and carries bytes until it is gone, or has another rate; none: the
+    /// Opens the port and moves bytes until it is gone, or has another rate; `None`: the
     /// program has ended.
     fn carry(&mut self) -> Option<()> {
         self.rest.clear();
@@ -146,7 +145,7 @@ impl Carrier {
         let baud = self.baud;
         loop {
             self.hear_orders()?;
-            // An offered end is as fast as whoever takes it.
+            // An offered end has the rate of the program that opens it.
             if self.baud != baud && matches!(line, Line::Port(_)) {
                 return Some(());
             }
@@ -182,7 +181,7 @@ impl Carrier {
         }
     }
 
-    /// Takes what is to be said, as long as the port keeps up; none: the program has ended.
+    /// Takes commands as long as the port keeps up; `None`: the program has ended.
     fn hear_orders(&mut self) -> Option<()> {
         while self.rest.is_empty() {
             match self.orders.try_recv() {
@@ -195,8 +194,8 @@ impl Carrier {
         Some(())
     }
 
-    /// Waits with a port that is not open: what is said to it is lost, as with a cable
-    /// that is out.
+    /// Waits while the port is not open; bytes for it are lost, as with an unplugged
+    /// cable. `None`: the program has ended.
     fn wait(&mut self, time: Duration) -> Option<()> {
         let mut waited = Duration::ZERO;
         while waited < time {

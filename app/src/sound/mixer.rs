@@ -1,35 +1,35 @@
-//! From the state of the machine to samples of its sound: no clock, no device. The same
-//! states at the same samples sound the same, bit by bit.
+//! Mixes the sound of the machine from its states: no clock, no device. The same states at
+//! the same samples give the same sound, bit by bit.
 
 use gsk_panel::keys::Key;
 
-/// Samples a second.
+/// Sample rate, Hz.
 pub const RATE: u32 = 22_050;
-/// Bytes of the Y memory that switch the lathe: Y0 to Y3; those above are lamps.
+/// Bytes of the Y memory that switch the lathe: Y0 to Y3; the bytes above are lamps.
 pub const OUTPUTS: usize = 4;
 
-/// A slide stands when nothing was heard of it for so long, s.
+/// A slide is at rest when no state arrived for this time, s.
 const STANDS_AFTER: f32 = 0.15;
-/// A slide that is faster sounds no higher, mm/s.
+/// Speed limit of the pitch of a slide, mm/s.
 const FASTEST: f32 = 300.0;
-/// Share of the difference by which a tone comes nearer to what it is to be, each sample.
+/// Share of its remaining difference by which a tone changes with each sample.
 const GLIDE: f32 = 1.0 / 1500.0;
-/// Tones of an alarm, and the length of one with its pause, s.
+/// Number of tones of an alarm, and the length of one with its pause, s.
 const BEEPS: u32 = 3;
 const BEEP: f32 = 0.3;
 
-/// What is heard of the machine at a moment.
+/// The state of the machine that makes its sound.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Heard {
     /// Keys that are down.
     pub keys: Vec<Key>,
     /// Y0 to Y3: relays and valves.
     pub outputs: [u8; OUTPUTS],
-    /// Speed of the spindle, r/min, without its direction.
+    /// Absolute speed of the spindle, r/min.
     pub spindle: f32,
-    /// Where the slides are, X in radius and Z, mm.
+    /// Position of the slides, X as a radius and Z, mm.
     pub slides: [f32; 2],
-    /// An alarm stands, by its number.
+    /// Number of the active alarm.
     pub alarm: Option<u16>,
 }
 
@@ -43,7 +43,7 @@ struct Tone {
     to_level: f32,
 }
 
-/// A sound that dies away by itself.
+/// A sound that fades out.
 #[derive(Clone, Debug, PartialEq)]
 struct Strike {
     /// Pitch, Hz.
@@ -51,24 +51,24 @@ struct Strike {
     /// Share of noise in it, 0 to 1.
     noise: f32,
     level: f32,
-    /// What is left of the level after each sample.
+    /// Factor of the level with each sample.
     decay: f32,
     phase: f32,
 }
 
-/// The sound of the machine as it goes on.
+/// The state of the sound.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mixer {
-    /// None: nothing was heard yet.
+    /// The last state; `None` before the first one.
     heard: Option<Heard>,
     spindle: Tone,
     slides: [Tone; 2],
     strikes: Vec<Strike>,
-    /// Samples since something was heard.
+    /// Samples since the last state.
     silent: u32,
-    /// Samples of the alarm that are still to come.
+    /// Remaining samples of the alarm tones.
     beeps: u32,
-    /// State of the noise.
+    /// State of the noise generator.
     noise: u32,
 }
 
@@ -82,7 +82,7 @@ impl Tone {
         wave * self.level
     }
 
-    /// A tone of no loudness keeps its pitch while it dies away.
+    /// Sets the target; at level 0 the tone keeps its pitch while it fades out.
     const fn to(&mut self, pitch: f32, level: f32) {
         self.to_level = level;
         if level > 0.0 {
@@ -92,7 +92,7 @@ impl Tone {
 }
 
 impl Mixer {
-    /// Hears the machine.
+    /// Takes a state of the machine.
     pub fn hear(&mut self, heard: &Heard) {
         let spindle = heard.spindle.abs().min(10_000.0);
         // Six pulses of the motor a turn; louder with speed.
@@ -102,7 +102,7 @@ impl Mixer {
         };
         self.spindle.to(30.0 + spindle / 10.0, level);
         let Some(before) = self.heard.replace(heard.clone()) else {
-            // What stood before somebody listened makes no noise now.
+            // The first state changes nothing audible.
             return;
         };
         let passed = self.silent.max(RATE / 200) as f32 / RATE as f32;
@@ -111,7 +111,7 @@ impl Mixer {
             let way = way.map_or(0.0, |(now, before)| (now - before).abs());
             let speed = (way / passed).min(FASTEST);
             let level = if way > 0.0 { 0.06 } else { 0.0 };
-            // The two are told apart by a fifth.
+            // The pitches of the two slides differ by a fifth.
             let low = if slide == 0 { 90.0 } else { 60.0 };
             tone.to(low + speed * 8.0, level);
         }
@@ -143,7 +143,7 @@ impl Mixer {
     }
 
     fn strike(&mut self, pitch: f32, noise: f32, level: f32, decay: f32) {
-        // More of them at once only crackle.
+        // More strikes at once only crackle.
         if self.strikes.len() < 16 {
             self.strikes.push(Strike {
                 pitch,
@@ -155,12 +155,12 @@ impl Mixer {
         }
     }
 
-    /// The next samples, at a volume of so many per cent.
+    /// Computes the next samples at a volume, %.
     pub fn fill(&mut self, samples: &mut [i16], volume: u8) {
         let volume = f32::from(volume.min(100)) / 100.0;
         for sample in samples {
             let loud = self.next() * volume;
-            // However much comes together, it never overflows.
+            // No sum of sounds overflows.
             let soft = loud / (1.0 + loud.abs());
             *sample = (soft * f32::from(i16::MAX)) as i16;
         }
@@ -177,7 +177,7 @@ impl Mixer {
         for tone in &mut self.slides {
             sum += tone.next();
         }
-        // Xorshift: noise that is the same every time.
+        // Xorshift: the same noise every time.
         self.noise = self.noise.max(1);
         self.noise ^= self.noise << 13;
         self.noise ^= self.noise >> 17;
@@ -202,7 +202,7 @@ impl Mixer {
     }
 }
 
-/// Nearly a sine, of parabolas: the same bits on every system.
+/// Nearly a sine, made of parabolas: the same bits on every system.
 fn wave(phase: f32) -> f32 {
     let x = 2.0 * phase - 1.0;
     4.0 * x * (1.0 - x.abs())
@@ -213,7 +213,7 @@ mod tests {
     use super::*;
     use gsk_panel::keys::KEYS;
 
-    /// Loudness of the next samples, and how often they cross zero upwards in a second.
+    /// Returns the loudness of the next samples, and their upward zero crossings a second.
     fn listen(mixer: &mut Mixer, seconds: f32) -> (f64, f64) {
         let mut samples = vec![0; (seconds * RATE as f32) as usize];
         mixer.fill(&mut samples, 100);
@@ -275,7 +275,7 @@ mod tests {
                 });
                 last = listen(&mut mixer, 1.0 / 60.0);
             }
-            // No picture comes while nothing moves.
+            // No state arrives while nothing moves.
             listen(&mut mixer, 1.5);
             let after = listen(&mut mixer, 0.1).0;
             assert!(last.0 > 100.0 && after < 10.0, "{last:?}, then {after}");

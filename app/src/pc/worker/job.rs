@@ -1,5 +1,5 @@
-//! Jobs of several files: what is refused is said and the next one is gone on with; what
-//! ends the connection ends the job.
+//! Jobs of several files: a refused file is reported and the job continues with the next
+//! one; an error of the connection ends the job.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -17,7 +17,7 @@ use crate::pc::{Talk, free_name};
 use crate::platform;
 
 impl Desk {
-    /// Works through files; how the job has ended is told, and the list anew.
+    /// Processes the files of a job; reports their results and the new directory.
     fn job<T>(
         &mut self,
         kind: Kind,
@@ -48,7 +48,7 @@ impl Desk {
             }
             self.tell.tell(News::Ended(at, fate));
         }
-        // What comes after it is not broken off with it.
+        // The cancellation does not apply to the next job.
         self.cancel.store(false, Ordering::Relaxed);
         self.tell.tell(News::Over(ended));
         if self.stage == super::Stage::Connected {
@@ -61,7 +61,8 @@ impl Desk {
         self.talk.as_mut().ok_or_else(|| closed().into())
     }
 
-    /// Asks the window and waits for the answer; the line is kept alive meanwhile.
+    /// Sends a question to the window and waits for the answer; keeps the line alive
+    /// meanwhile.
     fn ask(&mut self, question: Question) -> Result<Answer, PcError> {
         self.tell.tell(News::Asked(question));
         loop {
@@ -71,7 +72,7 @@ impl Desk {
                     self.close();
                     return Err(FilesError::Cancelled.into());
                 }
-                // Nothing else can be asked for under the question.
+                // The window sends no other command while it shows the question.
                 Ok(_) => {}
                 Err(RecvTimeoutError::Disconnected) => {
                     return Err(FilesError::Cancelled.into());
@@ -126,7 +127,7 @@ impl Desk {
                 })?;
                 if answer.of_all {
                     *of_all = Some(match &answer.choice {
-                        // The next one gets a name of its own.
+                        // The next file gets a different name.
                         Choice::Rename(_) => Choice::Rename(None),
                         choice => choice.clone(),
                     });
@@ -191,7 +192,7 @@ impl Desk {
         });
     }
 
-    /// Where a file is written to; none: it is left out.
+    /// Returns the path for a received file; `None`: skip the file.
     fn path_for(
         &mut self,
         path: PathBuf,

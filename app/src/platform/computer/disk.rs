@@ -8,10 +8,10 @@ use std::time::Duration;
 
 use super::super::{Facts, for_owner_alone, refuse_device};
 
-/// What stands at a path, links followed.
+/// Returns what exists at a path, links followed.
 ///
 /// # Errors
-/// Nothing, or what the system says.
+/// Nothing exists there, or an error of the system.
 pub fn facts(path: &Path) -> io::Result<Facts> {
     refuse_device(path)?;
     let facts = fs::metadata(path)?;
@@ -22,43 +22,43 @@ pub fn facts(path: &Path) -> io::Result<Facts> {
     })
 }
 
-/// Whether something stands at a path, a link that leads nowhere included.
+/// Whether something exists at a path, including a broken link.
 pub fn is_taken(path: &Path) -> bool {
     path.symlink_metadata().is_ok()
 }
 
-/// Whether it is a link to what stands elsewhere.
+/// Whether a path is a symbolic link.
 pub fn is_link(path: &Path) -> bool {
     path.symlink_metadata().is_ok_and(|it| it.is_symlink())
 }
 
-/// The first bytes of a file, this many at most: what it has more is not read.
+/// Reads the first bytes of a file, at most this number.
 ///
 /// # Errors
-/// What the system says.
+/// An error of the system.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     refuse_device(path)?;
     let file = File::open(path)?;
-    // Of a pipe nobody knows beforehand how much it has.
+    // The length of a pipe is unknown beforehand.
     let length = file.metadata()?.len().min(most);
     let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or_default());
     file.take(most).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
-/// What stands in a folder, in no order.
+/// Lists the paths in a folder, in no order.
 ///
 /// # Errors
-/// What the system says.
+/// An error of the system.
 pub fn list(folder: &Path) -> io::Result<Vec<PathBuf>> {
     let entries = fs::read_dir(folder)?;
     Ok(entries.flatten().map(|entry| entry.path()).collect())
 }
 
-/// Makes a folder and those above it, where they are not there.
+/// Creates a folder and its missing parents.
 ///
 /// # Errors
-/// What the system says.
+/// An error of the system.
 pub fn make_folder(path: &Path) -> io::Result<()> {
     refuse_device(path)?;
     fs::create_dir_all(path)
@@ -67,32 +67,32 @@ pub fn make_folder(path: &Path) -> io::Result<()> {
 /// Removes a file.
 ///
 /// # Errors
-/// There is none, or what the system says.
+/// The file does not exist, or an error of the system.
 pub fn remove(path: &Path) -> io::Result<()> {
     fs::remove_file(path)
 }
 
-/// Removes a folder with all that is in it; a link to one goes alone.
+/// Removes a folder with its content; of a link to a folder, only the link.
 ///
 /// # Errors
-/// There is none, or what the system says.
+/// The folder does not exist, or an error of the system.
 pub fn remove_folder(path: &Path) -> io::Result<()> {
     fs::remove_dir_all(path)
 }
 
-/// Gives a file another name; one that had it is gone.
+/// Renames a file; replaces a file of the new name.
 ///
 /// # Errors
-/// What the system says.
+/// An error of the system.
 pub fn rename(from: &Path, to: &Path) -> io::Result<()> {
     fs::rename(from, to)
 }
 
-/// Writes a file that was not there, to the disk. What is left of a killed process, or a
-/// link that leads elsewhere, goes first; it is never written through.
+/// Writes a new file and waits until it is on the disk. A file left by a killed process,
+/// or a link, is removed first: the bytes never go to the target of a link.
 ///
 /// # Errors
-/// What the system says.
+/// An error of the system.
 pub fn write_new(path: &Path, bytes: &[u8], owner_alone: bool) -> io::Result<()> {
     refuse_device(path)?;
     let mut options = OpenOptions::new();
@@ -111,37 +111,38 @@ pub fn write_new(path: &Path, bytes: &[u8], owner_alone: bool) -> io::Result<()>
     file.sync_all()
 }
 
-/// Makes what was renamed in a folder lasting; where folders cannot be opened as files
-/// the system does it by itself.
+/// Makes the renames in a folder durable. Systems that cannot open folders as files do so
+/// automatically.
 pub fn sync_folder(folder: &Path) {
     if let Ok(folder) = File::open(folder) {
         let _ = folder.sync_all();
     }
 }
 
-/// Whether its user has folders that a program may write and read.
+/// Whether the user has folders that a program can read and write.
 pub const fn has_folders() -> bool {
     true
 }
 
-/// Whether a file is there at the next start, too, for all that the program knows.
+/// Whether a file still exists at the next start, as far as the program knows.
 pub const fn lasts(_path: &Path) -> bool {
     true
 }
 
-/// How often a file that another one has is asked for again, and after what pause.
+/// Number of attempts to lock a file that another process has locked, and the pause
+/// between them.
 const LOCK_TRIES: u32 = 15;
 const LOCK_PAUSE: Duration = Duration::from_millis(20);
 
-/// A file that one process at a time has, or several that only read.
+/// The lock of a file: one process holds it alone, or several hold it for reading.
 #[derive(Debug)]
 pub struct Lock(#[expect(dead_code, reason = "held open, not read")] File);
 
 impl Lock {
-    /// For this process alone; the file is made if it is not there.
+    /// Locks a file for this process alone; creates the file if it does not exist.
     ///
     /// # Errors
-    /// [`ErrorKind::WouldBlock`]: another one has it.
+    /// [`ErrorKind::WouldBlock`]: another process holds it.
     pub fn alone(path: &Path) -> io::Result<Self> {
         let mut options = OpenOptions::new();
         let file = options
@@ -152,17 +153,18 @@ impl Lock {
         Self::held(file, File::try_lock)
     }
 
-    /// Beside others that only read.
+    /// Locks a file for reading, together with other readers.
     ///
     /// # Errors
-    /// There is no such file; [`ErrorKind::WouldBlock`]: another process has it alone.
+    /// The file does not exist; [`ErrorKind::WouldBlock`]: another process holds it alone.
     pub fn beside_readers(path: &Path) -> io::Result<Self> {
         let file = File::open(path)?;
         Self::held(file, File::try_lock_shared)
     }
 
-    /// Waits a moment for one that is just letting go: a process that ends, or one just
-    /// started, which has the open files of its parent until its own program runs.
+    /// Retries for a moment: a process that ends, or a child that has just been started,
+    /// may keep the lock. The child inherits the open files of its parent until it runs
+    /// its own program.
     fn held(file: File, lock: fn(&File) -> Result<(), TryLockError>) -> io::Result<Self> {
         let mut left = LOCK_TRIES;
         loop {

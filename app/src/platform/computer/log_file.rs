@@ -1,4 +1,4 @@
-//! The log of the program on the disk.
+//! The file of the log on the disk.
 
 use std::io;
 use std::path::Path;
@@ -7,14 +7,14 @@ use tracing_appender::non_blocking::NonBlocking;
 pub use tracing_appender::non_blocking::WorkerGuard as LogGuard;
 use tracing_appender::rolling::{RollingFileAppender, Rotation};
 
-/// A log that a thread of its own writes.
+/// A log that a separate thread writes.
 pub type LogFile = NonBlocking;
 
-/// A file a day in a folder, so many of them, the oldest go. Dropped, the second value
-/// has written what waits.
+/// Opens one file a day in a folder and deletes the oldest ones above this number.
+/// Dropping the guard writes what waits.
 ///
 /// # Errors
-/// What the system says.
+/// An error of the system.
 pub fn log_file(folder: &Path, most: usize) -> io::Result<(LogFile, LogGuard)> {
     std::fs::create_dir_all(folder)?;
     let files = RollingFileAppender::builder()

@@ -1,4 +1,4 @@
-//! What Linux and Windows do alike, and a page in a browser otherwise.
+//! What Linux and Windows share and a page in a browser does differently.
 
 mod disk;
 mod log_file;

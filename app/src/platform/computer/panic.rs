@@ -1,10 +1,10 @@
-//! What is done before a panic of the window unwinds it.
+//! Runs an action before a panic of the window unwinds it.
 
 use std::panic;
 use std::thread;
 
-/// From now on a panic of this thread calls `then` first: libraries of the window may take
-/// their time to end it.
+/// Installs a panic hook: a panic of this thread calls `then` first, because libraries of
+/// the window may take long to unwind.
 pub fn before_panic(then: impl Fn() + Send + Sync + 'static) {
     let own = thread::current().id();
     let before = panic::take_hook();

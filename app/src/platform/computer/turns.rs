@@ -1,4 +1,4 @@
-//! What goes on beside the window, each in a thread of its own.
+//! Background work beside the window, each task in a separate thread.
 
 use std::io;
 use std::thread::{self, JoinHandle};
@@ -7,53 +7,53 @@ use crossbeam::channel::{Receiver, RecvError, RecvTimeoutError};
 use gsk_core::preview::WorkBudget;
 use web_time::{Duration, Instant};
 
-/// A thread of its own looks a program through: the caller alone limits its work.
+/// Limit of a preview in a separate thread: the caller alone limits its work.
 pub const LARGEST_LOOK: WorkBudget = WorkBudget {
     moves: u64::MAX,
     work: u64::MAX,
     motionless: u64::MAX,
 };
 
-/// Something that takes its turns until it is over.
+/// Handle of a task that takes turns in a thread.
 #[derive(Debug)]
 pub struct Turning(JoinHandle<()>);
 
 impl Turning {
-    /// Whether it is not over yet.
+    /// Whether the task is still running.
     pub fn goes_on(&self) -> bool {
         !self.0.is_finished()
     }
 
-    /// Waits until it is over; whether it ended well.
+    /// Waits until the task has ended; returns false if it panicked.
     pub fn finish(self) -> bool {
         self.0.join().is_ok()
     }
 }
 
-/// Lets something take its turns in a thread of its own: one after the other, as long
-/// as they return `true`. It waits for its work inside, in [`receive`].
+/// Starts a task in a thread: it takes turns until a turn returns `false`. The task waits
+/// for its work in [`receive`].
 ///
 /// # Errors
-/// The system gives no thread.
+/// The system starts no thread.
 pub fn turn(name: &str, mut one: impl FnMut() -> bool + Send + 'static) -> io::Result<Turning> {
     let thread = thread::Builder::new().name(name.to_owned());
     let turns = move || while one() {};
     thread.spawn(turns).map(Turning)
 }
 
-/// Does something once in a thread of its own.
+/// Runs a job once in a separate thread.
 ///
 /// # Errors
-/// The system gives no thread.
+/// The system starts no thread.
 pub fn beside(name: &str, job: impl FnOnce() + Send + 'static) -> io::Result<()> {
     let thread = thread::Builder::new().name(name.to_owned());
     thread.spawn(job).map(drop)
 }
 
-/// Waits within a turn for the next piece of work; `until`: no longer than so.
+/// Waits within a turn for the next item, at most until `until`.
 ///
 /// # Errors
-/// None has come; or none can come any more.
+/// No item has arrived, or every sender is gone.
 pub fn receive<T>(from: &Receiver<T>, until: Option<Instant>) -> Result<T, RecvTimeoutError> {
     match until {
         Some(until) => from.recv_deadline(until),
@@ -63,7 +63,7 @@ pub fn receive<T>(from: &Receiver<T>, until: Option<Instant>) -> Result<T, RecvT
     }
 }
 
-/// Waits for what somebody else answers in his turn, no longer than so.
+/// Waits at most this time for the answer of another task.
 pub fn answer<T>(from: &Receiver<T>, longest: Duration) -> Option<T> {
     from.recv_timeout(longest).ok()
 }

@@ -1,4 +1,4 @@
-//! The window on the desktop, and the dialogs for files.
+//! The window on the desktop, and file dialogs.
 
 use std::path::{Path, PathBuf};
 
@@ -8,19 +8,19 @@ use gsk_messages::{Message, say};
 
 use super::super::FileDialog;
 
-/// What stands for the program in lists of windows.
+/// The icon of the program.
 const ICON: &[u8] = include_bytes!("../../../../assets/icon/gsk980td.png");
 
 /// Opens a window and returns when it is closed.
 ///
 /// # Errors
-/// The system opens none.
+/// The system opens no window.
 pub fn open_window(
     name: &str,
     viewport: ViewportBuilder,
     application: AppCreator<'static>,
 ) -> Result<(), Message> {
-    // A picture that cannot be read leaves the one of the library.
+    // With an unreadable icon the library shows its own.
     let viewport = match eframe::icon_data::from_png_bytes(ICON) {
         Ok(icon) => viewport.with_icon(icon),
         Err(_) => viewport,
@@ -33,35 +33,36 @@ pub fn open_window(
     eframe::run_native(name, options, application).map_err(say::window_cannot_be_opened)
 }
 
-/// The system's own folder for data of this name; some have none.
+/// Returns the system's data folder for an application of this name; some systems have
+/// none.
 pub fn data_folder(name: &str) -> Option<PathBuf> {
     let folders = directories::ProjectDirs::from("", "", name)?;
     Some(folders.data_dir().to_owned())
 }
 
-/// What is said when another process has the folder of the data.
+/// Returns the message for a data folder that another process holds.
 pub fn in_use(path: &Path) -> Message {
     say::data_dir_in_use(path.display())
 }
 
-/// What is to be said before all else; here there is nothing.
+/// Returns a message to show first: none on a computer.
 pub const fn first_word() -> Option<Message> {
     None
 }
 
-/// The user's own folder; some have none.
+/// Returns the user's home folder; some users have none.
 pub fn home_folder() -> Option<PathBuf> {
     let folders = directories::BaseDirs::new()?;
     Some(folders.home_dir().to_owned())
 }
 
-/// Where files go that the control sends, in the folder of its data.
+/// Returns the folder for files that the control sends, in its data folder.
 pub fn sent_folder(data: &Path, name: &str) -> PathBuf {
     data.join(name)
 }
 
-/// Shows the desktop's dialog and waits; what is chosen goes to `then`. Giving up is
-/// silent.
+/// Shows the desktop's file dialog and waits; `then` gets the chosen path. A cancelled
+/// dialog does nothing.
 pub fn choose_file(dialog: FileDialog, then: impl FnOnce(PathBuf) + Send + 'static) {
     let desktop = rfd::FileDialog::new();
     let chosen = match dialog {
@@ -88,18 +89,17 @@ pub fn choose_file(dialog: FileDialog, then: impl FnOnce(PathBuf) + Send + 'stat
     }
 }
 
-/// The first of the files that were dropped on the window goes to `then`.
+/// Passes the first of the files dropped on the window to `then`.
 pub fn take_dropped(files: &[DroppedFileHandle], then: impl FnOnce(PathBuf) + 'static) {
     if let Some(file) = files.first() {
         then(file.path().to_owned());
     }
 }
 
-/// A dialog in place of the window is closed.
+/// Closes the window when its error dialog is closed.
 pub fn leave_refusal(context: &Context) {
     context.send_viewport_cmd(ViewportCommand::Close);
 }
 
-/// What stands on the LCD, for those who do not see it; a computer has the accessibility
-/// tree for them.
+/// Does nothing: screen readers use the accessibility tree of the window.
 pub fn tell_screen(_text: impl FnOnce() -> String) {}

@@ -4,14 +4,14 @@ use std::time::Duration;
 
 use rustix::time::{ClockId, clock_gettime};
 
-/// The clock that goes on while the computer sleeps.
+/// The clock that continues while the computer sleeps.
 #[cfg(any(target_os = "linux", target_os = "android"))]
 const CLOCK: ClockId = ClockId::Boottime;
-/// Elsewhere the monotonic clock does.
+/// Other systems use the monotonic clock.
 #[cfg(not(any(target_os = "linux", target_os = "android")))]
 const CLOCK: ClockId = ClockId::Monotonic;
 
-/// Time since the computer was started, its sleep included.
+/// Returns the time since the computer was started, including sleep.
 pub fn time_with_sleep() -> Duration {
     let time = clock_gettime(CLOCK);
     let seconds = u64::try_from(time.tv_sec).unwrap_or_default();
@@ -19,7 +19,7 @@ pub fn time_with_sleep() -> Duration {
     Duration::new(seconds, rest)
 }
 
-/// A time that is the same in all processes.
+/// Returns a time that all processes share.
 pub fn shared_time() -> Duration {
     time_with_sleep()
 }

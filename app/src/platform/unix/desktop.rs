@@ -1,9 +1,9 @@
-//! What a window needs of the desktop.
+//! What a window needs of the desktop, on Unix systems.
 
 #[cfg(not(target_os = "macos"))]
 pub use super::portal::file_dialog_answers;
 
-/// macOS always has a file dialog.
+/// Returns true: macOS always has a file dialog.
 #[cfg(target_os = "macos")]
 pub const fn file_dialog_answers() -> bool {
     true
@@ -17,5 +17,5 @@ pub fn has_display() -> bool {
             .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
 }
 
-/// Nothing stands behind a window but the terminal it was started from.
+/// Does nothing: the terminal belongs to the user.
 pub const fn leave_console() {}

@@ -1,10 +1,10 @@
-//! Files by their place on the disk and their rights.
+//! Identity of files and their access rights.
 
 use std::fs::{self, OpenOptions};
 use std::os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt};
 use std::path::Path;
 
-/// Whether two names, links included, are one plain file.
+/// Whether two names, links followed, are the same plain file.
 pub fn same_file(one: &Path, other: &Path) -> bool {
     let plain = |path| fs::metadata(path).ok().filter(fs::Metadata::is_file);
     plain(one)
@@ -12,18 +12,18 @@ pub fn same_file(one: &Path, other: &Path) -> bool {
         .is_some_and(|(one, other)| one.dev() == other.dev() && one.ino() == other.ino())
 }
 
-/// A file that is made with these options is read by its owner alone.
+/// Makes a new file readable for its owner only.
 pub fn for_owner_alone(options: &mut OpenOptions) {
     const OWNER_READS_AND_WRITES: u32 = 0o600;
     options.mode(OWNER_READS_AND_WRITES);
 }
 
-/// Whether a name is that of a serial port.
+/// Whether a name is a serial port: a character device.
 pub fn is_serial_port(name: &Path) -> bool {
     fs::metadata(name).is_ok_and(|data| data.file_type().is_char_device())
 }
 
-/// No name of a file is that of a device.
+/// Returns false: no file name is a device.
 pub const fn is_device(_path: &Path) -> bool {
     false
 }

@@ -1,4 +1,4 @@
-//! Linux and its kin.
+//! The platform code of Linux, macOS and other Unix systems.
 
 mod clock;
 mod desktop;

@@ -1,13 +1,13 @@
-//! Whether the desktop has a file dialog to offer. Its answer to a program without one
-//! is the same as that of a user who gave up.
+//! Checks whether the desktop has a file dialog. Without one, a request for a dialog
+//! returns the same as a dialog that the user has cancelled.
 
-/// Whether there is a file dialog of the desktop. Waits for a desktop that has to start
-/// it first.
+/// Whether the desktop has a file dialog. Waits at most 3 s for a desktop that has to
+/// start it first.
 pub fn file_dialog_answers() -> bool {
     pollster::block_on(version()).is_ok()
 }
 
-/// Version of the portal's file dialog.
+/// Returns the version of the portal's file dialog.
 async fn version() -> zbus::Result<u32> {
     const LONGEST: std::time::Duration = std::time::Duration::from_secs(3);
     let session = zbus::connection::Builder::session()?

@@ -1,4 +1,4 @@
-//! Processes and the signals they are sent.
+//! Processes and termination signals.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -8,11 +8,11 @@ use std::sync::atomic::AtomicBool;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 use signal_hook::flag;
 
-/// From now on Ctrl-C, `kill` and the end of the session set this flag, and end the
-/// program with this exit code when it is set already.
+/// Registers a flag: Ctrl-C, `kill` and the end of the session set it. If it is already
+/// set, they end the program with this exit code.
 ///
 /// # Errors
-/// The system does not let them be heard.
+/// The system refuses the handler.
 pub fn hear_ending(asked: &Arc<AtomicBool>, code: u8) -> io::Result<()> {
     for signal in [SIGINT, SIGTERM, SIGHUP] {
         flag::register_conditional_shutdown(signal, i32::from(code), Arc::clone(asked))?;
@@ -21,7 +21,7 @@ pub fn hear_ending(asked: &Arc<AtomicBool>, code: u8) -> io::Result<()> {
     Ok(())
 }
 
-/// From now on nothing of that ends this process.
+/// Ignores these signals and SIGQUIT from now on.
 pub fn outlive_ending() {
     let told = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
@@ -29,8 +29,8 @@ pub fn outlive_ending() {
     }
 }
 
-/// The file of this program, of the same version: one that stands under its name may
-/// have been replaced.
+/// Returns the file of this very program: the file under its name may have been replaced
+/// meanwhile.
 pub fn own_program() -> PathBuf {
     let own = Path::new("/proc/self/exe");
     if own.exists() {
@@ -39,17 +39,17 @@ pub fn own_program() -> PathBuf {
     std::env::current_exe().unwrap_or_else(|_| "gsk980td".into())
 }
 
-/// Gives this process a name in the list of processes; it goes without.
+/// Sets the name of this process in the process list; a failure is ignored.
 pub fn name_process(name: &str) {
     let _ = std::fs::write("/proc/self/comm", name);
 }
 
-/// Processor time of a process so far, s, where the system tells.
+/// Returns the processor time of a process, s; `None` where the system does not report it.
 pub fn processor_time(process: u32) -> Option<f64> {
-    /// Ticks a second in which Linux counts for programs.
+    /// Clock ticks a second that Linux reports to programs.
     const TICKS: f64 = 100.0;
     let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-    // The name of the program, in brackets, may hold blanks.
+    // The program name in brackets may contain blanks.
     let (_, fields) = stat.rsplit_once(')')?;
     let mut times = fields.split_whitespace().skip(11);
     let user: f64 = times.next()?.parse().ok()?;

@@ -7,45 +7,43 @@ use std::time::Duration;
 
 use serialport::{ClearBuffer, SerialPort, SerialPortBuilder, TTYPort};
 
-/// Numbers of the system's errors when the device behind a port is no more: EIO, ENXIO
-/// and ENODEV.
+/// Error numbers of a port whose device was unplugged: EIO, ENXIO and ENODEV.
 pub const PULLED: [i32; 3] = [5, 6, 19];
 
 /// An open port; closed when dropped.
 pub struct Serial(TTYPort);
 
 impl Serial {
-    /// Opens a port for itself alone.
+    /// Opens a port exclusively.
     ///
     /// # Errors
-    /// It cannot be opened.
+    /// The port cannot be opened.
     pub fn open(builder: SerialPortBuilder) -> serialport::Result<Self> {
         builder.open_native().map(Self)
     }
 
-    /// The same port for another thread.
+    /// Returns the same port for another thread.
     ///
     /// # Errors
-    /// The system gives none.
+    /// The system refuses.
     pub fn try_clone(&self) -> serialport::Result<Self> {
         self.0.try_clone_native().map(Self)
     }
 
-    /// From now on a read waits so long for the first byte, and a write for room.
+    /// Sets how long a read waits for its first byte and a write for space.
     ///
     /// # Errors
-    /// The port does not take it.
+    /// The port refuses it.
     pub fn wait_so_long(&mut self, wait: Duration) -> serialport::Result<()> {
         self.0.set_timeout(wait)
     }
 
-    /// What has arrived and was not read is thrown away; a port that keeps it is used
-    /// all the same.
+    /// Discards the bytes that have arrived and were not read; a failure is ignored.
     pub fn forget_arrived(&self) {
         let _ = self.0.clear(ClearBuffer::Input);
     }
 
-    /// Its name in the file system.
+    /// Returns the name of the port in the file system.
     pub fn name(&self) -> Option<String> {
         self.0.name()
     }
@@ -72,13 +70,13 @@ pub const fn has_ports() -> bool {
     true
 }
 
-/// Both ends of a pseudo terminal; none on a system that knows no such thing.
+/// Opens both ends of a pseudo terminal; `None` on a system without them.
 pub fn pseudo_terminal() -> Option<serialport::Result<(Serial, Serial)>> {
     let ends = TTYPort::pair();
     Some(ends.map(|(near, far)| (Serial(near), Serial(far))))
 }
 
-/// Ports and the unchanging names that point to them.
+/// Returns the persistent names of the ports, by device path.
 pub fn unchanging_names() -> BTreeMap<PathBuf, PathBuf> {
     let Ok(entries) = std::fs::read_dir("/dev/serial/by-id") else {
         return BTreeMap::new();

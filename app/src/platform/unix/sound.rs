@@ -1,13 +1,13 @@
-//! Sound: samples go through a pipe to a player of the system. Linking ALSA would need its
-//! development package at every build, and the program at every start.
+//! Sound: samples go through a pipe to a player program of the system. Linking ALSA would
+//! need its development package at every build, and its library at every start.
 
 use std::io::Write;
 use std::process::{Child, ChildStdin, Command, Stdio};
 
 use gsk_messages::{Message, say};
 
-/// Players that take samples of 16 bits, one channel, at the standard input, with the name
-/// of the option for the rate: those of PulseAudio, PipeWire and ALSA.
+/// Players that read samples of 16 bits, one channel, from standard input, with their
+/// options and the option for the sample rate: of PulseAudio, PipeWire and ALSA.
 const PLAYERS: [(&str, &[&str], &str); 3] = [
     (
         "pacat",
@@ -47,20 +47,20 @@ pub const fn has_sound() -> bool {
     true
 }
 
-/// A player at work.
+/// A running player.
 pub struct Player {
     child: Child,
     input: ChildStdin,
     rate: u32,
-    /// Those that were not tried yet.
+    /// Index of the first player that was not tried yet.
     others: usize,
 }
 
 impl Player {
-    /// Starts the first player that is there.
+    /// Starts the first player that is installed, at this sample rate, Hz.
     ///
     /// # Errors
-    /// There is none.
+    /// No player is installed.
     pub fn open(rate: u32) -> Result<Self, Message> {
         Self::open_from(0, rate)
     }
@@ -88,7 +88,7 @@ impl Player {
         Err(say::sound_no_player(names))
     }
 
-    /// Plays samples; when this player has gone, with the next one.
+    /// Plays samples; when the player has ended, starts the next one.
     ///
     /// # Errors
     /// No player is left.
@@ -103,7 +103,7 @@ impl Player {
 
 impl Drop for Player {
     fn drop(&mut self) {
-        // One that has ended by itself is as welcome.
+        // A player that has already ended is fine.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

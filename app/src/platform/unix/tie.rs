@@ -1,5 +1,5 @@
-//! A pair of sockets between the program and the holder of its port; the holder has
-//! its end as standard input.
+//! A pair of sockets between the program and the holder of its port; the holder has its
+//! end as standard input.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::Shutdown;
@@ -12,18 +12,18 @@ use std::time::Duration;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
-/// Bytes that are read at once.
+/// Size of a read, bytes.
 const AT_ONCE: usize = 4096;
 
-/// The program's end.
+/// The program's end of the connection.
 pub struct ToHolder(UnixStream);
 
 impl ToHolder {
-    /// Starts the holder, apart from the program's terminal: Ctrl-C there is for the
-    /// program.
+    /// Starts the holder in a separate process group: Ctrl-C in the terminal goes to the
+    /// program only.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the system.
     pub fn start(mut holder: Command) -> io::Result<(Child, Self)> {
         let (near, far) = UnixStream::pair()?;
         near.set_nonblocking(true)?;
@@ -37,10 +37,10 @@ impl ToHolder {
         Ok((child, Self(near)))
     }
 
-    /// What the holder says, when it says something within this time; else nothing.
+    /// Returns the bytes of the holder that arrive within this time, or none.
     ///
     /// # Errors
-    /// It is gone.
+    /// The holder is gone.
     pub fn hear(&mut self, within: Duration) -> io::Result<Vec<u8>> {
         let mut look = [PollFd::from_borrowed_fd(self.0.as_fd(), PollFlags::IN)];
         let within = Timespec::try_from(within).map_err(io::Error::other)?;
@@ -58,7 +58,7 @@ impl ToHolder {
         }
     }
 
-    /// Hands over as much as is taken now.
+    /// Sends as many bytes as the connection takes now; returns their number.
     ///
     /// # Errors
     /// The holder is gone.
@@ -69,44 +69,44 @@ impl ToHolder {
         }
     }
 
-    /// Nothing more is said.
+    /// Ends sending.
     pub fn hang_up(&mut self) {
-        // Behind the holder's end it changes nothing.
+        // A holder that has ended needs no shutdown.
         let _ = self.0.shutdown(Shutdown::Write);
     }
 }
 
-/// Whether the socket is only busy.
+/// Whether an error only means that the socket is busy.
 fn passes(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted)
 }
 
-/// The holder's end.
+/// The holder's end of the connection.
 pub struct ToProgram(UnixStream);
 
 impl ToProgram {
-    /// The program that has started this process.
+    /// Connects to the program that has started this process.
     ///
     /// # Errors
-    /// Standard input is no such program.
+    /// Standard input is not connected to the program.
     pub fn at_standard_input() -> io::Result<Self> {
         let stream = UnixStream::from(io::stdin().as_fd().try_clone_to_owned()?);
         stream.local_addr()?;
         Ok(Self(stream))
     }
 
-    /// The same for another thread.
+    /// Returns the same end for another thread.
     ///
     /// # Errors
-    /// The system gives none.
+    /// The system refuses.
     pub fn try_clone(&self) -> io::Result<Self> {
         self.0.try_clone().map(Self)
     }
 
-    /// Whether the program says something within this time, or is gone.
+    /// Whether bytes of the program arrive within this time, or it is gone.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the system.
     pub fn has_said_within(&self, time: Duration) -> io::Result<bool> {
         let mut look = [PollFd::from_borrowed_fd(self.0.as_fd(), PollFlags::IN)];
         let time = Timespec::try_from(time).map_err(io::Error::other)?;
@@ -117,7 +117,7 @@ impl ToProgram {
         }
     }
 
-    /// Whether the program is gone, whatever of it was not read yet.
+    /// Whether the program is gone, even if some of its bytes are unread.
     pub fn is_gone(&self) -> bool {
         let mut look = [PollFd::from_borrowed_fd(self.0.as_fd(), PollFlags::empty())];
         poll(&mut look, Some(&Timespec::default())).is_ok()

@@ -8,15 +8,15 @@ thread_local! {
     static BEGUN: Cell<Option<Instant>> = const { Cell::new(None) };
 }
 
-/// Time since the first call; whether it counts the sleep of the computer is the browser's
-/// affair.
+/// Returns the time since the first call. The browser decides whether it counts the sleep
+/// of the computer.
 pub fn time_with_sleep() -> Duration {
     let begun = BEGUN.get().unwrap_or_else(Instant::now);
     BEGUN.set(Some(begun));
     begun.elapsed()
 }
 
-/// A page has no other process to share a time with.
+/// Returns the same clock: a page has no other process to share it with.
 pub fn shared_time() -> Duration {
     time_with_sleep()
 }

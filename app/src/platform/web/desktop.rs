@@ -1,14 +1,14 @@
-//! What a window needs of the desktop.
+//! What a window needs of the desktop, in a browser.
 
-/// The browser always lets a file be chosen.
+/// Returns true: a browser always has a file dialog.
 pub const fn file_dialog_answers() -> bool {
     true
 }
 
-/// A page is always seen.
+/// Returns true: a page always has a display.
 pub const fn has_display() -> bool {
     true
 }
 
-/// There is none.
+/// Does nothing: a page has no console.
 pub const fn leave_console() {}

@@ -1,6 +1,5 @@
-//! Files of a page: those of its memory are kept in the browser's storage, the others as
-//! long as the page is open. A file that the program writes for its user is handed out
-//! as a download.
+//! Files of a page: the browser's storage keeps those under [`KEPT`], the others exist
+//! while the page is open. A file that the program writes for its user becomes a download.
 
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,18 +13,17 @@ use web_time::{Duration, Instant};
 use super::super::Facts;
 use super::download::download;
 
-/// The folder that the browser keeps.
+/// The folder that the browser's storage keeps.
 pub const KEPT: &str = "/data";
-/// The folder of files that come from the user and go to him.
+/// The folder of files that the user opens and downloads.
 pub const HANDED: &str = "/files";
-/// Before the name of each file in the storage.
+/// Prefix of each file name in the storage.
 const OWN: &str = "gsk980td:";
-/// A page that has said nothing for so long is gone, and has let its files go.
+/// A page that has not renewed its lock for this time is gone.
 const LEASE: Duration = Duration::from_secs(5);
-/// How often it says that it is there.
+/// Time between two renewals of the lock.
 const BETWEEN: Duration = Duration::from_secs(1);
 
-/// The files of the page.
 #[derive(Default)]
 struct Disk {
     files: BTreeMap<PathBuf, Vec<u8>>,
@@ -34,11 +32,11 @@ struct Disk {
 
 thread_local! {
     static DISK: RefCell<Option<Disk>> = const { RefCell::new(None) };
-    /// What this page is called among those that are open.
+    /// Random number that identifies this page among the open ones.
     static NAME: Cell<f64> = const { Cell::new(0.0) };
-    /// The lock that this page has, and when it said so last.
+    /// The lock that this page holds, and when it renewed it last.
     static LOCKED: RefCell<Option<(PathBuf, Instant)>> = const { RefCell::new(None) };
-    /// Another page has taken the lock: nothing is written any more.
+    /// Another page has taken the lock: this page writes nothing any more.
     static LOST: Cell<bool> = const { Cell::new(false) };
 }
 
@@ -46,12 +44,12 @@ fn storage() -> Option<Storage> {
     web_sys::window()?.local_storage().ok()?
 }
 
-/// Its user hands single files over.
+/// Returns false: the user passes single files to a page.
 pub const fn has_folders() -> bool {
     false
 }
 
-/// Whether the browser keeps files beyond the page.
+/// Whether the browser keeps files after the page is closed.
 pub fn is_kept() -> bool {
     storage().is_some()
 }
@@ -60,12 +58,12 @@ fn key(path: &Path) -> String {
     format!("{OWN}{}", path.display())
 }
 
-/// Bytes as the storage takes them: a character each.
+/// Encodes bytes for the storage, one character each.
 fn packed(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| char::from(*byte)).collect()
 }
 
-/// The same back; none of a text that is no such thing.
+/// Decodes a text from the storage; `None` if it is not of that form.
 fn unpacked(text: &str) -> Option<Vec<u8>> {
     let bytes = text
         .chars()
@@ -73,7 +71,7 @@ fn unpacked(text: &str) -> Option<Vec<u8>> {
     bytes.collect()
 }
 
-/// Does something with the files; what the browser has kept is read before the first.
+/// Passes the files to a closure; reads the storage before the first call.
 fn with<T>(does: impl FnOnce(&mut Disk) -> T) -> T {
     DISK.with_borrow_mut(|disk| does(disk.get_or_insert_with(Disk::read)))
 }
@@ -104,7 +102,7 @@ impl Disk {
     }
 }
 
-/// What the storage is to have of a file from now on.
+/// Writes a file of [`KEPT`] to the storage; `None` removes it there.
 fn keep(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
     if !path.starts_with(KEPT) {
         return Ok(());
@@ -113,7 +111,7 @@ fn keep(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
         let lost = say::page_open_elsewhere().to_string();
         return Err(io::Error::new(ErrorKind::WouldBlock, lost));
     }
-    // Without a storage the page goes on, and says so at its start.
+    // Without a storage the page continues; it reports this at its start.
     let Some(storage) = storage() else {
         return Ok(());
     };
@@ -124,10 +122,10 @@ fn keep(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
     done.map_err(|_| ErrorKind::StorageFull.into())
 }
 
-/// What stands at a path.
+/// Returns what exists at a path.
 ///
 /// # Errors
-/// Nothing.
+/// Nothing exists there.
 pub fn facts(path: &Path) -> io::Result<Facts> {
     with(|disk| {
         let file = disk.files.get(path);
@@ -143,20 +141,20 @@ pub fn facts(path: &Path) -> io::Result<Facts> {
     })
 }
 
-/// Whether something stands at a path.
+/// Whether something exists at a path.
 pub fn is_taken(path: &Path) -> bool {
     facts(path).is_ok()
 }
 
-/// There are no links.
+/// Returns false: a page has no links.
 pub const fn is_link(_path: &Path) -> bool {
     false
 }
 
-/// The first bytes of a file, this many at most.
+/// Reads the first bytes of a file, at most this number.
 ///
 /// # Errors
-/// There is none.
+/// The file does not exist.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     with(|disk| {
         let bytes = disk.files.get(path).ok_or(ErrorKind::NotFound)?;
@@ -165,10 +163,10 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     })
 }
 
-/// What stands in a folder.
+/// Lists the paths in a folder.
 ///
 /// # Errors
-/// There is none.
+/// The folder does not exist.
 pub fn list(folder: &Path) -> io::Result<Vec<PathBuf>> {
     with(|disk| {
         if !disk.folders.contains(folder) {
@@ -180,10 +178,10 @@ pub fn list(folder: &Path) -> io::Result<Vec<PathBuf>> {
     })
 }
 
-/// Makes a folder and those above it.
+/// Creates a folder and its parents.
 ///
 /// # Errors
-/// None here.
+/// Never.
 pub fn make_folder(path: &Path) -> io::Result<()> {
     let folders = path.ancestors().map(Path::to_owned);
     with(|disk| disk.folders.extend(folders));
@@ -193,17 +191,17 @@ pub fn make_folder(path: &Path) -> io::Result<()> {
 /// Removes a file.
 ///
 /// # Errors
-/// There is none.
+/// The file does not exist.
 pub fn remove(path: &Path) -> io::Result<()> {
     let found = with(|disk| disk.files.remove(path));
     found.ok_or(ErrorKind::NotFound)?;
     keep(path, None)
 }
 
-/// Removes a folder with all that is in it.
+/// Removes a folder with its content.
 ///
 /// # Errors
-/// There is none, or the storage does not let it go.
+/// The folder does not exist, or the storage does not remove it.
 pub fn remove_folder(path: &Path) -> io::Result<()> {
     let files = with(|disk| {
         if !disk.folders.contains(path) {
@@ -216,10 +214,11 @@ pub fn remove_folder(path: &Path) -> io::Result<()> {
     files.iter().try_for_each(|file| remove(file))
 }
 
-/// Gives a file another name; one that had it is gone.
+/// Renames a file; replaces a file of the new name. A file in [`HANDED`] becomes a
+/// download.
 ///
 /// # Errors
-/// There is none, or the storage is full.
+/// The file does not exist, or the storage is full.
 pub fn rename(from: &Path, to: &Path) -> io::Result<()> {
     let bytes = with(|disk| disk.files.get(from).cloned()).ok_or(ErrorKind::NotFound)?;
     keep(to, Some(&bytes))?;
@@ -233,25 +232,26 @@ pub fn rename(from: &Path, to: &Path) -> io::Result<()> {
     keep(from, None)
 }
 
-/// Writes a file. It is kept once it has its name (see [`rename`]): what is written
-/// aside would fill the storage twice.
+/// Writes a file. The storage keeps it once it has its final name (see [`rename`]): a
+/// temporary file would take the space twice.
 ///
 /// # Errors
-/// None here.
+/// Never.
 pub fn write_new(path: &Path, bytes: &[u8], _owner_alone: bool) -> io::Result<()> {
     with(|disk| disk.put(path, bytes.to_vec()));
     Ok(())
 }
 
-/// Nothing is written later here.
+/// Does nothing: a page writes at once.
 pub const fn sync_folder(_folder: &Path) {}
 
-/// Whether a file is there when the page is opened again.
+/// Whether a file still exists when the page is opened again.
 pub fn lasts(path: &Path) -> bool {
     path.starts_with(KEPT)
 }
 
-/// Puts files where the user's files are, and says where the first one is.
+/// Puts files into the folder of the user's files and returns the path of the first
+/// program, or of the first file.
 pub fn hand_in(files: Vec<(String, Vec<u8>)>) -> Option<PathBuf> {
     let paths = files.into_iter().map(|(name, bytes)| {
         let path = Path::new(HANDED).join(name);
@@ -264,38 +264,38 @@ pub fn hand_in(files: Vec<(String, Vec<u8>)>) -> Option<PathBuf> {
     program.or(paths.first()).cloned()
 }
 
-/// A file that one page at a time has.
+/// A lock that only one page holds at a time.
 #[derive(Debug)]
 pub struct Lock;
 
 impl Lock {
-    /// For this page alone.
+    /// Locks a file for this page alone.
     ///
     /// # Errors
-    /// [`ErrorKind::WouldBlock`]: another one has it.
+    /// [`ErrorKind::WouldBlock`]: another page holds it.
     pub fn alone(path: &Path) -> io::Result<Self> {
         NAME.set(js_sys::Math::random());
         if holder(path).is_some_and(|(_, age)| age < LEASE.as_secs_f64() * 1e3) {
             let lost = say::page_open_elsewhere().to_string();
             return Err(io::Error::new(ErrorKind::WouldBlock, lost));
         }
-        // A page has one memory at a time.
+        // A page holds one lock at a time.
         let_lock_go();
         hold(path);
         LOCKED.set(Some((path.to_owned(), Instant::now())));
         Ok(Self)
     }
 
-    /// Beside others that only read.
+    /// Locks a file for reading, together with other readers.
     ///
     /// # Errors
-    /// There is no such file.
+    /// The file does not exist.
     pub fn beside_readers(path: &Path) -> io::Result<Self> {
         facts(path).map(|_| Self)
     }
 }
 
-/// Who has a lock, and how long he has not said so, ms.
+/// Returns the page that holds a lock, and the age of its last renewal, ms.
 fn holder(path: &Path) -> Option<(f64, f64)> {
     let text = storage()?.get_item(&key(path)).ok()??;
     let (name, said) = text.split_once(' ')?;
@@ -303,17 +303,16 @@ fn holder(path: &Path) -> Option<(f64, f64)> {
     Some((name.parse().ok()?, js_sys::Date::now() - said))
 }
 
-/// Says that this page has a lock.
+/// Records that this page holds a lock.
 fn hold(path: &Path) {
     let said = format!("{} {}", NAME.get(), js_sys::Date::now());
     if let Some(storage) = storage() {
-        // Without a storage nobody takes anything from anybody.
+        // Without a storage no page can take a lock.
         let _ = storage.set_item(&key(path), &said);
     }
 }
 
-/// Says from time to time that this page is there, unless another one has taken its
-/// place meanwhile.
+/// Renews the lock from time to time, unless another page has taken it meanwhile.
 pub fn keep_lock() {
     let Some((path, said)) = LOCKED.take() else {
         return;
@@ -328,7 +327,7 @@ pub fn keep_lock() {
     LOCKED.set(Some((path, Instant::now())));
 }
 
-/// The page is left: another one may have its memory.
+/// Releases the lock when the page is left: another page may take it.
 pub fn let_lock_go() {
     if let Some((path, _)) = LOCKED.take()
         && let Some(storage) = storage()

@@ -1,4 +1,4 @@
-//! Files that the page hands out to its user.
+//! Downloads of files from the page.
 
 use std::path::Path;
 
@@ -6,10 +6,10 @@ use js_sys::{Array, Uint8Array};
 use wasm_bindgen::{JsCast, JsValue};
 use web_sys::{Blob, HtmlAnchorElement, Url};
 
-/// Hands a file out as a download.
+/// Offers a file as a download; the browser reports a failure to the user.
 pub fn download(path: &Path, bytes: &[u8]) {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    // What the browser does not take, its user sees.
+    // The browser reports to the user what it refuses.
     let _ = hand_out(&name, bytes);
 }
 
@@ -24,7 +24,7 @@ fn hand_out(name: &str, bytes: &[u8]) -> Result<(), JsValue> {
         .dyn_into::<HtmlAnchorElement>()?;
     link.set_href(&address);
     link.set_download(name);
-    // The address stays: a browser may read it when this is long over.
+    // The address stays valid: a browser may read it much later.
     link.click();
     Ok(())
 }

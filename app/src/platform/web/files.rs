@@ -1,18 +1,18 @@
-//! Files by their place on the disk: there is none.
+//! Identity of files, in a browser: paths only.
 
 use std::path::Path;
 
-/// Whether two names are one file.
+/// Whether two names are the same file.
 pub fn same_file(one: &Path, other: &Path) -> bool {
     one == other
 }
 
-/// There are no serial ports.
+/// Returns false: a page has no serial ports.
 pub const fn is_serial_port(_name: &Path) -> bool {
     false
 }
 
-/// No name of a file is that of a device.
+/// Returns false: no file name is a device.
 pub const fn is_device(_path: &Path) -> bool {
     false
 }

@@ -1,14 +1,14 @@
-//! There is no log on a page.
+//! The file of the log: a page has none.
 
 use std::io::{self, ErrorKind, Sink};
 use std::path::Path;
 
-/// Takes lines to nowhere.
+/// A writer that discards all lines.
 pub type LogFile = fn() -> Sink;
-/// There is nothing to be written before the end.
+/// Nothing waits to be written at the end.
 pub type LogGuard = ();
 
-/// Always refused.
+/// Refuses to open a log.
 ///
 /// # Errors
 /// Always.

@@ -1,4 +1,4 @@
-//! A page in a browser: one thread, no files of its own, no serial ports.
+//! A page in a browser: one thread, no files on a disk, no serial ports.
 
 mod clock;
 mod desktop;

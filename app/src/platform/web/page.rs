@@ -1,4 +1,4 @@
-//! What the link to the page asks for: `?lang=en&open=part.CNC&open=part.job.ron`.
+//! Reads the parameters in the page's address: `?lang=en&open=part.CNC&open=part.job.ron`.
 
 use std::panic;
 use std::path::PathBuf;
@@ -12,19 +12,19 @@ use web_sys::{Response, UrlSearchParams, Window};
 use super::disk;
 use super::view::{show, tell};
 
-/// What the link asks for.
+/// The parameters in the page's address.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Asked {
     /// The word of a language.
     pub language: Option<String>,
-    /// Whether the questions of the first start are asked: `on` or `off`.
+    /// Whether the first start shows its questions: `on` or `off`.
     pub first_start: Option<String>,
     /// The program to open.
     pub program: Option<PathBuf>,
 }
 
-/// Fetches what the link asks for and opens the window with it. What stands against it
-/// is said in its place.
+/// Fetches the files that the address names and opens the window with them; shows an error
+/// in place of the window.
 pub fn begin(open: impl FnOnce(Asked) -> Result<(), Message> + 'static) {
     panic::set_hook(Box::new(|panic| {
         let panic = panic.to_string();
@@ -67,7 +67,7 @@ async fn asked() -> Result<Asked, Message> {
     })
 }
 
-/// A file that stands beside the page, or anywhere that lets it be read.
+/// Fetches a file from the server of the page, or from another one that permits it.
 async fn fetched(window: &Window, address: &str) -> Result<Vec<u8>, String> {
     let wrong = |error: JsValue| format!("{error:?}");
     let answer = JsFuture::from(window.fetch_with_str(address)).await;

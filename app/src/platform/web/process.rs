@@ -1,33 +1,33 @@
-//! Processes: a page is none.
+//! Processes: a page has none.
 
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// A page is not asked to end; it is gone.
+/// Does nothing: a page gets no termination signals.
 ///
 /// # Errors
-/// None here.
+/// Never.
 pub const fn hear_ending(_asked: &Arc<AtomicBool>, _code: u8) -> io::Result<()> {
     Ok(())
 }
 
-/// There is nothing to outlive.
+/// Does nothing: a page gets no termination signals.
 pub const fn outlive_ending() {}
 
-/// There is no such file.
+/// Returns an empty path: a page has no program file.
 pub const fn own_program() -> PathBuf {
     PathBuf::new()
 }
 
-/// There is no list of processes.
+/// Does nothing: a page is in no list of processes.
 pub const fn name_process(_name: &str) {}
 
-/// The browser does not tell.
+/// Returns `None`: the browser does not report it.
 pub const fn processor_time(_process: u32) -> Option<f64> {
     None
 }
 
-/// A page shows its panic by itself.
+/// Does nothing: a page shows its panic itself.
 pub fn before_panic(_then: impl Fn() + 'static) {}

@@ -7,14 +7,14 @@ use std::time::Duration;
 
 use serialport::{Error, ErrorKind, SerialPortBuilder};
 
-/// There is no port that could be pulled.
+/// Error numbers of a pulled port; a page has none.
 pub const PULLED: [i32; 0] = [];
 
-/// An open port; there is none.
+/// An open port; it never exists on a page.
 pub enum Serial {}
 
 impl Serial {
-    /// Opens none.
+    /// Refuses to open a port.
     ///
     /// # Errors
     /// Always.
@@ -23,28 +23,28 @@ impl Serial {
         Err(Error::new(ErrorKind::NoDevice, none.to_string()))
     }
 
-    /// The same port for another thread.
+    /// Returns the same port for another thread.
     ///
     /// # Errors
-    /// The system gives none.
+    /// The system refuses.
     pub fn try_clone(&self) -> serialport::Result<Self> {
         match *self {}
     }
 
-    /// From now on a read waits so long for the first byte, and a write for room.
+    /// Sets how long a read waits for its first byte and a write for space.
     ///
     /// # Errors
-    /// The port does not take it.
+    /// The port refuses it.
     pub fn wait_so_long(&mut self, _wait: Duration) -> serialport::Result<()> {
         match *self {}
     }
 
-    /// What has arrived and was not read is thrown away.
+    /// Discards the bytes that have arrived and were not read.
     pub fn forget_arrived(&self) {
         match *self {}
     }
 
-    /// Its name.
+    /// Returns the name of the port.
     pub fn name(&self) -> Option<String> {
         match *self {}
     }
@@ -66,17 +66,17 @@ impl Write for Serial {
     }
 }
 
-/// There are no pseudo terminals.
+/// Returns `None`: a page has no pseudo terminals.
 pub const fn pseudo_terminal() -> Option<serialport::Result<(Serial, Serial)>> {
     None
 }
 
-/// There are no ports.
+/// Returns no names: a page has no ports.
 pub const fn unchanging_names() -> BTreeMap<PathBuf, PathBuf> {
     BTreeMap::new()
 }
 
-/// Whether there can be ports: a page has none.
+/// Returns false: a page has no ports.
 pub const fn has_ports() -> bool {
     false
 }

@@ -1,20 +1,19 @@
-//! Sound: a page is silent. What a browser needs for it would not fit into the size that a
-//! page may have.
+//! Sound: a page is silent. The code for it would exceed the size limit of the page.
 
 use core::convert::Infallible;
 
 use gsk_messages::{Message, say};
 
-/// Whether the system can play at all.
+/// Returns false: a page cannot play.
 pub const fn has_sound() -> bool {
     false
 }
 
-/// No page has one.
+/// A sound output; it never exists on a page.
 pub struct Player(Infallible);
 
 impl Player {
-    /// Refuses.
+    /// Refuses to open an output.
     ///
     /// # Errors
     /// Always.
@@ -22,10 +21,10 @@ impl Player {
         Err(say::sound_no_device())
     }
 
-    /// Nothing can come here.
+    /// Plays samples; never called.
     ///
     /// # Errors
-    /// None.
+    /// Never.
     pub fn play(&mut self, _samples: &[i16]) -> Result<(), Message> {
         match self.0 {}
     }

@@ -1,14 +1,14 @@
-//! The process that holds a port: a page has neither.
+//! The connection to the process that holds a port: a page has neither.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::process::{Child, Command};
 use std::time::Duration;
 
-/// The program's end; there is none.
+/// The program's end of the connection; it never exists on a page.
 pub enum ToHolder {}
 
 impl ToHolder {
-    /// Never starts one.
+    /// Refuses to start a holder.
     ///
     /// # Errors
     /// Always.
@@ -16,15 +16,15 @@ impl ToHolder {
         Err(ErrorKind::Unsupported.into())
     }
 
-    /// What the holder says.
+    /// Returns the bytes of the holder.
     ///
     /// # Errors
-    /// It is gone.
+    /// The holder is gone.
     pub fn hear(&mut self, _within: Duration) -> io::Result<Vec<u8>> {
         match *self {}
     }
 
-    /// Hands over as much as is taken now.
+    /// Sends as many bytes as the connection takes now.
     ///
     /// # Errors
     /// The holder is gone.
@@ -32,17 +32,17 @@ impl ToHolder {
         match *self {}
     }
 
-    /// Nothing more is said.
+    /// Ends sending.
     pub fn hang_up(&mut self) {
         match *self {}
     }
 }
 
-/// The holder's end; there is none.
+/// The holder's end of the connection; it never exists on a page.
 pub enum ToProgram {}
 
 impl ToProgram {
-    /// There is no standard input.
+    /// Refuses: a page has no standard input.
     ///
     /// # Errors
     /// Always.
@@ -50,23 +50,23 @@ impl ToProgram {
         Err(ErrorKind::Unsupported.into())
     }
 
-    /// The same for another thread.
+    /// Returns the same end for another thread.
     ///
     /// # Errors
-    /// The system gives none.
+    /// The system refuses.
     pub fn try_clone(&self) -> io::Result<Self> {
         match *self {}
     }
 
-    /// Whether the program says something within this time.
+    /// Whether bytes of the program arrive within this time.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the system.
     pub fn has_said_within(&self, _time: Duration) -> io::Result<bool> {
         match *self {}
     }
 
-    /// Whether the program is gone, whatever of it was not read yet.
+    /// Whether the program is gone, even if some of its bytes are unread.
     pub fn is_gone(&self) -> bool {
         match *self {}
     }

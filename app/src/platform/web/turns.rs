@@ -1,6 +1,5 @@
-//! What goes on beside the window: a page has one thread. Everything takes a short turn
-//! whenever a clock rings, and once more before each picture; what is done once is done
-//! between two turns.
+//! Background work of a page, which has one thread. Every task takes a short turn at each
+//! tick of a timer, and once more before each frame; a single job runs between two turns.
 
 use std::cell::{Cell, RefCell};
 use std::io;
@@ -12,37 +11,37 @@ use web_time::{Duration, Instant};
 
 use super::disk;
 
-/// The page stands still while a program is looked through: it takes a second or two.
+/// Limit of a preview: it blocks the page, and this takes a second or two.
 pub const LARGEST_LOOK: WorkBudget = WorkBudget {
     moves: 500_000,
     work: 2_000_000,
     motionless: 500_000,
 };
-/// The name of what answers all others.
+/// Name of the task that answers all others.
 const KERNEL: &str = "kernel";
 
-/// One turn; `false`: it was the last one.
+/// One turn; returns `false` after its last one.
 type Turn = Box<dyn FnMut() -> bool>;
-/// What is done once.
+/// Work that runs once.
 type Job = Box<dyn FnOnce()>;
 
-/// Somebody who takes turns.
+/// A task that takes turns.
 struct Actor {
     name: String,
     turn: RefCell<Turn>,
     over: Cell<bool>,
-    /// It waits for work, and no longer than so.
+    /// The task waits for work, at most until then.
     waits_until: Cell<Option<Instant>>,
 }
 
 thread_local! {
     static ACTORS: RefCell<Vec<Rc<Actor>>> = const { RefCell::new(Vec::new()) };
     static JOBS: RefCell<Vec<Job>> = const { RefCell::new(Vec::new()) };
-    /// Whose turn it is.
+    /// Stack of the tasks in their turns, the innermost last.
     static ACTIVE: RefCell<Vec<Rc<Actor>>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Something that takes its turns until it is over.
+/// Handle of a task that takes turns.
 pub struct Turning(Rc<Actor>);
 
 impl core::fmt::Debug for Turning {
@@ -52,14 +51,14 @@ impl core::fmt::Debug for Turning {
 }
 
 impl Turning {
-    /// Whether it is not over yet.
+    /// Whether the task has turns left.
     pub fn goes_on(&self) -> bool {
         !self.0.over.get()
     }
 
-    /// Gives it its last turns; whether it came to its end.
+    /// Gives the task its remaining turns; returns whether it has ended.
     pub fn finish(self) -> bool {
-        /// More work than that never waits.
+        /// Limit of the turns; no more work ever waits.
         const MOST: u32 = 10_000;
         for _ in 0..MOST {
             if self.0.over.get() {
@@ -73,7 +72,7 @@ impl Turning {
 
 impl Actor {
     fn take_turn(self: &Rc<Self>) {
-        // Who waits for an answer within his turn has no other one.
+        // A task that waits for an answer within its turn gets no second turn.
         let Ok(mut turn) = self.turn.try_borrow_mut() else {
             return;
         };
@@ -90,11 +89,10 @@ impl Actor {
     }
 }
 
-/// From now on something takes a turn whenever the clock rings, as long as its turns
-/// return `true`.
+/// Starts a task: it takes a turn at each tick of the timer until a turn returns `false`.
 ///
 /// # Errors
-/// None here.
+/// Never.
 pub fn turn(name: &str, one: impl FnMut() -> bool + 'static) -> io::Result<Turning> {
     let actor = Rc::new(Actor {
         name: name.to_owned(),
@@ -106,20 +104,20 @@ pub fn turn(name: &str, one: impl FnMut() -> bool + 'static) -> io::Result<Turni
     Ok(Turning(actor))
 }
 
-/// Does something once, soon.
+/// Runs a job once, soon.
 ///
 /// # Errors
-/// None here.
+/// Never.
 pub fn beside(_name: &str, job: impl FnOnce() + 'static) -> io::Result<()> {
     JOBS.with_borrow_mut(|jobs| jobs.push(Box::new(job)));
     Ok(())
 }
 
-/// The next piece of work, if there is one; without one the turn comes again `until`
-/// then, or at the next ring.
+/// Returns the next item, if there is one; without one the task gets its next turn at
+/// `until`, or at the next tick of the timer.
 ///
 /// # Errors
-/// None has come; or none can come any more.
+/// No item has arrived, or every sender is gone.
 pub fn receive<T>(from: &Receiver<T>, until: Option<Instant>) -> Result<T, RecvTimeoutError> {
     from.try_recv().map_err(|error| match error {
         TryRecvError::Disconnected => RecvTimeoutError::Disconnected,
@@ -134,7 +132,7 @@ pub fn receive<T>(from: &Receiver<T>, until: Option<Instant>) -> Result<T, RecvT
     })
 }
 
-/// What the kernel answers in a turn of its own.
+/// Gives the kernel a turn and returns its answer.
 pub fn answer<T>(from: &Receiver<T>, _longest: Duration) -> Option<T> {
     for actor in actors().iter().filter(|actor| actor.name == KERNEL) {
         actor.take_turn();
@@ -142,7 +140,7 @@ pub fn answer<T>(from: &Receiver<T>, _longest: Duration) -> Option<T> {
     from.try_recv().ok()
 }
 
-/// The clock has rung: whoever is due has a turn, and one job is done.
+/// Handles a tick of the timer: gives each task that is due a turn, and runs one job.
 pub fn ring() {
     disk::keep_lock();
     for actor in actors() {

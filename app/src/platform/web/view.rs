@@ -1,5 +1,4 @@
-//! The page as the window's place: the canvas, the clock that rings for everything
-//! beside it, files that come from the user and go to him.
+//! The window of a page: the canvas, the timer for background work, files of the user.
 
 use std::path::{Path, PathBuf};
 
@@ -17,18 +16,17 @@ use web_sys::{
 use super::super::FileDialog;
 use super::{disk, turns};
 
-/// The canvas, the element with the text of the LCD, and the one that says what stands
-/// against it all.
+/// Elements of the page: the canvas, the text of the LCD, and the text of an error.
 const CANVAS: &str = "panel";
 const LCD: &str = "lcd";
 const SAID: &str = "said";
-/// Between two rings of the clock, ms.
+/// Time between two ticks of the timer, ms.
 const RING: i32 = 8;
 
 /// Opens the window on the canvas of the page and returns at once.
 ///
 /// # Errors
-/// The page has none.
+/// The page has no canvas.
 pub fn open_window(
     _name: &str,
     _viewport: ViewportBuilder,
@@ -37,7 +35,7 @@ pub fn open_window(
     let canvas = element(CANVAS).and_then(|it| it.dyn_into::<HtmlCanvasElement>().ok());
     let canvas = canvas.ok_or_else(|| say::page_not_opened(format!("no canvas `{CANVAS}`")))?;
     plain_context(&canvas);
-    // Dots as they are: the panel is no gradient.
+    // Exact pixels: the panel has no gradients.
     let options = WebOptions {
         dithering: false,
         ..WebOptions::default()
@@ -62,15 +60,15 @@ pub fn open_window(
     Ok(())
 }
 
-/// Gives the canvas its context before the library does, without what is not needed:
-/// edges are smoothed when they are painted, and nothing shines through. A computer
-/// without a graphics card draws twice as many frames then.
+/// Gives the canvas its context before the library does, without antialiasing and alpha:
+/// painting smooths edges, and nothing is transparent. A computer without a graphics card
+/// then draws twice as many frames.
 fn plain_context(canvas: &HtmlCanvasElement) {
     let wishes = Object::new();
     for name in ["antialias", "alpha"] {
         let _ = Reflect::set(&wishes, &name.into(), &false.into());
     }
-    // Without WebGL 2 the library asks for less.
+    // Without WebGL 2 the library requests less.
     let _ = canvas.get_context_with_context_options("webgl2", &wishes);
 }
 
@@ -86,28 +84,28 @@ fn element(id: &str) -> Option<web_sys::Element> {
     document()?.get_element_by_id(id)
 }
 
-/// Says something in place of the window, in both languages.
+/// Shows a message in place of the window, in both languages.
 pub fn tell(said: &Message) {
     let texts = [Language::Zh, Language::En].map(|language| said.text(language));
     show(&texts.join("\n"));
 }
 
-/// Shows a text in place of the window; none: the window is there.
+/// Shows a text in place of the window; an empty one when the window is open.
 pub fn show(text: &str) {
     if let Some(element) = element(SAID) {
         element.set_text_content(Some(text));
     }
 }
 
-/// Lets a clock ring. That of a worker goes on when the page is hidden, which the page's
-/// own does not.
+/// Starts the timer. The timer of a worker continues while the page is hidden, the page's
+/// own stops.
 fn start_clock(mut ring: impl FnMut() + 'static) {
     let ringing = Closure::<dyn FnMut(MessageEvent)>::new(move |_| ring());
     let listener = ringing.as_ref().unchecked_ref();
     match worker() {
         Ok(worker) => {
             worker.set_onmessage(Some(listener));
-            // The page has it as long as it is open.
+            // The worker exists as long as the page.
             core::mem::forget(worker);
         }
         Err(_) => {
@@ -127,8 +125,8 @@ fn worker() -> Result<Worker, JsValue> {
     Worker::new(&address)
 }
 
-/// What is done when the page is left: its memory is free for another one. A page that
-/// the browser brings back has to begin anew.
+/// Releases the memory for other pages when the page is left. A page that the browser
+/// restores reloads.
 fn leave_well() {
     let leave = Closure::<dyn FnMut()>::new(|| {
         turns::ring();
@@ -155,33 +153,33 @@ fn reload() {
     }
 }
 
-/// The folder that the browser keeps.
+/// Returns the folder that the browser's storage keeps.
 pub fn data_folder(_name: &str) -> Option<PathBuf> {
     Some(PathBuf::from(disk::KEPT))
 }
 
-/// What is said when another page has the folder of the data.
+/// Returns the message for a data folder that another page holds.
 pub fn in_use(_path: &Path) -> Message {
     say::page_open_elsewhere()
 }
 
-/// What is to be said before all else: that nothing is kept, if it is so.
+/// Returns a message to show first: the browser keeps no files.
 pub fn first_word() -> Option<Message> {
     (!disk::is_kept()).then(say::page_keeps_nothing)
 }
 
-/// The folder of the user's files.
+/// Returns the folder of the user's files.
 pub fn home_folder() -> Option<PathBuf> {
     Some(PathBuf::from(disk::HANDED))
 }
 
-/// What the control sends is handed out as a download.
+/// Returns the folder for files that the control sends: they become downloads.
 pub fn sent_folder(_data: &Path, _name: &str) -> PathBuf {
     PathBuf::from(disk::HANDED)
 }
 
-/// Lets the user choose files; the first program goes to `then`, what else he chose is
-/// found beside it. What is to be written is handed out under the name that is proposed.
+/// Lets the user choose files. `then` gets the first program; the other files are next to
+/// it. A file to write becomes a download under its suggested name.
 pub fn choose_file(dialog: FileDialog, then: impl FnOnce(PathBuf) + 'static) {
     match dialog {
         FileDialog::Save { name, .. } => then(Path::new(disk::HANDED).join(name)),
@@ -223,7 +221,7 @@ fn pick(then: impl FnOnce(PathBuf) + 'static) -> Option<()> {
     Some(())
 }
 
-/// Reads the files that were dropped on the page; the first program goes to `then`.
+/// Reads the files dropped on the page; `then` gets the first program.
 pub fn take_dropped(files: &[DroppedFileHandle], then: impl FnOnce(PathBuf) + 'static) {
     let files = files.to_vec();
     spawn_local(async move {
@@ -240,12 +238,12 @@ pub fn take_dropped(files: &[DroppedFileHandle], then: impl FnOnce(PathBuf) + 's
     });
 }
 
-/// A dialog in place of the window is closed: the page tries again.
+/// Reloads the page when its error dialog is closed.
 pub fn leave_refusal(_context: &Context) {
     reload();
 }
 
-/// What stands on the LCD, for those who do not see it: the text of an element.
+/// Writes the text of the LCD to an element of the page, for screen readers.
 pub fn tell_screen(text: impl FnOnce() -> String) {
     if let Some(element) = element(LCD) {
         element.set_text_content(Some(&text()));

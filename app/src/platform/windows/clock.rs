@@ -3,14 +3,14 @@
 use std::sync::OnceLock;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// Time since the first call in this process; the performance counter behind it goes on
-/// while the computer sleeps.
+/// Returns the time since the first call in this process; its performance counter
+/// continues while the computer sleeps.
 pub fn time_with_sleep() -> Duration {
     static BEGUN: OnceLock<Instant> = OnceLock::new();
     BEGUN.get_or_init(Instant::now).elapsed()
 }
 
-/// A time that is the same in all processes: the clock on the wall.
+/// Returns a time that all processes share: the wall clock.
 pub fn shared_time() -> Duration {
     SystemTime::now()
         .duration_since(UNIX_EPOCH)

@@ -1,24 +1,24 @@
-//! What a window needs of the desktop.
+//! What a window needs of the desktop, on Windows.
 
 use win32console::console::WinConsole;
 
-/// Windows always has a file dialog.
+/// Returns true: Windows always has a file dialog.
 pub const fn file_dialog_answers() -> bool {
     true
 }
 
-/// Windows always has a display.
+/// Returns true: Windows always has a display.
 pub const fn has_display() -> bool {
     true
 }
 
-/// Closes a console that Windows has opened for this program alone, when it was started
-/// with a double click. One that it was started from belongs to its user and stays.
+/// Closes the console that Windows opens when the program is started with a double click.
+/// A console that other processes share belongs to the user and stays open.
 pub fn leave_console() {
-    // The list is filled up with zeros.
+    // Windows pads the list with zeros.
     let processes = WinConsole::get_process_list().unwrap_or_default();
     if processes.iter().filter(|process| **process != 0).count() == 1 {
-        // A console that stays is a nuisance and no more.
+        // A console that stays open does no harm.
         let _ = WinConsole::free_console();
     }
 }

@@ -1,24 +1,23 @@
-//! Files by their place on the disk and their rights.
+//! Identity of files, their access rights and device names.
 
 use std::fs::OpenOptions;
 use std::path::Path;
 
-/// Whether two names, links included, are one plain file.
+/// Whether two names, links followed, are the same plain file.
 pub fn same_file(one: &Path, other: &Path) -> bool {
     one.is_file() && other.is_file() && same_file::is_same_file(one, other).unwrap_or(false)
 }
 
-/// A file that is made with these options is read by its owner alone: the folder of a
-/// user's data is his own already.
+/// Does nothing: only the owner can read a user's data folder on Windows.
 pub const fn for_owner_alone(_options: &mut OpenOptions) {}
 
-/// Whether the last part of a path is the name of a device: `CON`, `nul.nc`.
+/// Whether the file name of a path is a device: `CON`, `nul.nc`.
 pub fn is_device(path: &Path) -> bool {
     let name = path.file_name().and_then(|name| name.to_str());
     name.is_some_and(gsk_transfer::is_device_name) && !is_serial_port(path)
 }
 
-/// Whether a name is that of a serial port: `COM3`, `\\.\COM12`.
+/// Whether a name is a serial port: `COM3`, `\\.\COM12`.
 pub fn is_serial_port(name: &Path) -> bool {
     let name = name.to_string_lossy().to_ascii_uppercase();
     let number = name.strip_prefix(r"\\.\").unwrap_or(&name);

@@ -1,4 +1,4 @@
-//! Windows.
+//! The platform code of Windows.
 
 mod clock;
 mod desktop;

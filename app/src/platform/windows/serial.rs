@@ -1,4 +1,4 @@
-//! Serial ports. There are no pseudo terminals.
+//! Serial ports. Windows has no pseudo terminals.
 
 use std::collections::BTreeMap;
 use std::io::{self, ErrorKind, Read, Write};
@@ -8,61 +8,59 @@ use std::time::{Duration, Instant};
 
 use serialport::{COMPort, ClearBuffer, SerialPort, SerialPortBuilder};
 
-/// Numbers of the system's errors when the device behind a port is no more: access
-/// denied, bad command, general failure, no such device, operation aborted, device not
-/// connected.
+/// Error numbers of a port whose device was unplugged: access denied, bad command, general
+/// failure, no such device, operation aborted, device not connected.
 pub const PULLED: [i32; 6] = [5, 22, 31, 433, 995, 1167];
 
-/// Between two looks whether something has arrived.
+/// Time between two checks for arrived bytes.
 const LOOK: Duration = Duration::from_millis(1);
 
 /// An open port; closed when dropped.
 ///
-/// A read that waits in the system would hold up every write through the same port:
-/// who waits looks again and again whether something has arrived.
+/// A read that blocks in the system would block every write through the same port, so a
+/// read polls for arrived bytes.
 pub struct Serial {
     port: COMPort,
     wait: Duration,
 }
 
 impl Serial {
-    /// Opens a port for itself alone.
+    /// Opens a port exclusively.
     ///
     /// # Errors
-    /// It cannot be opened.
+    /// The port cannot be opened.
     pub fn open(builder: SerialPortBuilder) -> serialport::Result<Self> {
         let port = builder.open_native()?;
         let wait = port.timeout();
         Ok(Self { port, wait })
     }
 
-    /// The same port for another thread.
+    /// Returns the same port for another thread.
     ///
     /// # Errors
-    /// The system gives none.
+    /// The system refuses.
     pub fn try_clone(&self) -> serialport::Result<Self> {
         let port = self.port.try_clone_native()?;
         let wait = self.wait;
         Ok(Self { port, wait })
     }
 
-    /// From now on a read waits so long for the first byte. How long a write waits for
-    /// room stays as it was when the port was opened.
+    /// Sets how long a read waits for its first byte. The limit of a write remains the one
+    /// at opening.
     ///
     /// # Errors
-    /// None here.
+    /// Never.
     pub fn wait_so_long(&mut self, wait: Duration) -> serialport::Result<()> {
         self.wait = wait;
         Ok(())
     }
 
-    /// What has arrived and was not read is thrown away; a port that keeps it is used
-    /// all the same.
+    /// Discards the bytes that have arrived and were not read; a failure is ignored.
     pub fn forget_arrived(&self) {
         let _ = self.port.clear(ClearBuffer::Input);
     }
 
-    /// Its name.
+    /// Returns the name of the port.
     pub fn name(&self) -> Option<String> {
         self.port.name()
     }
@@ -71,7 +69,7 @@ impl Serial {
 impl Read for Serial {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let begun = Instant::now();
-        // Of a device that is gone nothing can be asked.
+        // A device that is gone answers no query.
         let gone = |error| io::Error::new(ErrorKind::BrokenPipe, error);
         while self.port.bytes_to_read().map_err(gone)? == 0 {
             if begun.elapsed() >= self.wait {
@@ -98,12 +96,12 @@ pub const fn has_ports() -> bool {
     true
 }
 
-/// Both ends of a pseudo terminal: Windows has none.
+/// Returns `None`: Windows has no pseudo terminals.
 pub const fn pseudo_terminal() -> Option<serialport::Result<(Serial, Serial)>> {
     None
 }
 
-/// Ports and the unchanging names that point to them: a port keeps its number by itself.
+/// Returns no names: a port keeps its number on Windows.
 pub const fn unchanging_names() -> BTreeMap<PathBuf, PathBuf> {
     BTreeMap::new()
 }

@@ -1,4 +1,4 @@
-//! Sound: samples go through a queue to the device that Windows plays with.
+//! Sound: samples go through a queue to the default output device of Windows.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use cpal::{FromSample, SampleFormat, SizedSample, StreamConfig};
 use crossbeam::queue::ArrayQueue;
 use gsk_messages::{Message, say};
 
-/// Samples that wait for the device.
+/// Capacity of the queue, samples.
 const QUEUE: usize = 16_384;
 
 /// Whether the system can play at all.
@@ -15,18 +15,18 @@ pub const fn has_sound() -> bool {
     true
 }
 
-/// A device at work.
+/// An open output device.
 pub struct Player {
     waiting: Arc<ArrayQueue<i16>>,
-    /// It plays as long as it is there.
+    /// It plays until it is dropped.
     _stream: cpal::Stream,
 }
 
 impl Player {
-    /// Opens the device that Windows plays with.
+    /// Opens the default output device at this sample rate, Hz.
     ///
     /// # Errors
-    /// There is none, or it does not open.
+    /// There is no device, or it does not open.
     pub fn open(rate: u32) -> Result<Self, Message> {
         let device = cpal::default_host()
             .default_output_device()
@@ -53,20 +53,20 @@ impl Player {
         })
     }
 
-    /// Plays samples.
+    /// Plays samples; the queue drops the oldest when it is full.
     ///
     /// # Errors
-    /// None: a device that has gone leaves silence.
+    /// Never: a device that has gone leaves silence.
     pub fn play(&mut self, samples: &[i16]) -> Result<(), Message> {
         for sample in samples {
-            // The oldest go: what is late is of no use.
+            // The oldest samples go: late sound is of no use.
             self.waiting.force_push(*sample);
         }
         Ok(())
     }
 }
 
-/// A stream that takes what waits, at the rate and on all channels of the device.
+/// Opens a stream that plays the queue at the rate and on all channels of the device.
 fn stream<T: SizedSample + FromSample<i16>>(
     device: &cpal::Device,
     config: StreamConfig,

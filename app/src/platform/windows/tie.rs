@@ -1,6 +1,6 @@
-//! Two pipes between the program and the holder of its port: the holder's standard
-//! input and output. A pipe cannot be waited for with a time, nor asked whether its
-//! other end is gone: a thread reads each.
+//! Two pipes between the program and the holder of its port: the standard input and output
+//! of the holder. A read of a pipe has no time limit, and a pipe does not report that its
+//! other end is gone: a thread reads each of them.
 
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
@@ -13,27 +13,27 @@ use std::time::Duration;
 
 use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 
-/// Bytes that are read at once.
+/// Size of a read, bytes.
 const AT_ONCE: usize = 4096;
-/// What may wait for the pipe before nothing more is taken.
+/// Limit of the bytes that wait for the pipe.
 const MOST_WAITING: usize = 16 * AT_ONCE;
-/// Such a process has no console that is seen, and no Ctrl-C comes from the program's.
+/// A process without a visible console; the program's Ctrl-C does not reach it.
 const CREATE_NO_WINDOW: u32 = 0x0800_0000;
 
-/// The program's end.
+/// The program's end of the connection.
 pub struct ToHolder {
-    /// None behind [`ToHolder::hang_up`].
+    /// `None` after [`ToHolder::hang_up`].
     outward: Option<Sender<Vec<u8>>>,
-    /// Bytes that wait in `outward`.
+    /// Number of bytes that wait in `outward`.
     waiting: Arc<AtomicUsize>,
     inward: Receiver<Vec<u8>>,
 }
 
 impl ToHolder {
-    /// Starts the holder, apart from the program's console.
+    /// Starts the holder, separate from the program's console.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the system.
     pub fn start(mut holder: Command) -> io::Result<(Child, Self)> {
         let mut child = holder
             .stdin(Stdio::piped())
@@ -58,10 +58,10 @@ impl ToHolder {
         Ok((child, tie))
     }
 
-    /// What the holder says, when it says something within this time; else nothing.
+    /// Returns the bytes of the holder that arrive within this time, or none.
     ///
     /// # Errors
-    /// It is gone.
+    /// The holder is gone.
     pub fn hear(&mut self, within: Duration) -> io::Result<Vec<u8>> {
         match self.inward.recv_timeout(within) {
             Ok(bytes) => Ok(bytes),
@@ -70,7 +70,7 @@ impl ToHolder {
         }
     }
 
-    /// Hands over as much as is taken now.
+    /// Sends as many bytes as the connection takes now; returns their number.
     ///
     /// # Errors
     /// The holder is gone.
@@ -87,13 +87,13 @@ impl ToHolder {
             .map_err(|_| ErrorKind::BrokenPipe.into())
     }
 
-    /// Nothing more is said: what waits is written, then the pipe is closed.
+    /// Ends sending: the waiting bytes are written, then the pipe is closed.
     pub fn hang_up(&mut self) {
         self.outward = None;
     }
 }
 
-/// Writes what is said until nothing more will be, or nobody takes it.
+/// Writes bytes until the sender is gone, or the reader of the pipe is.
 fn write_all(mut pipe: ChildStdin, said: &Receiver<Vec<u8>>, waiting: &AtomicUsize) {
     for bytes in said {
         if pipe.write_all(&bytes).is_err() {
@@ -103,7 +103,7 @@ fn write_all(mut pipe: ChildStdin, said: &Receiver<Vec<u8>>, waiting: &AtomicUsi
     }
 }
 
-/// Reads until nothing more can come.
+/// Reads until the other end is closed.
 fn read_all(mut pipe: impl Read, mut heard: impl FnMut(Vec<u8>)) {
     let mut buffer = [0; AT_ONCE];
     loop {
@@ -116,14 +116,14 @@ fn read_all(mut pipe: impl Read, mut heard: impl FnMut(Vec<u8>)) {
     }
 }
 
-/// What the program has said, and whether it is gone.
+/// Bytes of the program, and whether it is gone.
 #[derive(Default)]
 struct Said {
     bytes: VecDeque<u8>,
     gone: bool,
 }
 
-/// [`Said`], and a bell for whoever waits for more.
+/// Shared bytes, with a signal for a waiting reader.
 #[derive(Default)]
 struct Inward {
     said: Mutex<Said>,
@@ -135,21 +135,21 @@ impl Inward {
         self.said.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Changes it and rings the bell.
+    /// Changes the bytes and wakes the reader.
     fn change(&self, change: impl FnOnce(&mut Said)) {
         change(&mut self.said());
         self.more.notify_all();
     }
 }
 
-/// The holder's end.
+/// The holder's end of the connection.
 pub struct ToProgram(Arc<Inward>);
 
 impl ToProgram {
-    /// The program that has started this process.
+    /// Connects to the program that has started this process.
     ///
     /// # Errors
-    /// Standard input is no such program.
+    /// Standard input is not connected to the program.
     pub fn at_standard_input() -> io::Result<Self> {
         if io::IsTerminal::is_terminal(&io::stdin()) {
             return Err(ErrorKind::NotConnected.into());
@@ -166,18 +166,18 @@ impl ToProgram {
         Ok(Self(inward))
     }
 
-    /// The same for another thread.
+    /// Returns the same end for another thread.
     ///
     /// # Errors
-    /// None here.
+    /// Never.
     pub fn try_clone(&self) -> io::Result<Self> {
         Ok(Self(Arc::clone(&self.0)))
     }
 
-    /// Whether the program says something within this time, or is gone.
+    /// Whether bytes of the program arrive within this time, or it is gone.
     ///
     /// # Errors
-    /// None here.
+    /// Never.
     pub fn has_said_within(&self, time: Duration) -> io::Result<bool> {
         let nothing = |said: &mut Said| said.bytes.is_empty() && !said.gone;
         let waited = self.0.more.wait_timeout_while(self.0.said(), time, nothing);
@@ -185,7 +185,7 @@ impl ToProgram {
         Ok(!waited.timed_out())
     }
 
-    /// Whether the program is gone, whatever of it was not read yet.
+    /// Whether the program is gone, even if some of its bytes are unread.
     pub fn is_gone(&self) -> bool {
         self.0.said().gone
     }
