@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! DIR/              the memory of the GSK980TD
-//! DIR/models/ncb08/ that of the NC-B08: programs, parameters and all else of its own
+//! DIR/models/ncb08/ that of the NC-B08: its programs, parameters and all other data
 //! DIR/control       the model that the window opens with
 //! ```
 
