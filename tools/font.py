@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
-"""Writes the fonts of window and panel: Noto Sans, only the characters that are used.
+"""Writes the fonts of window and panel: Noto Sans, reduced to the characters in use.
 
     tools/font.py NotoSans-Regular.ttf NotoSansMono-Regular.ttf NotoSansCJK-Regular.ttc
 
-They are those of Debian's packages `fonts-noto-core`, `fonts-noto-mono` and
-`fonts-noto-cjk` (SIL Open Font License 1.1); `fonttools` is needed. A test of `panel/` says
-when a character is missing and names this script. Everything that tables, help, lessons,
-sample programs and sources contain is kept; what users write beyond that is drawn with
-Unifont.
+The sources are Debian's packages `fonts-noto-core`, `fonts-noto-mono` and `fonts-noto-cjk`
+(SIL Open Font License 1.1). The script needs `fonttools`. A test of `panel/` fails if a
+character is missing, and names this script. The fonts keep all characters of tables, help,
+lessons, sample programs and sources. Unifont draws all others that users write.
 """
 
 import sys
@@ -20,33 +19,33 @@ ROOT = Path(__file__).resolve().parent.parent
 FONTS = ROOT / "assets/fonts"
 # The face of the collection with the Chinese forms.
 CHINESE = 2
-# Latin with its accents, Greek; punctuation and signs of both languages, arrows of menus.
+# Accented Latin, Greek, punctuation and signs of both languages, arrows of menus.
 SIGNS = "“”‘’…–—、。《》【】（），：；？！％～℃×÷±≤≥≠≈∞√Ø∅⌀←↑→↓↔↕⏴⏵⏶⏷"
 ALWAYS = [*range(0x20, 0x180), *range(0x391, 0x3CA), *map(ord, SIGNS)]
-# Words of the field that no text has yet: one that comes need not bring its characters.
+# Characters of technical terms that no text contains yet: new texts rarely need a new font.
 FIELD = (
     "讯流详框骤细篇健弹逻柜惫栏铺尽介利盒捷贮举悬水阅仪站商割获欲似磁壳员充吃锐讲业柱群匀剪镜绞耦铣艺侵市温捆绑荐微资国享客专购土钝绘智园射杂涌遵集犯买味研万物亦友卸"
     "辉科风滤佳叠阵浮稿著私付抽挥难暗野白斥库臂泄钳树绿棋播承额款授音宣维划官泛础叙室擅恰甲众兼饱耐勾培训恕湿林民政社军象老山她农九战南治领海世金争济思美花声斗今石律"
     "叫织儿矿委办青史劳团酸历克府族亲斯院江王养派育京县听铁价厂校级班师傅毕证书夹爪棒料钢铝铜塑削槽孔螺镗钻铰攻扩锥倒圆弧凹凸粗糙磨损震颤屑油雾热涨缩刚韧脆淬渗镀焊铆"
     "垫圈销键轮皮带链丝杠滚珠导轨联轴器伺服步进脉冲编码栅尺传感探头限撞挡块急停复位归零漂移滞补偿插值拟合样条曲率切矢法"
 )
-# Where the characters of Chinese fonts begin.
+# The first character of the Chinese fonts.
 EAST = "\u2e80"
-# Lines of such a font are half as high again as its letters: rows of a window are not.
+# Line metrics: those of the Chinese font are too high for the rows of a window.
 ASCENT, DESCENT = 930, 200
 
 
 def used():
-    """Every character of what the program shows."""
+    """Returns every character that the program can show."""
     found = set(map(chr, ALWAYS)) | set(FIELD)
     folders = [path for path in (ROOT / "assets").rglob("*") if path.is_file()]
-    # A terminal brings its own fonts.
+    # A terminal has its own fonts.
     folders = [path for path in folders if path.name != "command-line.tsv"]
     for path in [*folders, *ROOT.glob("*/src/**/*.rs")]:
         try:
             found |= set(path.read_text(encoding="utf-8"))
         except UnicodeDecodeError:
-            continue  # A picture, or a program in GBK: its characters are no words of ours.
+            continue  # A picture, or a program in GBK.
     return {character for character in found if character >= " "}
 
 
@@ -67,7 +66,7 @@ def write(source, face, characters, name, family):
     across.ascent, across.descent, across.lineGap = ASCENT, -DESCENT, 0
     metrics.sTypoAscender, metrics.sTypoDescender, metrics.sTypoLineGap = ASCENT, -DESCENT, 0
     metrics.usWinAscent, metrics.usWinDescent = ASCENT, DESCENT
-    # The same bytes from the same collection.
+    # Reproducible output: no time stamp.
     font.recalcTimestamp = False
     head.modified = head.created
     path = FONTS / name

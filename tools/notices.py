@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Writes THIRD-PARTY.md: what the binary `gsk980td` links, and under which licences.
+"""Writes THIRD-PARTY.md: the packages linked into `gsk980td` and their licences.
 
-Asks cargo which packages are linked on the platforms that are released, and reads the
-licence files that stand in their sources. Run it in the repository after Cargo.lock has
-changed; it downloads the sources of packages of other platforms once:
+Queries cargo for the packages linked on the released platforms, and reads the licence
+files in their sources. Run it in the repository after each change of Cargo.lock; it
+downloads the sources of packages for other platforms once:
 
     tools/notices.py
 
-`cargo test -p gsk980td --test program notices` says when it has to be run again.
+`cargo test -p gsk980td --test program notices` fails if it must be run again.
 """
 
 import os
@@ -24,16 +24,16 @@ PLATFORMS = [
     "x86_64-pc-windows-msvc",
     "wasm32-unknown-unknown",
 ]
-# Of several licences to choose from the first of these is taken.
+# Order of preference among alternative licences.
 CHOICE = ["MIT", "Apache-2.0", "BSD-3-Clause", "BSD-2-Clause", "Zlib", "ISC", "0BSD"]
 LICENCE_FILE = re.compile(
     r"licen[cs]e|copying|copyright|unlicense|notice|^fonts/.*\.txt$", re.I
 )
-# What a text is, by words that no other has.
+# Each licence is recognized by words that no other one contains.
 KINDS = [
     ("Apache-2.0", "apache license version 2.0"),
     ("MPL-2.0", "mozilla public license version 2.0"),
-    # It points to the text, which another package has.
+    # A reference to the text, which another package contains.
     ("MPL-2.0", "mozilla public license, v. 2.0"),
     ("OFL-1.1", "sil open font license"),
     ("Unicode-3.0", "unicode license v3"),
@@ -57,7 +57,7 @@ NAMES = {
 
 
 def plain(text):
-    """A text for comparison: words alone."""
+    """Reduces a text to its words, for comparison."""
     return re.sub(r"[\s*#>]+", " ", text).replace('"', "").strip().lower()
 
 
@@ -66,7 +66,7 @@ def comparable(text):
 
 
 def linked(platform):
-    """The packages of a platform: (name, version) to (expression, repository)."""
+    """Returns the packages of a platform: (name, version) to (expression, repository)."""
     command = ["cargo", "tree", "--locked", "-p", "gsk980td", "-e", "normal,no-proc-macro"]
     command += ["--prefix", "none", "--target", platform, "--format", "{p}\t{l}\t{r}"]
     said = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
@@ -80,7 +80,7 @@ def linked(platform):
 
 
 def locked():
-    """The packages of Cargo.lock that come from a registry."""
+    """Returns the packages of Cargo.lock that come from a registry."""
     lock = tomllib.loads((ROOT / "Cargo.lock").read_text())
     return {(p["name"], p["version"]) for p in lock["package"] if "source" in p}
 
@@ -93,7 +93,7 @@ def source(name, version):
 
 
 def taken(expression):
-    """The licences that are taken of an expression."""
+    """Returns the licences selected from an SPDX expression."""
     expression = expression.replace("/", " OR ")
     chosen = []
     for all_of in re.split(r"\s+AND\s+", expression):
@@ -113,7 +113,7 @@ def kinds(text):
 
 
 def licence_files(folder):
-    """The texts of a package: file name to text."""
+    """Returns the licence texts of a package: file name to text."""
     texts = {}
     for path in sorted(folder.rglob("*")):
         inside = path.relative_to(folder)
@@ -125,7 +125,7 @@ def licence_files(folder):
 
 
 def copyright_lines(text):
-    """The lines that name a holder, behind each other."""
+    """Returns the consecutive lines that name copyright holders."""
     lines = []
     for line in text.splitlines():
         line = line.lstrip(" \t*#>/").rstrip()
@@ -144,19 +144,19 @@ def authors(folder):
 
 
 MIT_BODY = re.compile(r"Permission is hereby granted.*?DEALINGS\s+IN\s+THE\s+SOFTWARE\.", re.S)
-# Characters of a title and its holders.
+# Most characters of a title with its copyright holders.
 MOST_HOLDERS = 1000
 FONTS = {"OFL-1.1"}
 
 
 def is_usual(licence, text, mit):
-    """Whether a text is the one that all share, but for its holders."""
+    """Returns whether a text is the usual one, except for its copyright holders."""
     if licence == "Apache-2.0":
         return True
     body = MIT_BODY.search(text)
     if licence != "MIT" or body is None or plain(body[0]) != plain(mit):
         return False
-    # What else it says are its holders, or the other licence to choose.
+    # The rest names the copyright holders or the alternative licence.
     rest = text.replace(body[0], "")
     return len(rest) < MOST_HOLDERS or "Apache-2.0" in kinds(rest)
 
@@ -197,7 +197,7 @@ def main():
             for text in fitting:
                 if not is_usual(licence, text, mit):
                     add(licence, text, f"{name} {version}")
-        # What the Apache licence asks to be handed on; and a font has terms of its own.
+        # NOTICE files that the Apache licence requires, and licences of fonts in the package.
         for file, text in texts.items():
             handed_on = re.fullmatch(r"notice(\..*)?", file, re.I) and "Apache-2.0" in chosen
             font = FONTS & set(chosen) and not kinds(text) & set(chosen)

@@ -3,10 +3,10 @@
 
     tools/page_check.py PAGE CHECK LINUX_PROGRAM GOLDEN_PROGRAM [chromium] [firefox]
 
-PAGE is the folder that `cargo xtask dist web` makes, CHECK the one with the session
-whose every tick is hashed; the two programs say what must come out, on this system.
-Both browsers are spoken to by WebDriver BiDi: Chromium through `chromedriver`, Firefox by
-itself. Pictures of the page are left in CHECK.
+PAGE is the folder that `cargo xtask dist web` builds, CHECK the folder with the session
+in which every tick is hashed. The two programs print the expected results on this system.
+The script controls both browsers by WebDriver BiDi: Chromium through `chromedriver`,
+Firefox directly. It saves pictures of the page in CHECK.
 """
 
 import asyncio
@@ -29,13 +29,13 @@ import websockets
 
 ROOT = Path(__file__).resolve().parent.parent
 SIZE = {"width": 1280, "height": 800}
-# Where things are on a page of this size in English.
+# Positions of controls on a page of this size in English, pixels.
 SAMPLES, FIRST_SAMPLE = (232, 14), (280, 44)
 SPEED, FASTEST = (1063, 14), (1094, 272)
 OPEN = (55, 14)
 AUTO, START, POSITION, PROGRAM = (48, 513), (448, 569), (370, 466), (409, 466)
 PAGE_DOWN = "\ue00f"
-# The same sample from power-on to its end, by the same keys.
+# The native program runs the same sample with the same keys.
 SCRIPT = "load 01-stepped-shaft.CNC\npress AUTO\npress CS\nwait idle 600s\nshow\n"
 PROGRAM_42 = "O0042\nG50 X100 Z100\nG00 X50 Z50\nM30\n"
 
@@ -107,7 +107,7 @@ class Browser:
 
     async def start_firefox(self):
         port = free_port()
-        # Without a display it has no WebGL at all.
+        # Without a display Firefox disables WebGL by default.
         settings = {"webgl.force-enabled": True, "browser.shell.checkDefaultBrowser": False}
         lines = [f"user_pref({json.dumps(k)}, {json.dumps(v)});\n" for k, v in settings.items()]
         Path(self.home, "user.js").write_text("".join(lines))
@@ -227,7 +227,7 @@ async def use(browser, base, check, expected_lcd, golden):
     await browser.picture(check / f"{name}-cutting.png")
     print(f"{name}: {rate:.0f} frames/s while it cuts")
 
-    # Behind another tab the machine goes on.
+    # The machine continues while another tab is active.
     def cut(text):
         hours, minutes, seconds = text.split("切削时间:")[1].split()[0].split(":")
         return int(hours) * 3600 + int(minutes) * 60 + int(seconds)
@@ -237,7 +237,7 @@ async def use(browser, base, check, expected_lcd, golden):
     await asyncio.sleep(6)
     if not await browser.js("document.hidden"):
         raise SystemExit(f"{name}: the page is not hidden by another tab")
-    # And the page is not opened twice on one memory.
+    # A second page on the same memory is refused.
     await browser.go(page, other)
     said = "document.getElementById('said').textContent"
     for _ in range(100):
@@ -274,7 +274,7 @@ async def use(browser, base, check, expected_lcd, golden):
     await browser.until("the program page", lambda text: "程序" in text.splitlines()[0])
     await browser.press(POSITION)
 
-    # A file by drop, one by the dialog, one by the link; the memory outlasts the page.
+    # Files by drop, dialog and link; the memory is kept after the page is closed.
     dropped = json.dumps(PROGRAM_42)
     await browser.js(
         f"(() => {{ const data = new DataTransfer(); data.items.add(new File([{dropped}], 'a.CNC'));"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds the program for Windows, under Wine, against the one for Linux.
+"""Compares the program for Windows, under Wine, with the one for Linux.
 
     tools/windows_check.py LINUX_PROGRAM WINDOWS_PROGRAM [CASE ...]
     tools/windows_check.py --beside-random FOLDER
@@ -9,8 +9,8 @@ through `operate`: exit code, standard output, standard error, moves and picture
 be the same, byte for byte. A CASE is a part of a path, for instance `cycles/G71`.
 
 Wine of Debian 12 lacks the library that Rust's random numbers come from; Windows has it.
-A stand-in is made with mingw and laid beside a copy of the program; `--beside-random`
-lays it into a folder for other programs.
+The script builds a replacement with mingw and puts it beside a copy of the program;
+`--beside-random` puts it into a folder for other programs.
 """
 
 import os
@@ -31,18 +31,18 @@ __declspec(dllexport) BOOL WINAPI ProcessPrng(PBYTE bytes, SIZE_T count) {
     return SystemFunction036(bytes, (ULONG)count);
 }
 """
-# Nobody is asked anything, and Wine says nothing of its own.
+# Wine opens no dialog and prints no messages.
 WINE = {"WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree,mshtml="}
-# Of machine time: a program without an end has one.
+# Limit of the machine time, for programs without an end.
 LIMIT = "20m"
-# For `check` and `plot` alike: by moves, which are the same everywhere, not by time.
+# Limits of `check` and `plot`: moves are the same on every computer, times are not.
 ENDLESS = ["--most-moves", "100000", "--give-up", "1h"]
-# For one command, s.
+# Time limit of one command, s.
 LONGEST = 60
 
 
 def lay_random(folder):
-    """Lays the stand-in into a folder."""
+    """Builds the replacement library in a folder."""
     source = folder / "random.c"
     source.write_text(RANDOM)
     library = folder / "bcryptprimitives.dll"
@@ -50,7 +50,7 @@ def lay_random(folder):
 
 
 def commands(case):
-    """The command lines of a case, and the files that they write; `OUT` is their folder."""
+    """Yields the command lines of a case with their output files; `OUT` is the output folder."""
     for program in sorted(case.glob("*.nc")):
         name = program.name
         yield ["check", *ENDLESS, "--json", "--moves", "OUT/moves", name], ["moves"]
@@ -64,10 +64,10 @@ def commands(case):
 
 
 def carried_out(program, arguments, files, folder):
-    """Everything that a command leaves behind."""
+    """Runs a command; returns exit code, output and files."""
     with tempfile.TemporaryDirectory() as out:
         line = [*program, *(word.replace("OUT", out) for word in arguments)]
-        # Into files: what Wine leaves running would keep a pipe open.
+        # Into files: background processes of Wine would keep a pipe open.
         said = {name: Path(out, name) for name in ("standard output", "standard error")}
         with said["standard output"].open("wb") as output, said["standard error"].open("wb") as error:
             try:
@@ -87,7 +87,7 @@ def carried_out(program, arguments, files, folder):
         for name in files:
             path = Path(out, name)
             left[name] = path.read_bytes() if path.exists() else None
-        # Both write into a folder of their own.
+        # Each system writes into a separate folder.
         return {
             key: value.replace(out.encode(), b"OUT") if isinstance(value, bytes) else value
             for key, value in left.items()
@@ -95,14 +95,14 @@ def carried_out(program, arguments, files, folder):
 
 
 def compared(programs, arguments, files, folder):
-    """What differs between the two systems, as a line each."""
+    """Lists the differences between the two systems, one per line."""
     linux = carried_out(programs[0], arguments, files, folder)
-    # What waits for ever does so everywhere.
+    # A command that waits forever does so on both systems.
     if "end" in linux:
         return []
     windows = carried_out(programs[1], arguments, files, folder)
     if windows != linux:
-        # Of thousands of processes Wine loses one now and then, on a busy computer.
+        # On a busy computer Wine loses one of thousands of processes now and then.
         print(f"again: {folder.relative_to(CASES)}: {' '.join(arguments)}", flush=True)
         windows = carried_out(programs[1], arguments, files, folder)
     place = f"{folder.relative_to(CASES)}: {' '.join(arguments)}"
@@ -124,14 +124,14 @@ def main():
         wine = shutil.which("wine") or sys.exit("wine is missing: apt-get install wine wine64")
         lay_random(Path(folder))
         programs = [[Path(linux).resolve()], [wine, shutil.copy(windows, folder)]]
-        # Once alone: Wine makes its own folder.
+        # A first run alone: Wine creates its folder.
         carried_out(programs[1], ["--version"], [], ROOT)
         jobs = [(programs, *command, folder) for folder in folders for command in commands(folder)]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             faults = []
             for found in pool.map(lambda job: compared(*job), jobs):
                 faults += found
-                # One by one: it takes minutes.
+                # Print each one at once: the run takes minutes.
                 print("\n".join(found), end="\n" if found else "", flush=True)
     print(f"{len(folders)} cases, {len(jobs)} commands, {len(faults)} differences")
     sys.exit(bool(faults) or not jobs)

@@ -1,4 +1,4 @@
-//! Nothing that a command writes overwrites what it reads.
+//! Refuses results of a command that would overwrite what the command reads.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -8,51 +8,49 @@ use crate::files::{models, subprograms};
 use crate::output;
 use crate::platform::same_file;
 
-/// What a command reads.
+/// Files and folders that a command reads.
 #[derive(Clone, Debug, Default)]
 pub struct Read<'a> {
-    /// Files that are named.
+    /// Files named on the command line or in a script.
     pub files: Vec<&'a Path>,
-    /// The program whose folder is searched for subprograms.
+    /// The main program: its folder is searched for subprograms.
     pub main: Option<&'a Path>,
-    /// The data directory.
+    /// The data directory of the control.
     pub data: Option<&'a Path>,
 }
 
-/// The results that are asked for.
+/// The paths of those results that the command line requests.
 pub fn results<'a>(paths: &[&'a Option<PathBuf>]) -> Vec<&'a Path> {
     let asked = paths.iter().filter_map(|path| path.as_deref());
     asked.collect()
 }
 
-/// Why a result is not written.
+/// Why a result must not be written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum ApartError {
-    /// Two results have its name.
+    /// Two results have the same path.
     Twice(PathBuf),
-    /// The command reads it.
+    /// The command reads this file.
     Read(PathBuf),
-    /// The next run would read it.
+    /// The next run would read the file as a subprogram.
     Subprogram {
-        /// The result.
+        /// Path of the result.
         path: PathBuf,
-        /// The number it would have.
+        /// Program number that the name or the file gives.
         number: u16,
-        /// The program that is run.
+        /// The main program.
         main: PathBuf,
     },
-    /// It belongs to a data directory.
+    /// The file belongs to the memory in a data directory.
     Memory {
-        /// The result.
+        /// Path of the result.
         path: PathBuf,
-        /// The data directory.
         data: PathBuf,
     },
 }
 
 impl ApartError {
-    /// What is said of it.
     pub fn message(&self) -> Message {
         match self {
             Self::Twice(path) => say::apart_twice(path.display()),
@@ -65,7 +63,7 @@ impl ApartError {
     }
 }
 
-/// Folders of the data directory that are the memory's own.
+/// Folders of the data directory that hold the control's memory.
 const MEMORY_FOLDERS: [&str; 5] = [
     "programs",
     "copies",
@@ -73,13 +71,13 @@ const MEMORY_FOLDERS: [&str; 5] = [
     models::FOLDER,
     crate::log::FOLDER,
 ];
-/// Files of the data directory that are, besides those that end in `.ron`.
+/// Files of the data directory that hold the control's memory, besides `*.ron`.
 const MEMORY_FILES: [&str; 4] = ["ladder.il", "link.log", "lock", models::CHOICE];
 
 /// Refuses results that would overwrite what the command reads, or each other.
 ///
 /// # Errors
-/// Which, and why.
+/// The first result that is refused, with the reason.
 pub fn keep_apart(read: &Read<'_>, written: &[&Path]) -> Result<(), ApartError> {
     for (index, path) in written.iter().enumerate() {
         let before = &written[..index];
@@ -116,7 +114,7 @@ pub fn keep_apart(read: &Read<'_>, written: &[&Path]) -> Result<(), ApartError> 
     Ok(())
 }
 
-/// Where a file is or would be, links followed.
+/// The absolute path of an existing or new file, symbolic links resolved.
 fn place(path: &Path) -> PathBuf {
     let found = path.canonicalize().or_else(|error| {
         let name = path.file_name().ok_or(error)?;
@@ -129,14 +127,16 @@ fn place(path: &Path) -> PathBuf {
     found.unwrap_or_else(|_| path.to_owned())
 }
 
-/// The number of the subprogram that a file beside a program is or would be.
+/// The program number under which a run of `main` would find the file as a subprogram;
+/// `None` if it would not.
 fn subprogram(main: &Path, path: &Path) -> Option<u16> {
     let (main_at, at) = (place(main), place(path));
     let by_name = (main_at.parent() == at.parent())
         .then(|| subprograms::number_in_name(&at))
         .flatten();
     by_name.or_else(|| {
-        // It may have no number in its name, or stand there under another one.
+        // A file without a number in its name can be a subprogram, too, and so can a second
+        // link to one.
         path.is_file()
             .then(|| subprograms::beside(main))?
             .into_iter()
@@ -210,7 +210,7 @@ mod tests {
             let error = keep_apart(&read, &[path]).err();
             error.map(|error| error.to_string()).unwrap_or_default()
         };
-        // Not there yet: the next run would find it.
+        // The file does not exist yet: the next run would find it.
         let new = folder.join("out/../9001.CNC");
         assert!(refused(&new).contains("the subprogram O9001"));
         assert!(refused(&by_word).contains("the subprogram O0003"));

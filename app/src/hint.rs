@@ -1,4 +1,4 @@
-//! A command line that is wrong is told with the form that is right.
+//! Adds usage hints to the errors of a command line.
 
 use std::env;
 use std::ffi::OsString;
@@ -11,13 +11,14 @@ use gsk_messages::{Language, Message, say};
 use crate::cli::{Cli, chinese, language_of};
 use crate::setup_args;
 
-/// The command line of this program; a wrong one is told, and the program ends.
+/// Parses the command line of the process. On an error, or if help is requested, prints it
+/// and ends the process.
 pub fn command_line() -> Cli {
     let words: Vec<OsString> = env::args_os().collect();
     Cli::try_parse_from(&words).unwrap_or_else(|error| told(error, &words).exit())
 }
 
-/// What is said of a command line that is wrong, or of the help that it asks for.
+/// The text of a clap error, or of requested help, in the language of the command line.
 fn told(error: Error, words: &[OsString]) -> Error {
     let chinese = match language_of(words) {
         Some(Language::Zh) => chinese::told(words, with_hint),
@@ -26,8 +27,8 @@ fn told(error: Error, words: &[OsString]) -> Error {
     chinese.unwrap_or_else(|| with_hint(error, Language::En))
 }
 
-/// The form that was probably meant, where the window was called as a command is, or
-/// a command as the window is.
+/// Adds a hint to an unknown command: the form that was probably meant, such as an option
+/// before a file.
 fn with_hint(mut error: Error, language: Language) -> Error {
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
         return error;
@@ -40,7 +41,8 @@ fn with_hint(mut error: Error, language: Language) -> Error {
     error
 }
 
-/// What to say of a word that is no command here; `alike`: one is called much the same.
+/// The hint for a word that is not a command. `alike`: clap knows a command with a similar
+/// name.
 fn hint(word: &str, alike: bool) -> Option<Message> {
     if Cli::command().find_subcommand(word).is_some() {
         return Some(say::hint_options_behind(word));

@@ -1,4 +1,4 @@
-//! Job files: the stock and the tools of a program, beside it.
+//! Reads, writes and guesses job files: the stock and the tools of a program.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ use crate::files::program_file::{self, FileError};
 use crate::output::{self, WriteError};
 use crate::platform;
 
-/// On which part a program is carried out.
+/// The options that select the job of a program: stock, clamping and tools.
 #[derive(Args, Clone, Debug, Default)]
 pub struct JobArgs {
     /// Cut the part and look for collisions (exit code 3): stock and tools come from the job file
@@ -29,10 +29,9 @@ pub struct JobArgs {
     pub job: Option<PathBuf>,
 }
 
-/// Whether a program is carried out on a part, and what is made of it.
+/// The options that cut a part and evaluate it.
 #[derive(Args, Clone, Debug, Default)]
 pub struct PartArgs {
-    /// The part.
     #[command(flatten)]
     pub job: JobArgs,
     /// The same, and measure the part: cylinders, cones, faces, arcs, threads from front to back
@@ -44,56 +43,49 @@ pub struct PartArgs {
 }
 
 impl PartArgs {
-    /// Whether there is to be a part.
+    /// Whether an option of the part is given.
     pub const fn wanted(&self) -> bool {
         self.job.wanted() || self.measure || self.section.is_some()
     }
 }
 
 impl JobArgs {
-    /// Whether there is to be a part.
+    /// Whether an option of the job is given.
     pub const fn wanted(&self) -> bool {
         self.part || self.job.is_some()
     }
 }
 
-/// Why there is no job.
+/// Why there is no job for a program.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum JobError {
-    /// Its file.
+    /// The job file cannot be read.
     File(#[from] FileError),
-    /// A file that is no job.
+    /// The file is not a job in RON.
     Syntax {
-        /// The file.
         path: PathBuf,
-        /// Line, from 1.
         line: usize,
-        /// What is wrong there.
         error: Box<ron::Error>,
     },
-    /// A number that is not finite.
+    /// A number in the file is not finite.
     Number {
-        /// The file.
         path: PathBuf,
-        /// Line, from 1.
         line: usize,
-        /// As it is written.
+        /// The number as written.
         token: String,
     },
-    /// A job that breaks a rule.
+    /// The job breaks a rule of [`Job::check`].
     Rule {
-        /// The file.
         path: PathBuf,
-        /// The rule.
+        /// The rule that is broken.
         rule: Message,
     },
-    /// There is nothing to guess from.
+    /// There is no job file, and the program makes no cut from which a job can be guessed.
     NothingCut,
 }
 
 impl JobError {
-    /// What is said of it.
     pub fn message(&self) -> Message {
         match self {
             Self::File(error) => error.message(),
@@ -109,37 +101,36 @@ impl JobError {
     }
 }
 
-/// A job, and where it comes from.
+/// The job of a program and its origin.
 #[derive(Clone, Debug)]
 pub struct Chosen {
-    /// The job.
     pub job: Job,
-    /// Its file; none of a guess.
+    /// `None` if the job is a guess.
     pub file: Option<PathBuf>,
 }
 
 impl Chosen {
-    /// A part to be cut.
+    /// A new part with the stock and the tools of the job.
     pub fn machining(&self) -> Machining {
         Machining::new(self.job.clone())
     }
 
-    /// Where nobody else says where the work lies on the machine, the job does: returns
-    /// what has to be said then.
+    /// Sets the work zero of the job if the setup has none. Returns the message to show in
+    /// that case.
     pub fn set_work_zero(&self, setup: &mut Setup) -> Option<Message> {
         let zero = self.job.zero.filter(|_| setup.absolute.is_none())?;
         setup.absolute = Some(setup.start.unwrap_or_default() - zero.point());
         Some(say::job_work_zero(zero.x.0, zero.z))
     }
 
-    /// The name of its file.
+    /// The name of the job file; `None` if the job is a guess.
     pub fn name(&self) -> Option<String> {
         let file = self.file.as_ref()?;
         Some(file.display().to_string())
     }
 }
 
-/// The file of the job of a program.
+/// The path of the job file of a program: `shaft.CNC` has `shaft.job.ron`.
 pub fn beside(program: &Path) -> PathBuf {
     program.with_extension("job.ron")
 }
@@ -147,16 +138,16 @@ pub fn beside(program: &Path) -> PathBuf {
 /// Reads a job file.
 ///
 /// # Errors
-/// The file, or the rule that is broken.
+/// The file cannot be read, or breaks a rule.
 pub fn read(path: &Path) -> Result<Job, JobError> {
     parse(path, &program_file::read(path)?.text)
 }
 
-/// Writes a job file. One that a person wrote stays beside it under the next free name
-/// with a `~`: its comments are not written again.
+/// Writes a job file. A file written by hand is kept under the next free name with a `~`,
+/// because its comments would be lost.
 ///
 /// # Errors
-/// What the system says; the old file stands.
+/// The file cannot be written; the old one remains.
 pub fn write(path: &Path, job: &Job) -> Result<(), WriteError> {
     let text = text_of(job).map_err(|error| WriteError::new(path, std::io::Error::other(error)))?;
     if let Ok(before) = platform::read(path, u64::MAX) {
@@ -171,7 +162,7 @@ pub fn write(path: &Path, job: &Job) -> Result<(), WriteError> {
     atomic::write(path, text.as_bytes()).map_err(|error| WriteError::new(path, error))
 }
 
-/// A job as it is written.
+/// A job as RON text.
 fn text_of(job: &Job) -> Result<String, ron::Error> {
     let pretty = ron::ser::PrettyConfig::new()
         .depth_limit(3)
@@ -180,7 +171,7 @@ fn text_of(job: &Job) -> Result<String, ron::Error> {
     Ok(options().to_string_pretty(job, pretty)? + "\n")
 }
 
-/// `part.job.ron~`, `part.job.ron~2`, …: the first that is free.
+/// The first free name of `part.job.ron~`, `part.job.ron~2`, …
 fn free_beside(path: &Path) -> PathBuf {
     let named = |ending: String| {
         let mut name = path.as_os_str().to_owned();
@@ -198,10 +189,10 @@ fn options() -> ron::Options {
     ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
 }
 
-/// The job in the text of a file.
+/// Parses the text of a job file. `path` is for error messages only.
 ///
 /// # Errors
-/// The line, or the rule that is broken.
+/// The line that is malformed, or the rule that is broken.
 pub fn parse(path: &Path, text: &str) -> Result<Job, JobError> {
     if let Some(NonFinite { line, token }) = find_non_finite(text) {
         return Err(JobError::Number {
@@ -222,11 +213,11 @@ pub fn parse(path: &Path, text: &str) -> Result<Job, JobError> {
     Ok(job)
 }
 
-/// The job of the program in a set-up: the file that was named, the one beside the
-/// program, or a guess.
+/// Selects the job of a program: the file named by an option, else the file beside the
+/// program, else a guess from its moves.
 ///
 /// # Errors
-/// No job can be had.
+/// The file is faulty, or there is nothing to guess from.
 pub fn choose(args: &JobArgs, program: Option<&Path>, setup: &Setup) -> Result<Chosen, JobError> {
     let beside = program
         .map(beside)
@@ -243,11 +234,11 @@ pub fn choose(args: &JobArgs, program: Option<&Path>, setup: &Setup) -> Result<C
     Ok(Chosen { job, file: None })
 }
 
-/// Writes the half section of a part: a line for each corner, with the number of its
-/// polygon.
+/// Writes the half section of a part as CSV: one line per corner with polygon number, X
+/// (diameter) and Z in mm.
 ///
 /// # Errors
-/// It cannot be written.
+/// The file cannot be written.
 pub fn write_section(path: &Path, machining: &Machining) -> Result<(), WriteError> {
     let mut out = output::open(path)?;
     let section = machining.scene().part().section();

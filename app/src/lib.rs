@@ -1,4 +1,5 @@
-//! The edge of the program: window, kernel thread, command line, files.
+//! The edge of the program: window, kernel thread, command line, files. The only crate that
+//! does I/O.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 

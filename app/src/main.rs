@@ -1,4 +1,4 @@
-//! The GSK980TD program.
+//! Entry point of the program: parses the command line and carries it out.
 
 use std::process::ExitCode;
 

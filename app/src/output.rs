@@ -1,7 +1,7 @@
-//! Where results go: files, standard output and standard error, the progress line.
+//! Writes results to files, standard output and standard error, and shows progress.
 //!
-//! A stream that is full or closed never ends the work: `print!` and `eprintln!` would
-//! panic there, and what was edited would be lost.
+//! A full or closed stream never ends the process: `print!` and `eprintln!` would panic, and
+//! edited data would be lost.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -23,7 +23,7 @@ use crate::platform;
 use crate::saying::of_system;
 use crate::work_limit::WorkLimit;
 
-/// A file cannot be written.
+/// An error of a file that cannot be written, with its path.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct WriteError {
@@ -32,22 +32,20 @@ pub struct WriteError {
 }
 
 impl WriteError {
-    /// With its name.
     pub fn new(path: &Path, error: io::Error) -> Self {
         let path = path.to_owned();
         Self { path, error }
     }
 
-    /// What is said of it.
     pub fn message(&self) -> Message {
         say::file_not_written(self.path.display(), of_system(&self.error))
     }
 }
 
-/// Bytes that are written at once.
+/// Size of the write buffers, bytes.
 const AT_ONCE: usize = 64 * 1024;
 
-/// A file to be written to, or standard output for `-`.
+/// Opens a file to write into, replacing its contents; `-` is standard output.
 pub fn open(path: &Path) -> Result<Box<dyn Write>, WriteError> {
     if path.as_os_str() == "-" {
         return Ok(Box::new(BufWriter::with_capacity(
@@ -60,13 +58,13 @@ pub fn open(path: &Path) -> Result<Box<dyn Write>, WriteError> {
     Ok(Box::new(BufWriter::with_capacity(AT_ONCE, file)))
 }
 
-/// Whether results go to standard output by this name.
+/// Whether the path is `-`, the name of standard output.
 pub fn is_standard(path: Option<&Path>) -> bool {
     path.is_some_and(|path| path.as_os_str() == "-")
 }
 
-/// A text as a terminal may have it: control characters and those that turn the
-/// direction of writing are escaped, in the form that JSON knows, too.
+/// Escapes a text for a terminal: control characters and characters that change the writing
+/// direction become `\uXXXX`, which JSON can read, too.
 pub fn shown(text: &str) -> Cow<'_, str> {
     let hidden = |letter: char| {
         let turns = matches!(letter, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
@@ -86,17 +84,17 @@ pub fn shown(text: &str) -> Cow<'_, str> {
     Cow::Owned(out)
 }
 
-/// A file that is written at the end, opened at the begin: what refuses it is said
-/// before any work is done. Until then its old content stands.
+/// A file that is opened at the start of a command and written at its end: an error shows
+/// before the work begins. The old contents remain until then.
 pub struct Reserved {
     file: File,
     path: PathBuf,
 }
 
-/// Opens a file that is written at the end.
+/// Opens a file that is written at the end of a command.
 ///
 /// # Errors
-/// A sentence with the name.
+/// The file cannot be opened for writing.
 pub fn reserve(path: &Path) -> Result<Reserved, WriteError> {
     let mut options = OpenOptions::new();
     options.create(true).truncate(false).write(true);
@@ -109,23 +107,24 @@ pub fn reserve(path: &Path) -> Result<Reserved, WriteError> {
 }
 
 impl Reserved {
-    /// Writes it.
+    /// Replaces the contents of the file.
     ///
     /// # Errors
-    /// A sentence with the name.
+    /// The bytes cannot be written.
     pub fn write(mut self, bytes: &[u8]) -> Result<(), WriteError> {
-        // A pipe or a terminal has no length to be set.
+        // Pipes and terminals have no length to set.
         let _ = self.file.set_len(0);
         let written = self.file.write_all(bytes);
         written.map_err(|error| WriteError::new(&self.path, error))
     }
 }
 
-/// What standard output did not take first; nothing more is written there then.
+/// The first error of standard output; after it nothing more is written there. Empty if the
+/// reader has closed the pipe.
 static LOST: OnceLock<String> = OnceLock::new();
 
-/// Writes to standard output. A reader that has gone away (`| head`) ends the output, not
-/// the program; so does a full disk, which [`lost`] tells at the end.
+/// Writes to standard output. A closed pipe (`| head`) ends the output but not the program.
+/// So does a full disk; [`lost`] reports it at the end.
 pub fn print(text: &str) {
     if LOST.get().is_some() {
         return;
@@ -139,58 +138,60 @@ pub fn print(text: &str) {
             io::ErrorKind::BrokenPipe => String::new(),
             _ => error.to_string(),
         };
-        // Somebody else may have been told first.
+        // Another thread may have stored its error first.
         let _ = LOST.set(told);
     }
 }
 
-/// Why standard output lacks something; a reader that has gone away wants no more.
+/// The error that ended standard output; `None` if all was written or the reader closed the
+/// pipe.
 pub fn lost() -> Option<&'static str> {
     let why = LOST.get()?;
     (!why.is_empty()).then_some(why.as_str())
 }
 
-/// The language of what is said here: that of the command line, chosen once.
+/// The language of the messages of this module, set once from the command line.
 static LANGUAGE: OnceLock<Language> = OnceLock::new();
 
-/// From now on messages are in this language; English unless it is chosen.
+/// Sets the language of all later messages; the default is English.
 pub fn speak(language: Language) {
-    // One command line chooses once.
+    // Each process parses one command line.
     let _ = LANGUAGE.set(language);
 }
 
-/// A message in the language of the command line.
+/// The text of a message in the language of the command line.
 pub fn worded(said: &Message) -> String {
     said.text(LANGUAGE.get().copied().unwrap_or(Language::En))
 }
 
-/// Writes a message to standard output, on a line of its own.
+/// Writes a message and a newline to standard output.
 pub fn say(said: &Message) {
     print(&format!("{}\n", worded(said)));
 }
 
-/// Writes a message to standard error, with the name of the program before it.
+/// Writes a message to standard error, after the name of the program.
 pub fn complain_of(said: &Message) {
     complain(format_args!("gsk980td: {}", worded(said)));
 }
 
-/// Writes a line to standard error; what it does not take nobody can be told.
+/// Writes a line to standard error. Errors of the stream are ignored: there is no other
+/// place to report them.
 pub fn complain(text: fmt::Arguments<'_>) {
     let _ = writeln!(io::stderr().lock(), "{}", shown(&text.to_string()));
 }
 
-/// A line on standard error, as `eprintln!` writes it, but for a stream that takes none.
+/// Writes a line to standard error like `eprintln!`, but does not panic if the stream fails.
 macro_rules! complain {
     ($($text:tt)*) => {
         $crate::output::complain(format_args!($($text)*))
     };
 }
 
-/// Prints a report, as one JSON object or in words; `aside`: on standard error, where it
-/// does not mix with moves on standard output.
+/// Prints a report, as one JSON object or in words. `aside` selects standard error, because
+/// the moves are on standard output.
 ///
 /// # Errors
-/// It cannot be told as JSON.
+/// The report cannot be converted to JSON.
 pub fn report(
     report: &Report,
     json: bool,
@@ -206,7 +207,7 @@ pub fn report(
     Ok(())
 }
 
-/// Writes to standard output, or to standard error, where it does not mix with moves.
+/// Writes to standard output or, with `aside`, to standard error.
 pub fn print_or_aside(text: &str, aside: bool) {
     if aside {
         complain!("{}", text.trim_end());
@@ -215,18 +216,18 @@ pub fn print_or_aside(text: &str, aside: bool) {
     }
 }
 
-/// Watches a look through a program: a progress line while it takes long, and its end
-/// when it is given up.
+/// Watches the preview of a program: shows a progress line if it takes long, and cancels it
+/// at its work limit.
 pub struct Watch {
     limit: WorkLimit,
     bar: Option<ProgressBar>,
     lines: u64,
-    /// When a progress line is shown, if ever.
+    /// When the progress line appears; `None` if it is off or already shown.
     shown_from: Option<Instant>,
 }
 
-/// Begins to watch a look through the selected program; `shown` unless others are
-/// looked through at the same time.
+/// Starts to watch a preview of the selected program. `shown` allows a progress line; it is
+/// off if several programs are previewed at once.
 pub fn watch(programs: &ProgramMemory, limit: WorkLimit, shown: bool) -> Watch {
     const SOON: Duration = Duration::from_millis(500);
     let selected = programs.current().and_then(|number| programs.get(number));
@@ -239,7 +240,7 @@ pub fn watch(programs: &ProgramMemory, limit: WorkLimit, shown: bool) -> Watch {
 }
 
 impl Watch {
-    /// Shows how far it has come; whether to go on.
+    /// Updates the progress line. Returns false if the preview must end.
     pub fn goes_on(&mut self, progress: &Progress) -> bool {
         if self.shown_from.is_some_and(|from| Instant::now() > from) {
             self.shown_from = None;
@@ -263,7 +264,8 @@ impl Drop for Watch {
     }
 }
 
-/// A progress line on a terminal; elsewhere nothing.
+/// Creates a progress line of `lines` steps on standard error; hidden if that is not a
+/// terminal.
 pub fn progress(lines: u64) -> ProgressBar {
     if !io::stderr().is_terminal() {
         return ProgressBar::hidden();

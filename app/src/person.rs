@@ -1,4 +1,5 @@
-//! Somebody at the terminal, who is asked before a real machine goes on.
+//! Reads the answers of an operator at the terminal who confirms each step of a real
+//! machine.
 
 use std::io::{self, BufRead, IsTerminal};
 use std::thread;
@@ -6,18 +7,19 @@ use std::thread;
 use crossbeam::channel::{Receiver, TryRecvError, bounded};
 use gsk_runner::board::{Answer, Operator};
 
-/// Lines that wait to be looked at; what is typed behind them says nothing.
+/// Capacity of the queue of typed lines. Further lines are dropped until the queue is read.
 const LINES: usize = 16;
 
-/// Somebody at the terminal.
+/// An operator at the terminal. A separate thread reads standard input.
 #[derive(Debug)]
 pub struct Person {
-    /// Whether each line typed was an Enter alone.
+    /// One entry for each typed line: true if it was empty (Enter alone).
     lines: Receiver<bool>,
 }
 
 impl Person {
-    /// Whoever sits at standard input; none if that is no terminal.
+    /// Starts to read standard input; `None` if it is not a terminal or the thread does not
+    /// start.
     pub fn at_terminal() -> Option<Self> {
         if !io::stdin().is_terminal() {
             return None;
@@ -30,7 +32,7 @@ impl Person {
                 .read_until(b'\n', &mut line)
                 .is_ok_and(|read| read > 0)
             {
-                // A full channel: nobody has asked for it.
+                // The queue is full: these lines answer no question.
                 let _ = send.try_send(line.trim_ascii().is_empty());
                 line.clear();
             }

@@ -1,5 +1,5 @@
-//! A measurement of an axis from a file to what is to be written: the same for the command
-//! line and for the window.
+//! Turns a measurement file of an axis into parameter changes. Shared by command line and
+//! window.
 
 use std::path::Path;
 
@@ -14,7 +14,8 @@ use gsk_project::{DataSet, ProjectDifference, ProjectKey, ProjectState, ProjectV
 
 use crate::files::program_file;
 
-/// The direction of motion in which the control makes up for nothing (006.0, 006.1).
+/// The direction of motion in which the control adds no backlash compensation: that of the
+/// reference return (bit parameters 006.0, 006.1).
 pub fn free_direction(axis: Axis, parameters: &Parameters) -> ApproachDirection {
     match parameters.reference_is_negative(axis) {
         true => ApproachDirection::Minus,
@@ -22,17 +23,17 @@ pub fn free_direction(axis: Axis, parameters: &Parameters) -> ApproachDirection 
     }
 }
 
-/// What a file gives.
+/// The contents of a measurement file, evaluated.
 #[derive(Clone, Debug)]
 pub enum Found {
-    /// Readings, what they say, and the table for it.
+    /// Readings, the fitted errors of the screw, and the planned pitch error table.
     Measured(Measurement, ScrewFit, PitchPlan),
-    /// Values of a table.
+    /// Values of a finished pitch error table.
     Table(Proposal),
 }
 
 impl Found {
-    /// What is to be written.
+    /// The proposed parameter changes.
     pub const fn proposal(&self) -> &Proposal {
         match self {
             Self::Measured(_, _, plan) => &plan.proposal,
@@ -44,17 +45,19 @@ impl Found {
 /// Reads a file of measurements.
 ///
 /// # Errors
-/// It cannot be read, or a line of it cannot be: with file and line.
+/// Unreadable file, or a malformed line: the message names file and line.
 pub fn read_file(path: &Path) -> Result<ImportedFile, Message> {
     let file = program_file::read(path).map_err(|error| error.message())?;
     read_measurement_file(&file.text)
         .map_err(|fault| say::pitch_file(path.display(), fault.message()))
 }
 
-/// What a file says of an axis, for a control with these parameters.
+/// Evaluates a measurement file for an axis, with the control's current parameters and pitch
+/// error table. `diameters`: the positions of the file are diameters of X.
 ///
 /// # Errors
-/// A file of the other axis, or one that does not fit.
+/// The file is of the other axis, an option does not suit its kind, or its values give no
+/// table.
 pub fn found(
     imported: ImportedFile,
     axis: Axis,
@@ -85,7 +88,6 @@ pub fn found(
     }
 }
 
-/// The letter of an axis.
 pub const fn letter(axis: Axis) -> char {
     match axis {
         Axis::X => 'X',
@@ -93,7 +95,7 @@ pub const fn letter(axis: Axis) -> char {
     }
 }
 
-/// Changes as differences of what a control holds.
+/// Lists parameter changes as project differences; values that stay equal are left out.
 pub fn differences(changes: &[ParameterChange], state: &ProjectState) -> Vec<ProjectDifference> {
     let entries = state.entries();
     let row = |key: ProjectKey, new: i64| ProjectDifference {

@@ -1,8 +1,8 @@
-//! A project on the disk: a folder read as a whole, or written so that a kill at any moment
-//! leaves no folder that looks whole and is not.
+//! Reads and writes project folders. A kill at any moment leaves no folder that looks
+//! complete and is not.
 //!
-//! A new folder is made beside its place and renamed. In one that is a project already a
-//! mark stands while its files are replaced one by one; a folder with the mark is refused.
+//! A new folder is written under a hidden name and renamed. In an existing project a marker
+//! file is present while files are replaced one by one; a folder with the marker is refused.
 
 mod take_over;
 
@@ -30,51 +30,50 @@ use crate::retained::project::{Held, held};
 use crate::saying::lines;
 pub use take_over::{OpenedMemory, Taken, Taking, Target, Who, open, take_over};
 
-/// The file that makes a folder a project.
+/// The file that marks a folder as a project.
 pub const HEAD: &str = "project.gpr";
-/// Stands in a project while its files are replaced.
+/// The marker file that is present while the files of a project are replaced.
 const MARK: &str = ".gsk980td-unfinished";
-/// Ending of the hidden folder in which a new project is made.
+/// Suffix of the hidden folder in which a new project is written.
 const ASIDE: &str = ".gsk980td-new";
-/// Folders of a project; its tables stand at the top as well.
+/// Folders of a project; tables may also be at its top.
 const FOLDERS: [&str; 3] = ["programs", "ladder", "disks"];
-/// In the data directory: what was there before something was taken over.
+/// Folder in the data directory for the memory as it was before each import.
 const BACKUPS: &str = "backups";
 
-/// The largest file that is read but for programs, bytes: a hundred times what is written.
+/// The largest file that is read, programs excepted, bytes: a hundred times the usual size.
 const LARGEST_TABLE: u64 = 4 * 1024 * 1024;
 
-/// How the programs of a folder are written down.
+/// Text encodings of the programs of a folder, by program number.
 pub type Encodings = BTreeMap<u16, Encoding>;
 
-/// Why there is no project.
+/// Why a project cannot be read, written or imported.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum ProjectError {
-    /// A data directory.
+    /// The data directory cannot be used.
     Data(#[from] DataError),
-    /// Something else lies there.
+    /// The folder contains other files.
     Other(PathBuf),
-    /// Neither a project nor a data directory.
+    /// The folder is neither a project nor a data directory.
     NoProject(PathBuf),
-    /// Its writing was broken off.
+    /// The last writing of the folder was interrupted.
     BrokenOff(PathBuf),
-    /// The system refused.
+    /// An error of the operating system.
     System(PathBuf, io::Error),
-    /// What is wrong with its files.
+    /// The errors in the files of the folder.
     Problems(PathBuf, Vec<ProjectProblem>),
-    /// What the whole would break.
+    /// Values that would be invalid after the import.
     Faults(Vec<gsk_project::InvalidValue>),
-    /// A project of another control model.
+    /// The project is for another control model.
     OtherModel(PathBuf, ModelId),
-    /// A password that opens nothing.
+    /// No operation level has this password.
     WrongPassword,
-    /// What could not be written.
+    /// The changes could not be written.
     NotSaved(#[from] NotSaved),
 }
 
 impl ProjectError {
-    /// What is said of it.
     pub fn message(&self) -> Message {
         match self {
             Self::Data(error) => error.message(),
@@ -104,7 +103,8 @@ fn system(path: &Path) -> impl FnOnce(io::Error) -> ProjectError + '_ {
     |error| ProjectError::System(path.to_owned(), error)
 }
 
-/// A control of this model as it is delivered; the training lathe has a chuck.
+/// A control of a model in its factory state, with the lathe of a machine file. The default
+/// lathe has a chuck.
 pub fn delivered(model: ModelId, machine: Option<&PathBuf>) -> Setup {
     let mut setup = loading::fitted(Setup::delivered(), machine);
     setup.memory.set_model(ControlModel::new(model));
@@ -116,17 +116,18 @@ pub fn is_project(folder: &Path) -> bool {
     platform::is_taken(&folder.join(HEAD))
 }
 
-/// What the data directory of a control holds, opened to be read.
+/// Reads the memory of a control from its data directory, without changing it. `model`:
+/// `None` selects the model of the directory.
 ///
 /// # Errors
-/// It cannot be read, or a window has it.
+/// The directory cannot be read, or a window has it open.
 pub fn of_data(directory: &Path, model: Option<ModelId>) -> Result<Held, DataError> {
     let model = model.unwrap_or_else(|| models::chosen(directory));
     let data = DataDir::read_only(&models::folder(directory, model))?;
     Ok(held(&data, delivered(model, None)))
 }
 
-/// The files of a project in a folder, relative, with `/`.
+/// The project files in a folder, as relative paths with `/`.
 fn own_files(folder: &Path) -> Result<Vec<String>, ProjectError> {
     let mut found = Vec::new();
     let mut open: Vec<String> = vec![String::new()];
@@ -144,7 +145,7 @@ fn own_files(folder: &Path) -> Result<Vec<String>, ProjectError> {
             };
             let is_folder = platform::facts(&entry).is_ok_and(|facts| facts.is_folder);
             if is_folder && !platform::is_link(&entry) {
-                // At the top its owner may keep others.
+                // The owner may keep other folders at the top.
                 if !inside.is_empty() || FOLDERS.contains(&name.as_str()) {
                     open.push(name);
                 }
@@ -157,10 +158,10 @@ fn own_files(folder: &Path) -> Result<Vec<String>, ProjectError> {
     Ok(found)
 }
 
-/// Reads a project, strictly.
+/// Reads a project: its state and the encodings of its programs.
 ///
 /// # Errors
-/// Everything that is wrong with it.
+/// All errors in its files; a single one refuses the project.
 pub fn read(folder: &Path) -> Result<(ProjectState, Encodings), ProjectError> {
     if platform::is_taken(&folder.join(MARK)) {
         return Err(ProjectError::BrokenOff(folder.to_owned()));
@@ -197,7 +198,7 @@ pub fn read(folder: &Path) -> Result<(ProjectState, Encodings), ProjectError> {
         Ok(state) if problems.is_empty() => Ok((state, encodings)),
         Ok(_) => Err(ProjectError::Problems(folder.to_owned(), problems)),
         Err(found) => {
-            // A file that is no text is not missing besides.
+            // A file that cannot be decoded is present: do not report it as missing, too.
             let unread: Vec<String> = problems.iter().map(|it| it.file.clone()).collect();
             let found = found.into_iter().filter(|it| !unread.contains(&it.file));
             problems.extend(found);
@@ -206,7 +207,7 @@ pub fn read(folder: &Path) -> Result<(ProjectState, Encodings), ProjectError> {
     }
 }
 
-/// The largest file that is read, bytes.
+/// Size limit of a project file, bytes.
 fn largest(name: &str) -> u64 {
     match program_of(name) {
         Some(_) => program_file::LARGEST_BYTES,
@@ -214,10 +215,10 @@ fn largest(name: &str) -> u64 {
     }
 }
 
-/// Reads a plain file.
+/// Reads a regular file of at most `largest` bytes.
 fn plain(path: &Path, largest: u64) -> Result<Vec<u8>, Message> {
     let facts = platform::facts(path).map_err(say::as_written)?;
-    // A pipe would be waited for.
+    // Reading a pipe would wait for its writer.
     if !facts.is_file {
         return Err(say::file_not_plain());
     }
@@ -233,7 +234,7 @@ fn program_of(name: &str) -> Option<u16> {
     name.parse().ok()
 }
 
-/// What is wrong with a machine file or a job.
+/// The errors in a machine file or a job file; other files have none here.
 fn checked(path: &Path, name: &str, text: &str) -> Vec<ProjectProblem> {
     let wrong = |line: Option<usize>, rule| ProjectProblem {
         file: name.to_owned(),
@@ -271,27 +272,26 @@ fn checked(path: &Path, name: &str, text: &str) -> Vec<ProjectProblem> {
     }
 }
 
-/// What was written.
+/// The numbers of files that a writing changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Written {
-    /// Files that are new or other than before.
+    /// Files that are new or have other contents.
     pub files: usize,
-    /// Files that are gone.
     pub removed: usize,
 }
 
-/// How a program is written down in a folder already.
+/// The encoding of an existing program file.
 fn encoding_of(path: &Path) -> Option<Encoding> {
     let bytes = plain(path, program_file::LARGEST_BYTES).ok()?;
     decode::decode(bytes).ok().map(|decoded| decoded.encoding)
 }
 
-/// Writes a project into a folder: a new one, an empty one, or one that is a project. Of a
-/// state without machine file and jobs those of the folder stay; a program of which nobody
-/// says how it is written down is written as the folder has it.
+/// Writes a project into a new folder, an empty folder or an existing project. If the state
+/// has no machine file and jobs, those of the folder stay. A program without an entry in
+/// `encodings` keeps the encoding of its old file.
 ///
 /// # Errors
-/// The folder holds something else; what could not be written.
+/// The folder contains something else, or a file cannot be written.
 pub fn write(
     folder: &Path,
     state: &ProjectState,
@@ -348,7 +348,7 @@ pub fn write(
     })
 }
 
-/// Whether a file is none of what a control holds.
+/// Whether a file is a machine file or a job, which a control does not hold.
 fn is_text(name: &str) -> bool {
     name == "machine.ron" || name.ends_with(".job.ron")
 }
@@ -361,13 +361,13 @@ fn put(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), ProjectError> {
     atomic::write(&path, bytes).map_err(system(&path))
 }
 
-/// Makes it beside its place, so that it is there as a whole or not at all.
+/// Writes into a hidden folder and renames it: the project appears complete or not at all.
 fn write_new(folder: &Path, bytes: &BTreeMap<String, Vec<u8>>) -> Result<Written, ProjectError> {
     let mut name = std::ffi::OsString::from(".");
     name.push(folder.file_name().unwrap_or_default());
     name.push(ASIDE);
     let aside = folder.with_file_name(name);
-    // What a killed process has left.
+    // The rest of a process that was killed.
     let _ = platform::remove_folder(&aside);
     let made = bytes
         .iter()
@@ -386,10 +386,11 @@ fn write_new(folder: &Path, bytes: &BTreeMap<String, Vec<u8>>) -> Result<Written
     })
 }
 
-/// Writes what a data directory holds into a folder of its own in it.
+/// Writes the memory of a data directory as a new project into its `backups` folder; returns
+/// the path.
 ///
 /// # Errors
-/// What could not be written.
+/// The project cannot be written.
 pub fn back_up(data: &Path, held: &Held) -> Result<PathBuf, ProjectError> {
     let folder = data.join(BACKUPS);
     platform::make_folder(&folder).map_err(system(&folder))?;
@@ -407,10 +408,10 @@ pub fn back_up(data: &Path, held: &Held) -> Result<PathBuf, ProjectError> {
     Ok(path)
 }
 
-/// The machine file of a project, read from a file.
+/// Reads a machine file as the machine file of a project.
 ///
 /// # Errors
-/// It is none.
+/// The file cannot be read, or is not a valid machine file.
 pub fn machine_text(path: &Path) -> Result<(ProjectKey, std::sync::Arc<str>), LoadError> {
     let text = program_file::read(path)?.text;
     loading::machine_of(path, &text)?;

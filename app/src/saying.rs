@@ -1,5 +1,4 @@
-//! Messages that are made of others: what the control, the compiler of ladders several
-//! files or a board have to say.
+//! Builds messages from other messages and from errors of ladders, boards, files and ports.
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind};
@@ -10,39 +9,39 @@ use gsk_messages::{Message, say};
 
 use crate::platform::DeviceName;
 
-/// Messages one under the other.
+/// Joins messages, one per line.
 pub fn lines(messages: impl IntoIterator<Item = Message>) -> Message {
     let under = messages.into_iter().reduce(say::on_two_lines);
     under.unwrap_or_else(|| say::as_written(""))
 }
 
-/// Messages one after the other.
+/// Joins messages on one line, as a list.
 pub fn listed(messages: impl IntoIterator<Item = Message>) -> Message {
     let listed = messages.into_iter().reduce(say::on_one_line);
     listed.unwrap_or_else(|| say::as_written(""))
 }
 
-/// A setting of a board that is not as it must be.
+/// Reports a setting of a board that differs from the required one.
 pub fn differs(difference: &SettingDifference) -> Message {
     let board = difference.board.as_deref();
     let board = board.map_or_else(say::link_page_setting_missing, say::as_written);
     say::link_page_setting_differs(&difference.name, board, &difference.wanted)
 }
 
-/// An error of a ladder, with its line.
+/// Reports an error of a ladder with its line, rung and error code.
 pub fn of_finding(error: &CompileError) -> Message {
     say::ladder_rule_broken(error.line, error.rung, error.code, error.message.clone())
 }
 
-/// All that is wrong with a ladder, a line each, and how many they are.
+/// Reports all errors and warnings of a ladder, one per line, and their numbers.
 pub fn of_ladder(errors: &CompileErrors) -> Message {
     let found = errors.errors.iter().chain(&errors.warnings);
     let summary = compile_summary(errors.errors.len(), errors.warnings.len());
     lines(found.map(of_finding).chain([summary]))
 }
 
-/// What the system said of a file, a port or a network address: in its own words, in Chinese
-/// with what they mean before them.
+/// Reports an error of the operating system about a file, a port or a network address.
+/// English repeats the text of the system; Chinese puts the meaning before it.
 pub fn of_system(error: &io::Error) -> Message {
     if let Some(DeviceName(name)) = error.get_ref().and_then(|inner| inner.downcast_ref()) {
         return say::file_name_device(name);
@@ -50,7 +49,7 @@ pub fn of_system(error: &io::Error) -> Message {
     of_kind(error.kind(), error)
 }
 
-/// The same of a serial port.
+/// Reports an error of a serial port in the same form as [`of_system`].
 pub fn of_port(error: &serialport::Error) -> Message {
     match error.kind() {
         serialport::ErrorKind::Io(kind) => of_kind(kind, error),

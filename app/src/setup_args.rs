@@ -1,5 +1,5 @@
-//! The options of control and lathe that `run`, `check`, `plot` and `operate`
-//! share: their words on the command line.
+//! The options of control and lathe that `run`, `check`, `plot` and `operate` share, and
+//! their parsers.
 
 mod words;
 
@@ -18,8 +18,8 @@ pub use words::{
 };
 use words::{model_parameter, moment, offset, parameter, spindle_speed};
 
-/// Options of control and lathe. Their heading stands over all options behind them, too: they
-/// are the last of a command.
+/// Options of control and lathe. A command lists them last: their help heading applies to
+/// all later options, too.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Control and lathe")]
 pub struct SetupArgs {
@@ -69,22 +69,23 @@ pub struct SetupArgs {
 }
 
 impl SetupArgs {
-    /// The model that is asked for: of the data directory where nobody says.
+    /// The selected control model: that of `--model`, else that of the data directory, else
+    /// the GSK980TD.
     pub fn model(&self) -> ModelId {
         let chosen = || self.data.as_deref().map(models::chosen);
         self.model.or_else(chosen).unwrap_or_default()
     }
 
-    /// Where that model keeps its memory.
+    /// The folder of the selected model in the data directory; `None` without `--data`.
     pub fn data_folder(&self) -> Option<PathBuf> {
         let data = self.data.as_deref()?;
         Some(models::folder(data, self.model()))
     }
 
-    /// Programs of a mill are not run.
+    /// Refuses programs of a mill for commands that execute programs.
     ///
     /// # Errors
-    /// The model is one.
+    /// The selected model is a mill, or an option of a mill is given.
     pub fn refuse_mill(&self) -> Result<(), OfMill> {
         self.mill_words()?;
         match self.model() {
@@ -93,10 +94,10 @@ impl SetupArgs {
         }
     }
 
-    /// Options of a mill where the model is none.
+    /// Refuses options of a mill if the selected model is a lathe.
     ///
     /// # Errors
-    /// One that is given.
+    /// Names the first such option.
     pub fn mill_words(&self) -> Result<(), OfMill> {
         let mill = &self.mill;
         let given = [
@@ -110,10 +111,10 @@ impl SetupArgs {
         }
     }
 
-    /// Options of a lathe where the model is a mill.
+    /// Refuses options of a lathe; called if the selected model is a mill.
     ///
     /// # Errors
-    /// One that is given.
+    /// Names the first such option.
     pub fn lathe_words(&self) -> Result<(), OfMill> {
         let given = [
             (self.start.is_some(), "--start"),
@@ -130,7 +131,6 @@ impl SetupArgs {
         }
     }
 
-    /// The files that these options read.
     pub fn read_files(&self) -> impl Iterator<Item = &Path> {
         [&self.machine, &self.ladder]
             .into_iter()
@@ -138,10 +138,11 @@ impl SetupArgs {
             .map(PathBuf::as_path)
     }
 
-    /// Real slides and a real spindle are where and as they are.
+    /// Refuses options that set what a real machine already determines: the position of its
+    /// slides and the speed of its spindle.
     ///
     /// # Errors
-    /// An option that says it of them.
+    /// Names the first such option.
     pub const fn refuse_at_a_board(&self) -> Result<(), SetByTheMachine> {
         match (self.start, self.spindle) {
             (Some(_), _) => Err(SetByTheMachine::Slides),
@@ -172,18 +173,17 @@ pub struct MillArgs {
     pub mill_offsets: Vec<String>,
 }
 
-/// An option that says what a real machine is.
+/// An option that contradicts a connected machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum SetByTheMachine {
-    /// Where the slides stand.
+    /// `--start`: the position of the slides.
     Slides,
-    /// How fast the spindle turns.
+    /// `--spindle`: the speed of the spindle.
     Spindle,
 }
 
 impl SetByTheMachine {
-    /// What is said of it.
     pub fn message(self) -> Message {
         match self {
             Self::Slides => say::option_slides_stand(),
@@ -192,20 +192,19 @@ impl SetByTheMachine {
     }
 }
 
-/// What does not go together with a mill.
+/// An option or command that does not suit the selected model, lathe or mill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum OfMill {
-    /// Its programs are not run.
+    /// Programs of this mill cannot be executed.
     NotRun(ModelId),
-    /// An option of lathes.
+    /// The option belongs to lathes.
     LathesAlone(&'static str),
-    /// An option of mills.
+    /// The option belongs to mills.
     MillsAlone(&'static str),
 }
 
 impl OfMill {
-    /// What is said of it.
     pub fn message(self) -> Message {
         match self {
             Self::NotRun(model) => say::mill_not_run(model.name()),

@@ -1,8 +1,8 @@
-//! The command line in Chinese: what clap says of it, with the texts of
-//! `assets/tables/command-line.tsv`. A row has the English text as it stands at commands and
-//! options (`text`), the word of a value (`value`), or a sentence of clap's own with `{}` for
-//! what differs (`clap`). The table is read when somebody is told something in Chinese: no
-//! other start pays for it.
+//! Translates the command line to Chinese with the texts of
+//! `assets/tables/command-line.tsv`. A row holds the English text of a command or option
+//! (`text`), the name of a value (`value`), or a sentence of clap with `{}` for its variable
+//! parts (`clap`). The table is parsed only if a Chinese text is shown, so that other starts
+//! pay nothing for it.
 
 use std::collections::BTreeMap;
 use std::error::Error as _;
@@ -19,10 +19,10 @@ use crate::setup_args::WordError;
 
 static TABLE: &str = include_str!("../../../assets/tables/command-line.tsv");
 
-/// Texts of the table by the English ones.
+/// Chinese texts by their English originals.
 type Texts = BTreeMap<&'static str, &'static str>;
 
-/// The table.
+/// The rows of the table by kind.
 struct Table {
     texts: Texts,
     values: Texts,
@@ -45,7 +45,8 @@ impl Table {
         }
     }
 
-    /// A text of a command or an option, line by line; a line without a row stays as it is.
+    /// Translates a text of a command or option line by line. A line without a row stays
+    /// English.
     fn text(&self, english: &StyledStr) -> String {
         let said = |line: &str| {
             let text = line.trim_start();
@@ -56,7 +57,7 @@ impl Table {
         english.lines().map(said).collect::<Vec<_>>().join("\n")
     }
 
-    /// What clap has written, its own sentences in Chinese.
+    /// Translates the sentences of clap in a text that clap has rendered.
     fn clap(&self, rendered: &str) -> String {
         let mut said = String::new();
         for line in rendered.lines() {
@@ -69,7 +70,7 @@ impl Table {
         said
     }
 
-    /// A command and those below it.
+    /// Translates a command and its subcommands.
     fn command(&self, command: Command) -> Command {
         let about = command.get_about().map(|text| self.text(text));
         let long_about = command.get_long_about().map(|text| self.text(text));
@@ -116,7 +117,7 @@ impl Table {
             return argument;
         };
         let long = long.unwrap_or_else(|| short.clone());
-        // clap's own words for them could be broken over two lines.
+        // The list of clap could break over two lines: write it here.
         if shown {
             let names = values.iter().map(PossibleValue::get_name);
             let names = names.collect::<Vec<_>>().join(", ");
@@ -130,7 +131,7 @@ impl Table {
         }
     }
 
-    /// A line of the list of values.
+    /// One line of the list of possible values.
     fn possible(&self, value: &PossibleValue) -> String {
         let name = value.get_name();
         match value.get_help() {
@@ -140,7 +141,7 @@ impl Table {
     }
 }
 
-/// A line with a sentence of clap's in Chinese; none where it does not have that sentence.
+/// Translates a sentence of clap in a line; `None` if the line does not contain it.
 fn replaced(line: &str, english: &str, chinese: &str) -> Option<String> {
     let mut parts = english.split("{}");
     let first = parts.next()?;
@@ -167,7 +168,8 @@ fn replaced(line: &str, english: &str, chinese: &str) -> Option<String> {
     Some(said)
 }
 
-/// Why a value cannot be read, where the program says it itself.
+/// The English and the Chinese reason why a value is invalid, if the parser of this program
+/// reported it.
 fn reason(error: &Error) -> Option<(String, Message)> {
     let source = error.source()?;
     let word = || source.downcast_ref().map(WordError::message);
@@ -177,7 +179,7 @@ fn reason(error: &Error) -> Option<(String, Message)> {
     Some((source.to_string(), message))
 }
 
-/// All commands, their texts in Chinese.
+/// All commands with Chinese texts.
 pub fn command() -> Command {
     let mut command = Cli::command();
     // Options are built when their command is called.
@@ -185,13 +187,13 @@ pub fn command() -> Command {
     Table::read().command(command)
 }
 
-/// What clap has written of [`command`], its own sentences in Chinese.
+/// Translates the sentences of clap in a rendered text of [`command`].
 pub fn said(rendered: &str) -> String {
     Table::read().clap(rendered)
 }
 
-/// The same about a command line: help that was asked for, or what is wrong with it, with
-/// `hint`. None where there is nothing to be said.
+/// The Chinese text of a faulty command line or of requested help. `hint` adds a usage hint.
+/// `None` if the command line is correct.
 pub fn told(words: &[OsString], hint: fn(Error, Language) -> Error) -> Option<Error> {
     let error = command().try_get_matches_from_mut(words).err()?;
     let error = hint(error, Language::Zh);
@@ -199,8 +201,8 @@ pub fn told(words: &[OsString], hint: fn(Error, Language) -> Error) -> Option<Er
     if let Some((english, message)) = reason(&error) {
         rendered = rendered.replacen(&english, &message.text(Language::Zh), 1);
     }
-    // A help of its own, so that clap shows it where it would have shown the other one, in
-    // colours where the terminal has them.
+    // An overridden help text: clap prints it where it would have printed its own, in
+    // colours if the terminal has them.
     let text = StyledStr::from(said(&rendered));
     let mut shown = Command::new("gsk980td").override_help(text);
     match error.use_stderr() {
@@ -218,7 +220,7 @@ mod tests {
 
     use super::*;
 
-    /// What is called the same in both languages: names, and lines of scripts.
+    /// Texts that are the same in both languages: names and lines of scripts.
     const NAMES: [&str; 11] = [
         "CR",
         "CR LF",
@@ -233,7 +235,7 @@ mod tests {
         "华兴 31/32",
     ];
 
-    /// Every command that somebody calls, with its words.
+    /// Collects the visible commands with their words.
     fn commands(command: &Command, words: &str, out: &mut Vec<(String, Command)>) {
         out.push((words.to_owned(), command.clone()));
         for below in command.get_subcommands().filter(|it| !it.is_hide_set()) {
@@ -249,7 +251,7 @@ mod tests {
         out
     }
 
-    /// Lines of what is said of a command and its options.
+    /// The lines of all help texts of a command and its options.
     fn lines(command: &Command) -> BTreeSet<String> {
         let mut texts = vec![
             command.get_about(),
@@ -330,7 +332,7 @@ mod tests {
         }
     }
 
-    /// English words of clap's that are left in a text; of the line of a script none are.
+    /// The first line with an English word of clap; lines of scripts contain none.
     fn english(text: &str) -> Option<&str> {
         let words = [
             "Usage",

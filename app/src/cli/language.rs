@@ -1,4 +1,4 @@
-//! `--lang`, and the language of the system where it is not given.
+//! Selects the language: from `--lang`, else from the operating system.
 
 use std::env;
 use std::ffi::OsString;
@@ -6,27 +6,27 @@ use std::ffi::OsString;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gsk_runner::Language;
 
-/// The word of a language.
+/// Parser of a language name.
 pub(super) fn language() -> impl TypedValueParser<Value = Language> {
     let words = [("zh", "Chinese"), ("en", "English")];
-    // The parser takes no other word.
+    // The parser accepts no other word.
     PossibleValuesParser::new(words.map(|(word, help)| PossibleValue::new(word).help(help)))
         .map(|word| of_word(&word).unwrap_or_default())
 }
 
-/// The language of a command without `--lang`: Chinese on a Chinese system, else none, as if
-/// nobody had asked (COMMAND-8).
+/// The default language of a command: Chinese on a Chinese system, else `None`, as without
+/// `--lang` (COMMAND-8).
 pub fn of_the_system() -> Option<Language> {
-    // As everywhere: the first of them that is set decides, on Windows, too, where a shell
-    // from elsewhere sets them; else what the system says.
+    // The first variable that is set decides, as usual. This holds on Windows, too, for
+    // shells ported from Unix; otherwise the operating system decides.
     let variables = ["LC_ALL", "LC_MESSAGES", "LANG"].map(env::var);
     let set = variables.into_iter().flatten().find(|it| !it.is_empty());
     let chinese = set.or_else(system).is_some_and(|it| is_chinese(&it));
     chinese.then_some(Language::Zh)
 }
 
-/// The language of what is said of a command line that may be wrong: that of its `--lang`, else
-/// that of the system.
+/// The language of error messages about a command line that may be malformed: from `--lang`
+/// among its words, else from the operating system.
 pub fn language_of(words: &[OsString]) -> Option<Language> {
     let mut words = words.iter().filter_map(|word| word.to_str());
     let mut asked = None;
@@ -59,7 +59,7 @@ const fn system() -> Option<String> {
     None
 }
 
-/// Whether a locale (`zh_CN.UTF-8`, `zh-Hans-CN`) is a Chinese one.
+/// Whether a locale such as `zh_CN.UTF-8` or `zh-Hans-CN` is Chinese.
 pub fn is_chinese(locale: &str) -> bool {
     locale.split(['_', '-', '.', '@']).next() == Some("zh")
 }

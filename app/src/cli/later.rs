@@ -1,5 +1,5 @@
-//! The options of a command, built when that command is called: a start pays for one
-//! command and not for all of them.
+//! Builds the options of a command only when that command is called: other starts do not pay
+//! for them.
 
 use std::ops::Deref;
 
@@ -7,7 +7,7 @@ use clap::builder::Resettable;
 use clap::error::Error;
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 
-/// Options that are built when their command is called, or its help is asked for.
+/// Options of a command, built when the command or its help is called.
 #[derive(Debug)]
 pub struct Later<T>(T);
 
@@ -43,8 +43,8 @@ impl<T: Args> Args for Later<T> {
     }
 }
 
-/// With its options, and described as the list of commands describes it: options bring
-/// a sentence of their own along.
+/// Adds the options to a command and keeps its description: building the options would
+/// replace it.
 fn described(command: Command, options: fn(Command) -> Command) -> Command {
     let about = Resettable::from(command.get_about().cloned());
     let long_about = Resettable::from(command.get_long_about().cloned());
@@ -57,7 +57,7 @@ mod tests {
 
     use crate::cli::Cli;
 
-    /// Name, options, and what is said of every command.
+    /// Name, number of options and descriptions of every command.
     fn commands(program: &Command) -> Vec<(String, usize, [Option<String>; 2])> {
         let about = |command: &Command| {
             [command.get_about(), command.get_long_about()].map(|it| it.map(ToString::to_string))

@@ -7,7 +7,6 @@ use crate::setup_args::{self, SetupArgs};
 /// `link`.
 #[derive(Args, Debug)]
 pub struct LinkArgs {
-    /// What is done with the board.
     #[command(subcommand)]
     pub command: LinkCommand,
 }
@@ -28,13 +27,12 @@ pub enum LinkCommand {
     Twin(LinkTwinArgs),
 }
 
-/// Which board.
+/// Options that select a board.
 #[derive(Args, Debug)]
 pub struct LinkBoardArgs {
     /// The port [default: the one of the machine file]
     #[arg(value_name = "PORT")]
     pub port: Option<String>,
-    /// Options of control and lathe.
     #[command(flatten)]
     pub setup: SetupArgs,
 }
@@ -51,7 +49,6 @@ pub struct LinkTestArgs {
     /// Feed of that move, mm/min
     #[arg(long, default_value = "600", value_name = "F", requires = "travel", allow_hyphen_values = true, value_parser = setup_args::feed)]
     pub feed: f64,
-    /// Which board.
     #[command(flatten)]
     pub board: LinkBoardArgs,
 }
@@ -62,7 +59,6 @@ pub struct LinkMonitorArgs {
     /// Stop after so many seconds
     #[arg(long, value_name = "S")]
     pub seconds: Option<u64>,
-    /// Which board.
     #[command(flatten)]
     pub board: LinkBoardArgs,
 }
@@ -102,7 +98,7 @@ pub struct LinkTwinArgs {
     pub seconds: Option<u64>,
 }
 
-/// Firmware of a twin.
+/// Firmware that `link twin` simulates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum TwinBoard {
     /// Grbl 1.1h

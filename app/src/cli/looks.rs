@@ -1,4 +1,4 @@
-//! Options of `check` and `plot`, which look at a program without a machine.
+//! Options of `check` and `plot`, which preview a program without a machine.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use crate::job::{JobArgs, PartArgs};
 use crate::setup_args::{self, SetupArgs};
 use crate::work_limit::WorkLimit;
 
-/// When `check` and `plot` give a program up.
+/// Limits at which `check` and `plot` cancel a preview.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct LimitArgs {
     /// Give a program up after so many moves
@@ -26,7 +26,7 @@ pub struct LimitArgs {
 }
 
 impl LimitArgs {
-    /// Limits from now on.
+    /// Starts the limits; the time limit counts from now.
     pub fn begin(self) -> WorkLimit {
         let budget = WorkBudget {
             moves: self.most_moves,
@@ -37,7 +37,7 @@ impl LimitArgs {
     }
 }
 
-/// How `check` and `plot` look at a program.
+/// Options of the preview of `check` and `plot`.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct LookArgs {
     /// Where the work zero lies in machine coordinates: X (diameter), Z in mm; --start is then counted from it [default: at the machine zero]
@@ -47,7 +47,6 @@ pub struct LookArgs {
     /// well: where its tool stands there.
     #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = setup_args::pair)]
     pub work_zero: Option<(f64, f64)>,
-    /// When to give up.
     #[command(flatten)]
     pub limits: LimitArgs,
 }
@@ -58,10 +57,8 @@ pub struct CheckArgs {
     /// The programs; of a folder those in it and below it
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// How to look at them.
     #[command(flatten)]
     pub look: LookArgs,
-    /// The part.
     #[command(flatten)]
     pub part: PartArgs,
     /// Write every move as one JSON object a line (`-`: standard output); one program only
@@ -79,13 +76,12 @@ pub struct CheckArgs {
         value_name = "FORMAT"
     )]
     pub format: Format,
-    /// Options of control and lathe.
     #[command(flatten)]
     pub setup: SetupArgs,
 }
 
 impl CheckArgs {
-    /// How the results are written.
+    /// The output format: `--json` is short for `--format json`.
     pub const fn format(&self) -> Format {
         match self.json {
             true => Format::Json,
@@ -94,7 +90,7 @@ impl CheckArgs {
     }
 }
 
-/// How `check` writes its results.
+/// Output format of `check`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     /// For people; of several programs with a summary at the end
@@ -114,10 +110,9 @@ pub struct PlotArgs {
     /// The program
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// How to look at it.
     #[command(flatten)]
     pub look: LookArgs,
-    /// The part behind the path.
+    /// The part, drawn under the path.
     #[command(flatten)]
     pub part: JobArgs,
     /// Draw the part as a lit solid with a quarter cut out, not the path (.png only)
@@ -126,10 +121,8 @@ pub struct PlotArgs {
     /// The picture (name ends in .png or .svg)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// How it is drawn.
     #[command(flatten)]
     pub picture: PictureArgs,
-    /// Options of control and lathe.
     #[command(flatten)]
     pub setup: SetupArgs,
 }

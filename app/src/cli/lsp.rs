@@ -10,7 +10,6 @@ pub struct LspArgs {
     /// Standard input and output, as some editors ask for: there is nothing else
     #[arg(long, hide = true)]
     pub stdio: bool,
-    /// Options of control and lathe.
     #[command(flatten)]
     pub setup: SetupArgs,
 }

@@ -1,4 +1,4 @@
-//! `mill`: what is worked out when a GSK980MDi is set up.
+//! Options of `mill`: calculations for the setup of a GSK980MDi.
 
 use std::path::PathBuf;
 
@@ -111,7 +111,7 @@ pub struct HomingArgs {
     pub values: Vec<String>,
 }
 
-/// Letters of the axes that a mill may have.
+/// Letters of the axes of a mill.
 pub const AXES_OF_MILLS: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
 
 fn axis(word: &str) -> Result<char, WordError> {

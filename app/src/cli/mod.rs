@@ -1,5 +1,5 @@
-//! The command line: what `gsk980td --help` says, and nothing else. The window and the
-//! short commands stand here, each longer one in a file of its own.
+//! The command line: the options of all commands as clap parses them. The window and the
+//! short commands are in this file; each longer command has a file.
 
 pub mod chinese;
 mod dialect;
@@ -119,7 +119,6 @@ pub struct WindowArgs {
     /// runs: 自动 pressed twice is DNC.
     #[arg(long, value_name = "SOURCE")]
     pub dnc: Option<PathBuf>,
-    /// Where the control's serial port is.
     #[command(flatten)]
     pub serial: SerialArgs,
     /// The simulated lathe (travel, turret, dogs …) from a RON file
@@ -230,7 +229,7 @@ pub enum Command {
     HoldPort(Later<HoldPortArgs>),
 }
 
-/// `hold-port`, which the program starts by itself.
+/// Options of `hold-port`, which the program starts as its guard process.
 #[derive(Args, Debug)]
 pub struct HoldPortArgs {
     /// The port
@@ -240,7 +239,7 @@ pub struct HoldPortArgs {
     pub baud: u32,
 }
 
-/// The actions of scripts, for `operate --help`.
+/// The forms of script actions for `operate --help`.
 fn script_help() -> String {
     let forms: Vec<String> = FORMS.iter().map(|(_, form)| format!("  {form}")).collect();
     format!(
@@ -267,7 +266,6 @@ pub struct OperateArgs {
     /// Write what happened as a script with the time of every key
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
-    /// Options of control and lathe.
     #[command(flatten)]
     pub setup: SetupArgs,
 }
@@ -286,7 +284,7 @@ pub struct ScreenArgs {
     pub output: Option<PathBuf>,
 }
 
-/// A table.
+/// Options of the commands that print a table.
 #[derive(Args, Debug)]
 pub struct TableArgs {
     /// Only lines that contain this text (capital or small letters alike)
@@ -300,7 +298,6 @@ pub struct TableArgs {
 /// `parameters`.
 #[derive(Args, Debug)]
 pub struct ParametersArgs {
-    /// The table.
     #[command(flatten)]
     pub table: TableArgs,
     /// The control model

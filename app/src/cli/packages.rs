@@ -1,4 +1,4 @@
-//! Options of `completions` and `man`, which the packages are made with.
+//! Options of `completions` and `man`, which the packages use.
 
 use std::path::PathBuf;
 

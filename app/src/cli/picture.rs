@@ -1,9 +1,9 @@
-//! Options of drawings.
+//! Options of drawings of a toolpath.
 
 use clap::Args;
 use gsk_runner::picture::{Look, Size};
 
-/// How a toolpath is drawn.
+/// Options of a drawing of a toolpath.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct PictureArgs {
     /// Size of the picture, pixels [default: 1280x800]
@@ -24,7 +24,7 @@ pub struct PictureArgs {
 }
 
 impl PictureArgs {
-    /// As the drawing takes it.
+    /// The options in the form of the drawing module.
     pub fn look(self) -> Look {
         Look {
             size: self.size.unwrap_or_default(),
@@ -35,7 +35,7 @@ impl PictureArgs {
         }
     }
 
-    /// Whether the part is drawn, too.
+    /// Whether an option needs the part.
     pub const fn needs_part(self) -> bool {
         self.dimensions || self.tools
     }

@@ -7,7 +7,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use gsk_core::model::ModelId;
 use gsk_core::units::Axis;
 
-/// What is done with pitch error tables.
+/// Commands about pitch error tables.
 #[derive(Debug, Subcommand)]
 pub enum PitchCommand {
     /// Write measured pitch errors into the table of the control, with the control's rights
@@ -22,7 +22,7 @@ pub enum PitchCommand {
     Show(PitchShowArgs),
 }
 
-/// The letter of an axis.
+/// Parser of the letter of a lathe axis.
 fn axis() -> impl TypedValueParser<Value = Axis> {
     PossibleValuesParser::new(["x", "z"]).map(|word| match word.as_str() {
         "x" => Axis::X,
@@ -82,7 +82,7 @@ pub struct PitchShowArgs {
     pub format: PitchFormat,
 }
 
-/// How a pitch error table is written.
+/// Output format of a pitch error table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PitchFormat {
     /// A line for each point with a value

@@ -7,7 +7,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use gsk_core::model::ModelId;
 use gsk_project::ProjectSection;
 
-/// What is done with a project.
+/// Commands about projects.
 #[derive(Debug, Subcommand)]
 pub enum ProjectCommand {
     /// Write the project of a control as it is delivered
@@ -103,7 +103,7 @@ pub struct ProjectDiffArgs {
     pub format: DiffFormat,
 }
 
-/// How differences are written.
+/// Output format of `project diff`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum DiffFormat {
     /// A line each
@@ -112,12 +112,12 @@ pub enum DiffFormat {
     Json,
 }
 
-/// The words of parts of the control.
+/// Parser of section names; accepts the sections that `taken` selects.
 fn sections(taken: fn(ProjectSection) -> bool) -> impl TypedValueParser<Value = ProjectSection> {
     let rows = ProjectSection::ALL.into_iter();
     let words = rows.filter(|(section, _)| taken(*section));
     let words: Vec<&'static str> = words.map(|(_, word)| word).collect();
-    // The parser takes no other word.
+    // The parser accepts no other word.
     PossibleValuesParser::new(words)
         .map(|word| ProjectSection::from_word(&word).unwrap_or(ProjectSection::Model))
 }

@@ -45,7 +45,6 @@ pub struct RunArgs {
     /// Write time, X (diameter), Z and spindle angle of every millisecond as CSV
     #[arg(long, value_name = "FILE")]
     pub positions: Option<PathBuf>,
-    /// The part.
     #[command(flatten)]
     pub part: PartArgs,
     /// Stop at the first collision of the simulated lathe (exit code 3)
@@ -54,13 +53,11 @@ pub struct RunArgs {
     /// Draw the executed toolpath (name ends in .png or .svg)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// How it is drawn.
     #[command(flatten)]
     pub picture: PictureArgs,
     /// Print the result as one JSON object
     #[arg(long)]
     pub json: bool,
-    /// Options of control and lathe.
     #[command(flatten)]
     pub setup: SetupArgs,
 }

@@ -7,7 +7,7 @@ use gsk_transfer::{FileName, Partition, TextLineEnd};
 
 use crate::setup_args::{SetupArgs, WordError};
 
-/// Where the control's serial port is.
+/// Options of the control's serial port.
 #[derive(Args, Clone, Debug, Default)]
 pub struct SerialArgs {
     /// The control's serial port is this port, at the speed of parameter 044: a device, `tcp:HOST:PORT`, `listen:HOST:PORT`, or `pty` for a new pseudo terminal, whose name is said
@@ -18,7 +18,7 @@ pub struct SerialArgs {
     pub serial_text: Option<TextEnd>,
 }
 
-/// How lines of a text end.
+/// Line ends of a text on the serial line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum TextEnd {
     /// CR LF
@@ -32,7 +32,7 @@ pub enum TextEnd {
 }
 
 impl TextEnd {
-    /// For the line.
+    /// The line end in the form of the transfer crate.
     pub const fn line_end(self) -> TextLineEnd {
         match self {
             Self::Crlf => TextLineEnd::CrLf,
@@ -46,12 +46,11 @@ impl TextEnd {
 /// `transfer`.
 #[derive(Args, Debug)]
 pub struct TransferArgs {
-    /// What is done with the files.
     #[command(subcommand)]
     pub command: TransferCommand,
 }
 
-/// What is done with files at the serial port.
+/// Commands of the PC's side of the serial port.
 #[derive(Debug, Subcommand)]
 pub enum TransferCommand {
     /// List the files of the control, with their lengths in bytes
@@ -78,7 +77,7 @@ pub enum TransferCommand {
     Control(Box<TransferControlArgs>),
 }
 
-/// The port of the PC.
+/// Options of the serial port of the PC.
 #[derive(Args, Clone, Debug)]
 pub struct TransferPortArgs {
     /// The port: a device, or `tcp:HOST:PORT` [default: that of the view *Transfer* of the window]
@@ -89,7 +88,7 @@ pub struct TransferPortArgs {
     pub baud: Option<u32>,
 }
 
-/// What becomes of a file whose name is taken.
+/// Policy for a file whose name is already used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ExistingFile {
     /// Somebody at the terminal is asked
@@ -102,14 +101,14 @@ pub enum ExistingFile {
     Skip,
 }
 
-/// A partition of the control.
+/// Parser of a partition of the control's memory.
 fn partition(word: &str) -> Result<Partition, WordError> {
     let mut all = Partition::ALL.into_iter();
     let found = all.find(|partition| partition.name().eq_ignore_ascii_case(word));
     found.ok_or(WordError::NoPartition)
 }
 
-/// A name of a file at the control.
+/// Parser of a file name at the control.
 fn name(word: &str) -> Result<FileName, gsk_transfer::FileNameError> {
     FileName::new(word)
 }
@@ -117,7 +116,6 @@ fn name(word: &str) -> Result<FileName, gsk_transfer::FileNameError> {
 /// `transfer list`.
 #[derive(Args, Debug)]
 pub struct TransferListArgs {
-    /// The port of the PC.
     #[command(flatten)]
     pub port: TransferPortArgs,
     /// USER, USER1 or USER2
@@ -128,7 +126,6 @@ pub struct TransferListArgs {
 /// `transfer send`.
 #[derive(Args, Debug)]
 pub struct TransferSendArgs {
-    /// The port of the PC.
     #[command(flatten)]
     pub port: TransferPortArgs,
     /// A file, or FILE=NAME where it has another name at the control
@@ -145,7 +142,6 @@ pub struct TransferSendArgs {
 /// `transfer receive`.
 #[derive(Args, Debug)]
 pub struct TransferReceiveArgs {
-    /// The port of the PC.
     #[command(flatten)]
     pub port: TransferPortArgs,
     /// A file at the control: O0001.CNC, ParaW.par, Tofs.ofs, Wcomp.wmp
@@ -165,7 +161,6 @@ pub struct TransferReceiveArgs {
 /// `transfer delete`.
 #[derive(Args, Debug)]
 pub struct TransferDeleteArgs {
-    /// The port of the PC.
     #[command(flatten)]
     pub port: TransferPortArgs,
     /// A program at the control: O0001.CNC
@@ -179,7 +174,6 @@ pub struct TransferDeleteArgs {
 /// `transfer rename`.
 #[derive(Args, Debug)]
 pub struct TransferRenameArgs {
-    /// The port of the PC.
     #[command(flatten)]
     pub port: TransferPortArgs,
     /// A program at the control: O0001.CNC
@@ -196,7 +190,6 @@ pub struct TransferRenameArgs {
 /// `transfer backup`.
 #[derive(Args, Debug)]
 pub struct TransferBackupArgs {
-    /// The port of the PC.
     #[command(flatten)]
     pub port: TransferPortArgs,
     /// The folder the files come into
@@ -210,7 +203,6 @@ pub struct TransferBackupArgs {
 /// `transfer restore`.
 #[derive(Args, Debug)]
 pub struct TransferRestoreArgs {
-    /// The port of the PC.
     #[command(flatten)]
     pub port: TransferPortArgs,
     /// The folder with the files
@@ -224,7 +216,6 @@ pub struct TransferRestoreArgs {
 /// `transfer wait`.
 #[derive(Args, Debug)]
 pub struct TransferWaitArgs {
-    /// The port of the PC.
     #[command(flatten)]
     pub port: TransferPortArgs,
     /// The folder the files come into
@@ -241,7 +232,6 @@ pub struct TransferWaitArgs {
 /// `transfer send-text`.
 #[derive(Args, Debug)]
 pub struct TransferSendTextArgs {
-    /// The port of the PC.
     #[command(flatten)]
     pub port: TransferPortArgs,
     /// The programs
@@ -258,7 +248,6 @@ pub struct TransferSendTextArgs {
 /// `transfer receive-text`.
 #[derive(Args, Debug)]
 pub struct TransferReceiveTextArgs {
-    /// The port of the PC.
     #[command(flatten)]
     pub port: TransferPortArgs,
     /// The folder the programs come into, each under its number
@@ -290,7 +279,6 @@ pub struct TransferControlArgs {
     /// So many seconds after the port is open: who takes text listens before
     #[arg(long, default_value_t = 3, value_name = "S", requires = "out", value_parser = clap::value_parser!(u64).range(..=3600))]
     pub out_after: u64,
-    /// Options of control and lathe.
     #[command(flatten)]
     pub setup: SetupArgs,
 }

@@ -1,4 +1,4 @@
-//! `check`: programs interpreted without running the machine.
+//! `check`: previews programs without running the machine.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ use crate::files::folders;
 use crate::job::{self, write_section};
 use crate::loading;
 
-/// Checks programs.
+/// Checks programs and returns the exit code.
 pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, CommandError> {
     if args.setup.model().is_mill() {
         return mill::check(args, language);
@@ -30,7 +30,7 @@ pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, Command
     if args.part.section.is_some() && files.len() > 1 {
         return Err(CommandError::OneSection);
     }
-    // What is written is of one program: nothing is done by halves then.
+    // Moves and section belong to one program: an error here would leave them incomplete.
     if (args.moves.is_some() || args.part.section.is_some())
         && let Some(error) = wrong.pop()
     {

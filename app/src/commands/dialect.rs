@@ -1,4 +1,4 @@
-//! `dialect`: a program as another control model reads it.
+//! `dialect`: compares how two control models read a program.
 
 use gsk_messages::{Language, Message, say};
 use gsk_runner::{dialect, report};
@@ -8,8 +8,9 @@ use crate::apart::{Read, keep_apart};
 use crate::cli::DialectArgs;
 use crate::files::{decode, program_file};
 
-/// Lists what means something else, or writes the program for the other model and lists
-/// what is left. Exit code 1 if anything is.
+/// Lists the blocks that the other model reads differently. With `--output` it writes the
+/// program for the other model and lists only the remaining differences. Exit code 1 if
+/// there are any.
 pub fn dialect(args: &DialectArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let file = program_file::read(&args.file)?;
     let (from, to) = (args.from.record(), args.to.record());

@@ -1,4 +1,4 @@
-//! Why a command cannot be carried out.
+//! The errors of commands.
 
 use std::io;
 use std::path::PathBuf;
@@ -27,108 +27,107 @@ use crate::saying::lines;
 use crate::setup_args::SetByTheMachine;
 use crate::transfer::TransferError;
 
-/// Why a command cannot be carried out, or has failed beside what it is for.
+/// Why a command failed, or an error besides its main task.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum CommandError {
-    /// A result would overwrite what is read.
+    /// A result would overwrite a file that the command reads.
     Apart(#[from] ApartError),
-    /// A board that is not spoken to.
+    /// The board cannot be opened.
     Board(#[from] BoardError),
-    /// A data directory.
+    /// The data directory cannot be used.
     Data(#[from] DataError),
-    /// A program that is not executed.
+    /// The program cannot be executed.
     Execution(#[from] ExecutionError),
-    /// Messages of an editor that are none, or an editor that has gone.
+    /// A malformed message from the editor, or a closed connection.
     Editor(String),
-    /// A file.
+    /// A program file cannot be read.
     File(#[from] FileError),
-    /// A job.
+    /// There is no job for the program.
     Job(#[from] JobError),
-    /// What does not become JSON.
+    /// A value cannot be written as JSON.
     Json(#[from] serde_json::Error),
-    /// A lesson.
+    /// A lesson is unknown or faulty.
     Lesson(Message),
-    /// The section `link` of a machine file.
+    /// The section `link` of the machine file is invalid.
     Link(#[from] LinkConfigError),
-    /// What the control starts from.
+    /// The initial state of the control cannot be loaded.
     Load(#[from] LoadError),
-    /// A name that is none of a picture.
+    /// The file name is not that of a picture.
     Name(#[from] NameError),
-    /// The same, by its ending.
+    /// The ending of the file name is not one of a picture format.
     Ending(#[from] NoPicture),
-    /// A port is to be held for nobody.
+    /// `hold-port` has no parent program that needs the port.
     NoProgram(#[from] NoProgram),
-    /// A measurement of pitch errors.
+    /// A measurement of pitch errors cannot be used.
     Pitch(Message),
-    /// A picture that is not made.
+    /// The picture cannot be drawn.
     Picture(#[from] PictureError),
-    /// A port.
+    /// The port cannot be opened.
     Port(#[from] PortError),
-    /// A project.
+    /// The project cannot be read or written.
     Project(#[from] ProjectError),
-    /// An open port that has gone.
+    /// An open port or stream failed.
     Gone(io::Error),
-    /// An option that a real machine does not take.
+    /// An option contradicts a connected machine.
     SetByTheMachine(#[from] SetByTheMachine),
-    /// Signals.
+    /// The signal handlers cannot be installed.
     Signals(#[from] SignalError),
-    /// What came through the serial port.
+    /// A text from the serial port cannot be used.
     Transfer(#[from] TransferError),
-    /// Files that were to go through it.
+    /// The transfer of files failed.
     Files(#[from] FilesError),
-    /// A result.
+    /// A result cannot be written.
     Write(#[from] WriteError),
-    /// Output that goes to several places.
+    /// A stream of results, such as moves, cannot be written.
     Output(io::Error),
-    /// A script that cannot be read.
+    /// The script cannot be parsed.
     Script {
-        /// Its file.
         path: PathBuf,
-        /// Its lines.
+        /// One error for each faulty line.
         errors: Vec<ScriptError>,
     },
-    /// Help that there is none for.
+    /// No help topic matches the question.
     NoTopic(String),
-    /// A page that is not there.
+    /// No LCD page has this name.
     NoPage {
-        /// What was asked for.
         name: String,
-        /// What there is.
+        /// The names of all pages.
         pages: String,
     },
-    /// A part after the other needs somebody.
+    /// Several parts at a real machine need an operator at a terminal. Holds the number of
+    /// parts.
     Unattended(u32),
-    /// Moves of several programs.
+    /// `--moves` was given for several programs.
     OneProgram,
-    /// Parts of several programs.
+    /// `--section` was given for several programs.
     OneSection,
-    /// Another file ended the work.
+    /// The error of another file ended the check.
     NotChecked,
-    /// A port for two things.
+    /// One port is named for both the serial line and DNC.
     SamePort(String),
-    /// The questions of the first start, one of them which lathe, at a lathe's own port.
+    /// The questions of the first start would choose a lathe, but a board is connected.
     FirstStartAtBoard,
-    /// No board.
+    /// Neither the command line nor the machine file names a board's port.
     NoPort,
-    /// No port of the PC's side, and the window has had none.
+    /// Neither the command line nor the window's settings name a port of the PC.
     NoTransferPort,
-    /// A feed above what a board makes.
+    /// The feed exceeds the pulse rate of the board.
     TooFast {
-        /// mm/min.
+        /// Feed in mm/min.
         feed: f64,
-        /// Pulses a second.
+        /// Pulse rate of that feed, 1/s.
         rate: f64,
-        /// Pulses a second that the board makes.
+        /// Maximum pulse rate of the board, 1/s.
         most: f64,
     },
-    /// A board that moves, or is locked.
+    /// The board moves or is locked.
     NotStill,
-    /// A program that is not there.
+    /// The program does not exist.
     NoFile(PathBuf),
-    /// What could not be saved.
+    /// The memory of the control cannot be saved.
     NotSaved(#[from] NotSaved),
-    /// Several at once.
+    /// Several independent errors.
     Several(Vec<CommandError>),
 }
 
@@ -150,7 +149,6 @@ impl From<CommandError> for Message {
 }
 
 impl CommandError {
-    /// What is said of it.
     pub fn message(&self) -> Message {
         match self {
             Self::Apart(error) => error.message(),

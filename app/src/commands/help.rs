@@ -1,4 +1,4 @@
-//! `help`: what a command does, and what a symbol of the control means.
+//! `help`: explains commands and symbols of the control.
 
 use clap::{Command, CommandFactory};
 use gsk_help::{Topic, article, designation, document, search_model, topics_of};
@@ -8,15 +8,15 @@ use gsk_panel::glyphs::text_columns;
 use super::{CommandError, FINE, output};
 use crate::cli::{Cli, HelpArgs, chinese};
 
-/// So many articles are printed whole; of more there is a list.
+/// Up to this number of articles are printed in full; more are listed.
 const WHOLE: usize = 4;
-/// Lines of the list.
+/// Most lines of the list.
 const LISTED: usize = 40;
 
-/// `help`.
+/// Prints help on a command or a topic.
 ///
 /// # Errors
-/// Nothing is known of it.
+/// No topic matches the question.
 pub fn help(args: &HelpArgs, spoken: Option<Language>) -> Result<u8, CommandError> {
     let language = spoken.unwrap_or(Language::En);
     if args.list {
@@ -72,7 +72,7 @@ pub fn help(args: &HelpArgs, spoken: Option<Language>) -> Result<u8, CommandErro
     Ok(FINE)
 }
 
-/// How each is asked for, and its name, a line each.
+/// One line per topic: the words that select it, and its name.
 fn headings(topics: &[&Topic], language: Language) -> String {
     let line = |topic: &&Topic| {
         let name = gsk_help::subject_name(topic.subject, language);

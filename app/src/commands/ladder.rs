@@ -1,4 +1,4 @@
-//! `ladder`: compiling, printing and scanning an instruction list.
+//! `ladder`: compiles, prints and scans an instruction list.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -12,7 +12,6 @@ use crate::cli::{LadderArgs, LadderCommand, LadderRunArgs};
 use crate::files::program_file;
 use crate::loading;
 
-/// Carries out a ladder command.
 pub fn ladder(command: &LadderCommand) -> Result<u8, CommandError> {
     match command {
         LadderCommand::Check(args) => check(args),
@@ -21,7 +20,7 @@ pub fn ladder(command: &LadderCommand) -> Result<u8, CommandError> {
     }
 }
 
-/// A ladder with errors, a line each.
+/// The errors of a ladder, one line each.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", .0.join("\n"))]
 struct NoLadder(Vec<String>);
@@ -38,7 +37,7 @@ fn compile(path: Option<&Path>) -> Result<Result<Arc<Ladder>, NoLadder>, Command
     }))
 }
 
-/// `door.il:123: E03 …`, the form that editors can jump to.
+/// A line such as `door.il:123: E03 …`, which editors link to the file.
 fn at_line(name: &str, found: &CompileError) -> String {
     let said = output::worded(&found.message);
     format!("{name}:{}: {} {said}", found.line, found.code)
@@ -76,7 +75,7 @@ fn check(args: &LadderArgs) -> Result<u8, CommandError> {
 fn list(args: &LadderArgs) -> Result<u8, CommandError> {
     match compile(args.file.as_deref())? {
         Ok(ladder) => {
-            // The standard ladder is printed as it was written, comments and all.
+            // The standard ladder is printed with its comments.
             let text = match args.file {
                 Some(_) => ladder.to_source(),
                 None => STANDARD_LADDER.to_owned(),
@@ -119,7 +118,7 @@ fn run(args: &LadderRunArgs) -> Result<u8, CommandError> {
     Ok(FINE)
 }
 
-/// The outputs that are on, and the messages that stand.
+/// The outputs that are on and the active messages.
 fn after(plc: &Plc) -> String {
     let mut out = String::new();
     let memory = plc.memory();

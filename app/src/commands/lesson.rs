@@ -1,4 +1,4 @@
-//! `lesson`: the guided lessons without a window.
+//! `lesson`: lists, checks and plays guided lessons without a window.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -13,10 +13,10 @@ use crate::cli::LessonCommand;
 use crate::files::lessons;
 use crate::platform;
 
-/// Lists, checks or plays lessons. Exit code 1 where a step does not come true.
+/// Lists, checks or plays lessons. Exit code 1 if a step does not reach its goal.
 ///
 /// # Errors
-/// There is no such lesson, or its file breaks a rule.
+/// The lesson is unknown, or its file breaks a rule.
 pub fn lesson(command: &LessonCommand, language: Option<Language>) -> Result<u8, CommandError> {
     match command {
         LessonCommand::List(args) => Ok(list(args.data.as_deref(), language)),
@@ -50,7 +50,7 @@ fn list(data: Option<&Path>, language: Option<Language>) -> u8 {
     }
 }
 
-/// A lesson by its name, or by its file.
+/// Finds a lesson by name, else reads it from a file.
 fn find(name: &Path, data: Option<&Path>) -> Result<Lesson, CommandError> {
     let known = lessons::all(data).lessons;
     let names: Vec<String> = known.iter().map(|lesson| lesson.name.clone()).collect();
@@ -65,7 +65,7 @@ fn find(name: &Path, data: Option<&Path>) -> Result<Lesson, CommandError> {
     Err(CommandError::Lesson(said))
 }
 
-/// Plays the solution and says of every step what became of it.
+/// Plays the solution and reports the outcome of every step.
 fn run(lesson: Lesson, language: Option<Language>) -> Result<u8, CommandError> {
     let lesson = Arc::new(lesson);
     let shown = language.unwrap_or(Language::En);

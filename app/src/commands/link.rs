@@ -1,4 +1,4 @@
-//! `link`: pulse boards, found, tried, watched, played.
+//! `link`: lists, tests, monitors and simulates pulse boards.
 
 mod drill;
 mod twin;
@@ -15,7 +15,6 @@ use crate::{loading, platform, ports};
 use gsk_core::alarm::number;
 use gsk_messages::{Message, say};
 
-/// Carries out a link command.
 pub fn link(command: &LinkCommand) -> Result<u8, CommandError> {
     match command {
         LinkCommand::List => list(),
@@ -43,8 +42,8 @@ fn list() -> Result<u8, CommandError> {
     Ok(FINE)
 }
 
-/// The board that is meant, with the settings of the machine file and the
-/// parameters of the control.
+/// Opens the selected board with the settings of the machine file and the parameters of the
+/// control.
 fn open(args: &LinkBoardArgs) -> Result<Board, CommandError> {
     let setup = loading::setup(&args.setup, None, None)?;
     let mut config: LinkConfig = setup.lathe.link.unwrap_or_default();
@@ -62,7 +61,7 @@ fn open(args: &LinkBoardArgs) -> Result<Board, CommandError> {
     )?)
 }
 
-/// Prints alarms; whether there was one besides differing settings.
+/// Prints the alarms. Returns true if one of them is not about settings that differ.
 fn report(events: &[LinkEvent]) -> bool {
     let mut failed = false;
     for event in events {
@@ -74,13 +73,12 @@ fn report(events: &[LinkEvent]) -> bool {
     failed
 }
 
-/// Whether an event is the alarm of settings that differ.
 const fn is_about_settings(event: &LinkEvent) -> bool {
     matches!(event, LinkEvent::Alarm { number, .. } if *number == number::BOARD_SETTINGS)
 }
 
-/// Says where the dialogue has stopped; an alarm says it by itself. True: it is no
-/// board that can be worked with.
+/// Reports the state in which the connection stopped, unless an alarm has reported it.
+/// Always returns true: the board is not usable.
 fn tell_state(board: &Board) -> bool {
     match board.link.state() {
         LinkState::Fault | LinkState::Lost | LinkState::Tripped => {}
@@ -97,7 +95,7 @@ fn test(args: &LinkTestArgs) -> Result<u8, CommandError> {
     let mut board = open(&args.board)?;
     let mut events = board.get_known();
     if args.write_settings {
-        // They are about to be written, and stand in the list.
+        // These settings are written next and are listed there.
         events.retain(|event| !is_about_settings(event));
     }
     let mut failed = report(&events);
@@ -188,13 +186,13 @@ fn monitor(args: &LinkMonitorArgs) -> Result<u8, CommandError> {
             break;
         }
     }
-    // What stops the board belongs to it, too.
+    // The bytes that stop the board are part of the traffic.
     board.close();
     print_traffic(&mut board);
     Ok(if failed { ALARM } else { FINE })
 }
 
-/// Prints what was said since the last call.
+/// Prints the traffic since the last call.
 fn print_traffic(board: &mut Board) {
     for line in board.traffic() {
         let arrow = if line.outward { '>' } else { '<' };

@@ -1,13 +1,12 @@
-//! `lsp`: an editor's questions about part programs, answered on standard input and output.
+//! `lsp`: a language server that answers an editor's requests on standard input and output.
 //!
 //! ```text
-//!   editor  -> requests, changes of texts ->  server  -> texts to be looked through -> looker
-//!           <- answers, what is wrong     <-          <- what was found             <-
+//!   editor  -> requests, changes of texts ->  server  -> texts to analyse -> checker
+//!           <- answers, diagnostics       <-          <- analyses         <-
 //! ```
 //!
-//! The server answers at once what the text alone says; what needs a look through the
-//! program (what is wrong, how long it takes) is a thread's, which drops a look when the
-//! text has changed.
+//! The server answers at once what it can read from the text. Diagnostics and times need a
+//! preview of the program: a checker thread makes it and cancels it if the text changes.
 
 mod answers;
 mod convert;
@@ -29,21 +28,21 @@ use super::{CommandError, FINE};
 use crate::cli::LspArgs;
 use crate::loading;
 
-/// Exit code: the editor went away without saying so.
+/// Exit code: the editor disconnected without `shutdown`.
 const ABANDONED: u8 = 1;
 
-/// Whose programs are looked through, and what from.
+/// The control that the programs are checked for.
 pub struct Control {
-    /// Its memory; that of a mill has programs alone.
+    /// Its memory; for a mill only the programs in it are used.
     setup: Setup,
-    /// Of a mill.
+    /// The setup of the mill, if the model is one.
     mill: Option<MillSetup>,
 }
 
 /// Serves the editor that started the program.
 ///
 /// # Errors
-/// Options that cannot be had, and messages that are none of the protocol.
+/// Options that cannot be applied, and malformed messages.
 pub fn lsp(args: &LspArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let control = if args.setup.model().is_mill() {
         let (mill, setup) = loading::mill(&args.setup)?;

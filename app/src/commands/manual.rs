@@ -1,4 +1,4 @@
-//! What a shell and `man` know of the command line: made of the table it is read by.
+//! `completions` and `man`: generated from the same table that parses the command line.
 
 use std::fs;
 
@@ -11,7 +11,7 @@ use crate::output::{self, WriteError};
 
 const NAME: &str = "gsk980td";
 
-/// `completions`.
+/// Prints a completion script for a shell.
 pub fn completions(args: &CompletionsArgs) -> u8 {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), NAME, &mut script);
@@ -19,10 +19,10 @@ pub fn completions(args: &CompletionsArgs) -> u8 {
     FINE
 }
 
-/// `man`.
+/// Prints the manual page, or writes a page for each command into a folder.
 ///
 /// # Errors
-/// The folder or a page in it cannot be written.
+/// The folder or a page cannot be written.
 pub fn man(args: &ManArgs) -> Result<u8, CommandError> {
     let mut program = Cli::command().disable_help_subcommand(true);
     program.build();
@@ -39,7 +39,7 @@ pub fn man(args: &ManArgs) -> Result<u8, CommandError> {
     Ok(FINE)
 }
 
-/// A command with all those below it, without what nobody calls.
+/// A command and all its visible subcommands.
 fn every(command: clap::Command) -> Vec<clap::Command> {
     let below = command
         .get_subcommands()
@@ -48,12 +48,11 @@ fn every(command: clap::Command) -> Vec<clap::Command> {
     [vec![command], below].concat()
 }
 
-/// What the page of a command is called: its words, joined.
+/// The file name of a manual page: the words of the command, joined.
 fn file_name(command: &clap::Command) -> String {
     command.get_display_name().unwrap_or(NAME).to_owned()
 }
 
-/// The manual page of a command.
 fn page(command: &clap::Command) -> Result<String, CommandError> {
     let mut text = Vec::new();
     let written = Man::new(command.clone()).render(&mut text);

@@ -1,4 +1,4 @@
-//! `check` and `plot` of programs of a mill.
+//! `check` and `plot` for programs of a mill.
 
 use std::path::{Path, PathBuf};
 
@@ -21,12 +21,11 @@ use crate::loading::{self, LoadError};
 use crate::picture::check_name;
 use crate::setup_args::OfMill;
 
-/// An option that is none of a mill.
+/// The error for an option that mills do not have.
 fn refuse(option: &'static str) -> CommandError {
     LoadError::OfMill(OfMill::LathesAlone(option)).into()
 }
 
-/// Checks programs.
 pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, CommandError> {
     if args.part.wanted() {
         return Err(refuse("--part"));
@@ -87,7 +86,7 @@ fn check_file(
     ))
 }
 
-/// Draws a program from four sides. What comes before an alarm is drawn, too.
+/// Draws a program in four views. The moves before an alarm are drawn as well.
 pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandError> {
     check_name(&args.output)?;
     let format = Format::of(&args.output)?;

@@ -1,4 +1,4 @@
-//! `mill`: what is worked out when a GSK980MDi is set up.
+//! `mill`: calculations for the setup of a GSK980MDi.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use crate::cli::{AXES_OF_MILLS, GearArgs, HomingArgs, MillCommand, MillKeysArgs,
 use crate::files::program_file;
 use crate::loading::LoadError;
 
-/// What is worked out when a mill is set up.
+/// Carries out a calculation and prints its result.
 pub fn work_out(command: &MillCommand, language: Option<Language>) -> Result<u8, CommandError> {
     match command {
         MillCommand::Gear(args) => gear(args, language),
@@ -47,7 +47,7 @@ pub fn work_out(command: &MillCommand, language: Option<Language>) -> Result<u8,
     }
 }
 
-/// How the axes go to machine zero with the parameters of a machine.
+/// Describes the reference return of each axis with the parameters of a machine.
 fn homing_of(args: &HomingArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let mut values = ParameterValues::default();
     if let Some(path) = &args.params {
@@ -96,7 +96,7 @@ fn gear(args: &GearArgs, language: Option<Language>) -> Result<u8, CommandError>
 }
 
 fn pitch(args: &PitchArgs, language: Option<Language>) -> Result<u8, CommandError> {
-    // Farther than any axis reaches.
+    // Beyond the travel of any axis.
     const FARTHEST: f64 = 1e12;
     let thousandths = |mm: f64| (mm * 1000.0).round().clamp(-FARTHEST, FARTHEST) as i64;
     let interval = thousandths(args.interval);
@@ -133,7 +133,7 @@ fn pitch(args: &PitchArgs, language: Option<Language>) -> Result<u8, CommandErro
     Ok(FINE)
 }
 
-/// A table is not written over the file that it is read from.
+/// Refuses to overwrite the file from which the table was read.
 fn keep_apart_from(source: Option<&Path>, target: &Path) -> Result<(), CommandError> {
     let read = Read {
         files: source.into_iter().collect(),
@@ -144,8 +144,8 @@ fn keep_apart_from(source: Option<&Path>, target: &Path) -> Result<(), CommandEr
     Ok(())
 }
 
-/// Adds the values of a Renishaw text; the axis that it names and its backlash, 0.001 mm,
-/// where it has them.
+/// Adds the values of a Renishaw file to the table. Returns its axis and its backlash in
+/// 0.001 mm, if it contains them.
 fn add_file(
     table: &mut MillPitchTable,
     args: &PitchArgs,
@@ -181,7 +181,7 @@ fn add_file(
         };
         let fraction = || at_line(row.line, say::mill_pitch_fraction(row.value.0));
         let value = whole(row.value.0).ok_or_else(fraction)?;
-        // No way ends at the reference point.
+        // No interval ends at the reference point.
         if position == 0 && value == 0 {
             continue;
         }

@@ -1,4 +1,4 @@
-//! The commands, one file each; each returns the exit code.
+//! The commands, one file each. Each returns its exit code.
 
 mod check;
 mod dialect;
@@ -31,17 +31,17 @@ use crate::cli::{Cli, Command, of_the_system};
 use crate::guard::holder;
 use crate::{log, output};
 
-/// Exit code: all right.
+/// Exit code: success.
 pub const FINE: u8 = 0;
 /// Exit code: the control raised an alarm, or a script failed.
 pub const ALARM: u8 = 1;
-/// Exit code: wrong call, or a file that cannot be used.
+/// Exit code: wrong call, or an unusable file.
 pub const USAGE: u8 = 2;
 
-/// Exit code: a tool hit something.
+/// Exit code: a tool collided.
 pub const COLLISION: u8 = 3;
 
-/// The program's own notice, its licence, and those of the packages in it.
+/// The program's notice, its licence, and the licences of its packages.
 const NOTICES: [&str; 3] = [
     include_str!("../../../NOTICE"),
     include_str!("../../../LICENSE-MIT"),
@@ -62,7 +62,7 @@ fn hold(port: &str, baud: u32) -> Result<u8, CommandError> {
     Ok(FINE)
 }
 
-/// Carries out a command line.
+/// Carries out a command line and returns the exit code of the process.
 pub fn carry_out(cli: Cli) -> ExitCode {
     let _log = match (&cli.command, cli.log) {
         (Some(_), Some(level)) => log::on_terminal(level),
@@ -70,7 +70,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
     };
     let told = cli.lang.or_else(of_the_system);
     let language = match &cli.command {
-        // The window remembers its own, an editor tells its own.
+        // The window has stored its language, and an editor sends its own.
         None | Some(Command::Lsp(_)) => cli.lang,
         Some(_) => told,
     };

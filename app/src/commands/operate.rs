@@ -1,4 +1,4 @@
-//! `operate`: a script of key presses and expectations.
+//! `operate`: plays a script of key presses and expectations.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -70,7 +70,7 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
         None => None,
     };
     let code = play(script, path, &mut emulator, live, record.as_mut());
-    // Each is written for itself: one that cannot be takes no other with it.
+    // Each result is written independently: one failure does not affect the others.
     let mut failures = Vec::new();
     if let (Some(data), Some(restored)) = (data, restored) {
         emulator.store_edited();
@@ -90,7 +90,7 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
     Ok(code)
 }
 
-/// Refuses a recording or pictures that would overwrite what the script reads.
+/// Refuses a recording or pictures that would overwrite files that the script reads.
 fn keep_script_apart(
     args: &OperateArgs,
     script: &Script,
@@ -124,7 +124,8 @@ fn keep_script_apart(
     Ok(keep_apart(&read, &written)?)
 }
 
-/// A file named in a script stands beside it, or in the current folder.
+/// The path of a file named in a script: in the folder of the script, else in the current
+/// folder.
 fn found(folder: &Path, name: &str) -> PathBuf {
     let beside = folder.join(name);
     if beside.exists() {
@@ -138,7 +139,7 @@ const fn simulation(emulator: &mut Emulator) -> &mut Simulation {
     &mut emulator.simulation
 }
 
-/// Runs the script, with a board once it is known; the exit code.
+/// Runs the script, after a board has reported its state. Returns the exit code.
 fn play(
     script: Script,
     path: &Path,
@@ -165,7 +166,7 @@ fn play(
     let code = match end {
         ScriptEnd::Finished => {
             let took = clock(emulator.simulation.cnc.ticks() as f64 * 0.001);
-            // Beside the screens that the script prints, not among them.
+            // On standard error: standard output has the screens of the script.
             let said = say::script_done(path.display(), lines, took);
             complain!("{}", output::worded(&said));
             FINE
@@ -189,12 +190,11 @@ fn play(
     }
 }
 
-/// The folder a script stands in.
 fn folder_of(script: &Path) -> PathBuf {
     script.parent().map(Path::to_path_buf).unwrap_or_default()
 }
 
-/// Files named in a script stand beside it, or in the current folder.
+/// Opens the files named in a script.
 struct Files {
     folder: PathBuf,
 }

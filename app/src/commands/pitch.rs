@@ -1,4 +1,4 @@
-//! `pitch`: the pitch error table of a control, from measurements and as it stands.
+//! `pitch`: imports and shows the pitch error table of a control.
 
 use std::path::PathBuf;
 
@@ -22,7 +22,6 @@ use crate::project::{self, Target, Who};
 /// The last point of the table.
 const LAST: u8 = 255;
 
-/// Carries out a command about pitch errors.
 pub fn pitch(command: &PitchCommand, language: Option<Language>) -> Result<u8, CommandError> {
     match command {
         PitchCommand::Import(args) => import(args, language),
@@ -103,7 +102,7 @@ fn import(args: &PitchImportArgs, language: Option<Language>) -> Result<u8, Comm
     Ok(FINE)
 }
 
-/// What readings say.
+/// Describes the fitted errors of a screw.
 fn fitted(readings: usize, runs: usize, fit: &ScrewFit) -> Message {
     let play = match fit.backlash {
         Some(play) => say::commission_play(play.0),
@@ -119,11 +118,11 @@ fn fitted(readings: usize, runs: usize, fit: &ScrewFit) -> Message {
     )
 }
 
-/// Corrections in force and to be, point by point.
+/// Prints the current and the proposed corrections, point by point.
 fn compare(axis: Axis, (parameters, table): &(Parameters, PitchTable), found: &Found) {
     let (mut then, mut new) = (parameters.clone(), table.clone());
     for change in &found.proposal().changes {
-        // They were tried before.
+        // The changes were applied before: none is refused.
         let _ = change.apply(&mut then, &mut new);
     }
     let mut positions = points(axis, &then);
@@ -137,7 +136,7 @@ fn compare(axis: Axis, (parameters, table): &(Parameters, PitchTable), found: &F
     let mut out = String::from("position,correction,proposed\n");
     let mut last = None;
     for ((at, old), (_, value)) in before.points().iter().zip(after.points()) {
-        // One line for all points with the same correction.
+        // One line for adjacent points with equal corrections.
         let row = (old.0, value.0);
         if last != Some(row) {
             out.push_str(&format!("{:.3},{:.3},{:.3}\n", at.0, row.0, row.1));
@@ -147,7 +146,7 @@ fn compare(axis: Axis, (parameters, table): &(Parameters, PitchTable), found: &F
     output::print(&out);
 }
 
-/// The points of the table with their positions, from minus to plus.
+/// The points of the table with their positions, in ascending order of points.
 fn points(axis: Axis, parameters: &Parameters) -> Vec<(u8, SlideTravel)> {
     let interval = pitch_interval(axis, parameters)
         .unwrap_or(SlideTravel(0.0))
@@ -157,7 +156,7 @@ fn points(axis: Axis, parameters: &Parameters) -> Vec<(u8, SlideTravel)> {
     (0..=LAST).map(|point| (point, place(point))).collect()
 }
 
-/// Rows of an axis: point, far end of its interval, value in µm, for points that hold one.
+/// The points of an axis whose value is not 0: point, far end of its interval, value in µm.
 fn rows(axis: Axis, memory: &Memory) -> Vec<(u8, SlideTravel, AxisDeviation)> {
     let parameters = &memory.parameters;
     let Some(interval) = pitch_interval(axis, parameters) else {
@@ -168,7 +167,7 @@ fn rows(axis: Axis, memory: &Memory) -> Vec<(u8, SlideTravel, AxisDeviation)> {
     (1..=LAST)
         .filter_map(|point| {
             let value = memory.pitch.value(axis, point);
-            // Seen from the machine zero the interval ends at its farther point.
+            // Seen from the machine zero the interval ends at its far point.
             let ends = if point > origin {
                 point.into()
             } else {

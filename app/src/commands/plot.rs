@@ -1,4 +1,4 @@
-//! `plot`: the toolpath as a picture.
+//! `plot`: draws the toolpath as a picture.
 
 use gsk_core::preview::{End, Slip, preview_while};
 use gsk_messages::{Language, say};
@@ -14,7 +14,7 @@ use crate::cli::PlotArgs;
 use crate::picture::{NameError, check_name};
 use crate::{job, loading};
 
-/// Draws a program. What comes before an alarm is drawn, too.
+/// Draws a program. The moves before an alarm are drawn as well.
 pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandError> {
     if args.setup.model().is_mill() {
         return mill::plot(args, language);

@@ -1,4 +1,4 @@
-//! `project`: all that the control holds, as a folder.
+//! `project`: writes, imports and compares the memory of a control as a folder.
 
 use std::path::{Path, PathBuf};
 
@@ -20,7 +20,6 @@ use crate::files::data_dir::{self, DataError};
 use crate::project::{self, ProjectError, Taken, Taking, Who, Written};
 use crate::retained::project::Held;
 
-/// Carries out a command about projects.
 pub fn project(command: &ProjectCommand, language: Option<Language>) -> Result<u8, CommandError> {
     match command {
         ProjectCommand::New(args) => new(args, language),
@@ -68,7 +67,7 @@ pub(super) fn directory(data: Option<&PathBuf>) -> Result<PathBuf, DataError> {
     }
 }
 
-/// Says what is wrong with files of a data directory.
+/// Reports damaged files of a data directory.
 fn complain_of(held: &Held, language: Option<Language>) {
     for complaint in held.complaints() {
         complain!("gsk980td: {}", said(complaint, language));
@@ -84,7 +83,7 @@ fn write_control(args: &ProjectExportArgs, language: Option<Language>) -> Result
     }
     let written = project::write(&args.folder, &held.state, &files, held.encodings())?;
     tell_written(written, &args.folder, language);
-    // What was damaged may be as delivered in the folder.
+    // Damaged files may be exported with factory contents.
     Ok(if held.complaints().is_empty() {
         FINE
     } else {
@@ -133,7 +132,7 @@ fn take_over(args: &ProjectImportArgs, language: Option<Language>) -> Result<u8,
     Ok(FINE)
 }
 
-/// Says what the rights of the control refuse.
+/// Reports the changes that the rights of the control refuse.
 pub(super) fn tell_denied(taken: &Taken, language: Option<Language>) {
     for it in &taken.denied {
         let name = label(it.key, &taken.old, language.unwrap_or(Language::En));
@@ -147,7 +146,7 @@ pub(super) fn tell_denied(taken: &Taken, language: Option<Language>) {
     complain!("gsk980td: {count}");
 }
 
-/// A project, or what a data directory holds.
+/// Reads one side of a comparison: a project or a data directory.
 fn side(
     path: &Path,
     model: Option<ModelId>,
@@ -186,7 +185,8 @@ fn compare(args: &ProjectDiffArgs, language: Option<Language>) -> Result<u8, Com
     Ok(if differences.is_empty() { FINE } else { ALARM })
 }
 
-/// The state in which a value is known by name: where it is, or was.
+/// The state that has the name of a value: the new one, or the old one if the value was
+/// removed.
 fn known<'a>(
     difference: &ProjectDifference,
     old: &'a ProjectState,
@@ -195,7 +195,8 @@ fn known<'a>(
     if difference.new.is_some() { new } else { old }
 }
 
-/// Prints differences, a line each; a disk that comes or goes as a whole is one line.
+/// Prints differences, one line each. A disk that is added or removed as a whole is one
+/// line.
 pub(super) fn list(
     differences: &[ProjectDifference],
     old: &ProjectState,
@@ -221,7 +222,7 @@ pub(super) fn list(
         let text = describe_difference(difference, old, new, spoken);
         out.push_str(&format!("{text}\n"));
     }
-    // A program may have anything in its lines.
+    // Programs may contain control characters.
     output::print(&output::shown(&out));
 }
 

@@ -1,4 +1,4 @@
-//! Files looked through on all cores, and what came of them in print.
+//! Checks several files on all cores and prints the results.
 
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
@@ -14,10 +14,11 @@ use gsk_runner::report::{self, Report};
 use super::{ALARM, COLLISION, CommandError, FINE, USAGE, output};
 use crate::cli::{Format, Language};
 
-/// Looks a file through; whether it is the only one.
+/// Checks one file; true if it is the only one.
 pub(super) type Look<'a> = dyn Fn(&Path, bool) -> Result<Report, CommandError> + Sync + 'a;
 
-/// Checks files on all cores, one alone on this one; the results keep the order of the files.
+/// Checks files on all cores, a single file in this thread. The results keep the order of
+/// the files.
 pub(super) fn all(files: &[PathBuf], look: &Look<'_>) -> Vec<Result<Report, CommandError>> {
     if let [file] = files {
         return vec![look(file, true)];
@@ -47,7 +48,8 @@ pub(super) fn all(files: &[PathBuf], look: &Look<'_>) -> Vec<Result<Report, Comm
         .collect()
 }
 
-/// `aside`: on standard error, as the moves are on standard output.
+/// Prints results and returns the highest exit code. `aside` selects standard error, because
+/// the moves are on standard output.
 pub(super) fn print(
     results: &[Result<Report, CommandError>],
     format: Format,
@@ -83,7 +85,7 @@ pub(super) fn print(
     Ok(codes.into_iter().max().unwrap_or(FINE))
 }
 
-/// The exit code of one program alone.
+/// The exit code of one result.
 fn code(result: &Result<Report, CommandError>) -> u8 {
     match result {
         Ok(report) if report.collided() => COLLISION,

@@ -1,4 +1,4 @@
-//! `run`: a program in the full kernel.
+//! `run`: executes a program in the complete control.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -32,10 +32,10 @@ use crate::person::Person;
 use crate::picture::check_name;
 use crate::{job, kernel, loading, retained};
 
-/// Ticks between two looks at the progress line.
+/// Interval at which the progress line is updated, ms of machine time.
 const PROGRESS_MS: u64 = 4096;
 
-/// Runs a program.
+/// Executes a program and returns the exit code.
 pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError> {
     args.setup.refuse_mill().map_err(LoadError::from)?;
     if let Some(path) = &args.plot {
@@ -163,7 +163,7 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     report.part = chosen.zip(outputs.live.as_ref()).map(|(chosen, live)| {
         PartReport::new(live.machining(), chosen.name(), args.part.measure, None)
     });
-    // Each is written for itself: one that cannot be takes no other with it.
+    // Each result is written independently: one failure does not affect the others.
     let mut failures = Vec::new();
     if let (Some(data), Some(restored)) = (data, restored) {
         let saved = retained::save(data, &restored, &simulation.cnc);
@@ -210,7 +210,7 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     })
 }
 
-/// Writes the picture of the path.
+/// Draws the toolpath and writes the picture.
 fn drawn(
     path: &Path,
     drawing: &Drawing,
@@ -222,16 +222,17 @@ fn drawn(
     Ok(target.write(&bytes)?)
 }
 
-/// Who is asked at a stop of a real machine.
+/// The operator who confirms the stops of a real machine; `None` if no board is connected or
+/// standard input is no terminal.
 ///
 /// # Errors
-/// What a real machine does not do by itself.
+/// Options that a real machine does not accept, or several parts without an operator.
 fn attended(args: &RunArgs) -> Result<Option<Person>, CommandError> {
     if args.link.is_none() {
         return Ok(None);
     }
     args.setup.refuse_at_a_board()?;
-    // What comes in there is the program.
+    // With DNC on standard input, standard input holds the program.
     let taken = args
         .dnc
         .as_deref()
@@ -243,7 +244,7 @@ fn attended(args: &RunArgs) -> Result<Option<Person>, CommandError> {
     Ok(person)
 }
 
-/// The title of a picture.
+/// The title of a picture: the name of the program file.
 pub fn title(path: &Path) -> String {
     path.file_name()
         .unwrap_or_default()
@@ -251,7 +252,7 @@ pub fn title(path: &Path) -> String {
         .into_owned()
 }
 
-/// Everything that is written while a program runs.
+/// The results that are written while a program runs.
 struct Outputs {
     moves: Option<Box<dyn Write>>,
     positions: Option<Box<dyn Write>>,
@@ -263,10 +264,10 @@ struct Outputs {
     line: u32,
     /// The pass that was explained last.
     pass: Option<u64>,
-    /// The part that is cut.
+    /// The part being cut.
     live: Option<Live>,
     stops_at_collision: bool,
-    /// The first thing that could not be written; the run goes on.
+    /// The first error of writing; the run continues.
     failed: Option<CommandError>,
 }
 

@@ -1,4 +1,4 @@
-//! `screen`: one page of the LCD as text or picture.
+//! `screen`: prints or draws one page of the LCD.
 
 use gsk_core::setup::Setup;
 use gsk_messages::Language;
@@ -10,10 +10,9 @@ use super::{CommandError, FINE, output};
 use crate::cli::ScreenArgs;
 use crate::picture::check_png;
 
-/// The self-test picture is gone after this, ms.
+/// Upper limit of the duration of the self-test picture, ms.
 const SELF_TEST_MS: u64 = 10_000;
 
-/// Prints or draws a page.
 pub fn screen(args: &ScreenArgs) -> Result<u8, CommandError> {
     if args.list {
         let mut out = String::new();

@@ -1,4 +1,4 @@
-//! `keys`, `parameters`, `alarms`, `signals`: the tables of the control.
+//! `keys`, `parameters`, `alarms`, `signals`, `faults`: print the tables of the control.
 
 use gsk_core::machine::FAULTS;
 use gsk_core::model::ModelId;
@@ -14,7 +14,7 @@ use super::{CommandError, FINE, output};
 use crate::cli::{ParametersArgs, TableArgs};
 use crate::window::pc_name;
 
-/// A table: its heading, its rows, and the same as JSON.
+/// A table with its heading, as text and as JSON.
 struct Table {
     heading: Vec<&'static str>,
     rows: Vec<Vec<String>>,
@@ -83,7 +83,7 @@ impl Table {
     }
 }
 
-/// Columns of a terminal: a Chinese character takes two.
+/// The width of a text in columns of a terminal; a Chinese character has two.
 fn columns(text: &str) -> usize {
     gsk_panel::glyphs::text_columns(text)
 }
@@ -92,7 +92,7 @@ fn bit(area: char, bit: Bit) -> String {
     format!("{area}{}.{}", bit.byte, bit.bit)
 }
 
-/// The keys of the panel, then the lamps of the strip.
+/// Prints the keys of the panel and the lamps of the status strip.
 pub fn keys(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let mut table = Table::new(&match language {
         Some(Language::Zh) => [
@@ -141,7 +141,7 @@ pub fn keys(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandE
     table.print(args)
 }
 
-/// The parameters.
+/// Prints the parameters of a model.
 pub fn parameters(args: &ParametersArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let own = match args.model {
         ModelId::Gsk980td => of_the_lathe(language),
@@ -151,7 +151,7 @@ pub fn parameters(args: &ParametersArgs, language: Option<Language>) -> Result<u
     own.print(&args.table)
 }
 
-/// The parameters of the mill, with what acts in `check` and `plot`.
+/// The parameters of the mill. The column ACTS marks those that `check` and `plot` apply.
 fn of_the_mill(language: Option<Language>) -> Table {
     let mut table = Table::new(&match language {
         Some(Language::Zh) => [
@@ -193,7 +193,7 @@ fn of_the_mill(language: Option<Language>) -> Table {
     table
 }
 
-/// The numbers that the axes of a row have more.
+/// Names the axes that have a parameter of the mill.
 fn axes_in_words(axes: &[u16], language: Option<Language>) -> String {
     let said = match axes {
         [] => return String::new(),
@@ -204,7 +204,7 @@ fn axes_in_words(axes: &[u16], language: Option<Language>) -> String {
     said.text(language.unwrap_or(Language::En))
 }
 
-/// The parameters that only one of the other lathes has.
+/// The parameters that a lathe model has in addition to those of the GSK980TD.
 fn of_a_model(model: ModelId, language: Option<Language>) -> Table {
     let mut table = Table::new(&match language {
         Some(Language::Zh) => ["参数号", "单位", "范围", "出厂值", "中文", "ENGLISH"],
@@ -269,7 +269,7 @@ fn of_the_lathe(language: Option<Language>) -> Table {
     table
 }
 
-/// The alarms, with cause and cure in a language.
+/// Prints the alarms with cause and cure.
 pub fn alarms(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let heading = match language {
         Some(Language::Zh) => ["类别", "报警号", "中文", "ENGLISH", "原因", "处理"],
@@ -299,7 +299,7 @@ pub fn alarms(args: &TableArgs, language: Option<Language>) -> Result<u8, Comman
     table.print(args)
 }
 
-/// The signals of the PLC.
+/// Prints the signals of the PLC.
 pub fn signals(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let spoken = language.unwrap_or(Language::En);
     let mut table = Table::new(&match spoken {
@@ -336,7 +336,7 @@ pub fn signals(args: &TableArgs, language: Option<Language>) -> Result<u8, Comma
     table.print(args)
 }
 
-/// Where a signal acts, as the table of signals writes it.
+/// Translates the text of the signal table that says where a signal acts.
 fn acts_in(written: &str) -> Option<Message> {
     Some(match written {
         "control" => say::table_acts_control(),
@@ -357,7 +357,7 @@ fn acts_in(written: &str) -> Option<Message> {
     })
 }
 
-/// What can go wrong with the simulated lathe.
+/// Prints the faults of the simulated lathe.
 pub fn faults(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let heading = match language {
         Some(Language::Zh) => ["名称", "中文", "ENGLISH", "作用"],

@@ -1,4 +1,4 @@
-//! The window: what stands behind `gsk980td` without a command.
+//! Opens the window: `gsk980td` without a command.
 
 use std::path::{Path, PathBuf};
 
@@ -24,14 +24,14 @@ use crate::window::app::{self, Start};
 use crate::window::{Settings, refusal};
 use crate::{loading, log, platform, retained, transfer};
 
-/// Opens the window and returns when it is closed.
+/// Opens the window and returns after it is closed.
 pub fn open(
     args: WindowArgs,
     language: Option<Language>,
     level: Option<LevelFilter>,
 ) -> Result<u8, CommandError> {
     let begun = Instant::now();
-    // What the window remembers is not known yet where it cannot be opened (COMMAND-16).
+    // The language of errors before the settings of the window are loaded (COMMAND-16).
     let told = language.or_else(of_the_system);
     if args.link.is_some() && args.first_start == Some(true) {
         return Err(CommandError::FirstStartAtBoard);
@@ -41,7 +41,7 @@ pub fn open(
     {
         return Err(CommandError::NoFile(program.clone()));
     }
-    // Before a window is opened or a directory made.
+    // Refuse before a window is opened or a directory is created.
     let asked = SetupArgs {
         model: args.model,
         ..SetupArgs::default()
@@ -68,7 +68,7 @@ pub fn open(
         Ok(data) => data,
         Err(error) => return Ok(refused(&error, told)),
     };
-    // A log that cannot be written is no reason not to work.
+    // Continue without a log if it cannot be written.
     let _log = log::in_data(&folder, level.unwrap_or(LevelFilter::INFO)).unwrap_or_else(|error| {
         complain!("gsk980td: {}", report::said(&error.message(), told));
         None
@@ -103,18 +103,18 @@ pub fn open(
     }
 }
 
-/// What every model is turned on with.
+/// Everything needed to start the control again with another model.
 struct Opener {
     args: WindowArgs,
-    /// The language that is asked for.
+    /// The language of `--lang`.
     language: Option<Language>,
-    /// The data directory.
+    /// The data directory of the default model.
     path: PathBuf,
 }
 
 impl Opener {
-    /// A control as its directory has kept it, in a window with `settings` or what was
-    /// remembered; `fresh`: nothing is, in the whole data directory.
+    /// Starts a control with the memory of its directory, and a window with `settings` or
+    /// the stored settings. `fresh`: the data directory has no window settings yet.
     fn turn_on(
         &self,
         data: DataDir,
@@ -125,7 +125,7 @@ impl Opener {
         let (args, path) = (&self.args, data.path().to_owned());
         let stored = match data.load::<Settings>("window") {
             data_dir::Loaded::Value(settings) => Some(settings),
-            // What the window remembers is not worth a complaint.
+            // Missing or damaged window settings are not reported.
             _ => None,
         };
         let remembered = || stored.clone().unwrap_or_default();
@@ -134,7 +134,7 @@ impl Opener {
             first_start: fresh || remembered().first_start,
             ..remembered()
         });
-        // The one that was chosen in the window need not be there any more.
+        // The machine file that was selected in the window may have been removed.
         let chosen = args.machine.is_none().then(|| settings.machine.clone());
         let chosen = chosen.flatten();
         let wrong = chosen.as_ref().map(|path| loading::machine(path).err());
@@ -194,7 +194,7 @@ impl Opener {
         })
     }
 
-    /// Another model, which the window opens with from now on.
+    /// Starts the control with another model and stores it as the model of the next start.
     fn another(&self, model: ModelId, settings: &Settings) -> Result<Start, Message> {
         let folder = models::folder(&self.path, model);
         let data = DataDir::open(&folder).map_err(|error| error.message())?;
@@ -206,8 +206,8 @@ impl Opener {
     }
 }
 
-/// Whether the questions of the first start are asked: when somebody wants them to be, and
-/// when they wait for an answer, unless this start says already what it is for.
+/// Whether to show the questions of the first start: if an option requests it, or if they
+/// are unanswered (`wait`) and no option already names a program, lathe, model or port.
 const fn asks_first(args: &WindowArgs, wait: bool) -> bool {
     let named = args.program.is_some()
         || args.link.is_some()
@@ -220,7 +220,7 @@ const fn asks_first(args: &WindowArgs, wait: bool) -> bool {
     }
 }
 
-/// The port that the control's serial port is at, if one is named.
+/// Opens the control's serial port if an option names one.
 pub fn serial_line(args: &SerialArgs) -> Result<Option<SerialLine>, CommandError> {
     let Some(port) = &args.serial else {
         return Ok(None);
@@ -230,7 +230,7 @@ pub fn serial_line(args: &SerialArgs) -> Result<Option<SerialLine>, CommandError
     Ok(Some(line))
 }
 
-/// The choice of a model is kept; without it the window opens with the one before.
+/// Stores the selected model; an error is reported, and the next start uses the old model.
 fn keep_choice(path: &Path, model: ModelId, language: Option<Language>) {
     if let Err(error) = models::choose(path, model) {
         let file = path.join(models::CHOICE);
@@ -239,7 +239,8 @@ fn keep_choice(path: &Path, model: ModelId, language: Option<Language>) {
     }
 }
 
-/// Whoever started the program with a click has no standard error to read.
+/// Reports an error in a dialog, too: a program started from a desktop has no standard
+/// error.
 fn refused(error: &DataError, language: Option<Language>) -> u8 {
     let said = error.message();
     complain!("gsk980td: {}", report::said(&said, language));
@@ -247,8 +248,8 @@ fn refused(error: &DataError, language: Option<Language>) -> u8 {
     USAGE
 }
 
-/// The board that moves the slides, if one is named on the command line or in the
-/// machine file.
+/// The connection to the board named on the command line or in the machine file; `None`
+/// without one. `data`: folder for the log of the link.
 pub fn connection(
     port: Option<String>,
     setup: &Setup,
@@ -299,7 +300,7 @@ mod tests {
         let folder = test_folder("first-start");
         let start = turned_on(&folder, None, true);
         assert!(start.settings.first_start && start.stored.is_none());
-        // Closed without an answer, it asks again.
+        // The questions were not answered: the next start asks again.
         start.data.store("window", &start.settings).expect("store");
         drop(start);
         let start = turned_on(&folder, None, false);

@@ -1,41 +1,41 @@
-//! Writing a file so that a kill at any moment leaves the old or the new one.
+//! Writes files atomically: a kill at any moment leaves the old or the new contents.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::platform;
 
-/// Ending of the hidden file in which a new content is written aside: a name that
-/// nobody gives a file of his own.
+/// Suffix of the hidden temporary file. No other program uses this name.
 const ASIDE: &str = ".gsk980td-new";
 
-/// Who may read a file.
+/// Access rights of a written file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Readers {
-    /// As the system gives it to any file.
+    /// The default rights of the operating system.
     Any,
-    /// Its owner alone.
+    /// Only the owner can read the file.
     Owner,
 }
 
-/// Writes `bytes` to `path`: aside, to the disk, then renamed over the old file.
+/// Writes `bytes` to `path`: into a temporary file that is synced to the disk, then renamed
+/// over the old file.
 ///
 /// # Errors
-/// What the system says; the old file stands.
+/// The error of the operating system; the old file remains.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_for(path, bytes, Readers::Any)
 }
 
-/// As [`write()`], for some readers only.
+/// Like [`write()`], with the given access rights.
 ///
 /// # Errors
-/// What the system says; the old file stands.
+/// The error of the operating system; the old file remains.
 pub fn write_for(path: &Path, bytes: &[u8], readers: Readers) -> io::Result<()> {
     let aside = aside(path);
     let result = platform::write_new(&aside, bytes, readers == Readers::Owner)
         .and_then(|()| platform::rename(&aside, path));
     if result.is_err() {
-        // The half-written file is of no use; the cause is what is reported.
+        // Only the cause is reported: an unfinished temporary file has no use.
         let _ = platform::remove(&aside);
         return result;
     }
@@ -45,8 +45,8 @@ pub fn write_for(path: &Path, bytes: &[u8], readers: Readers) -> io::Result<()> 
     Ok(())
 }
 
-/// Removes from a folder what was being written aside when the process was killed;
-/// the names it was meant for.
+/// Removes the temporary files of a killed process from a folder. Returns the sorted names
+/// of the files that were being written.
 pub fn remove_unfinished(folder: &Path) -> Vec<String> {
     let mut names = Vec::new();
     for path in platform::list(folder).unwrap_or_default() {
@@ -56,7 +56,7 @@ pub fn remove_unfinished(folder: &Path) -> Vec<String> {
             .and_then(|name| name.strip_prefix('.')?.strip_suffix(ASIDE));
         if let Some(meant) = meant {
             names.push(meant.to_owned());
-            // What cannot be removed is replaced by the next writing.
+            // The next write replaces a file that cannot be removed.
             let _ = platform::remove(&path);
         }
     }
@@ -64,10 +64,11 @@ pub fn remove_unfinished(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Moves a damaged file to a free name beside it and returns that name.
+/// Renames a damaged file to a free name beside it, with the suffix `.damaged`, and returns
+/// the new path.
 ///
 /// # Errors
-/// What the system says; the file stands where it stood.
+/// The error of the operating system; the file keeps its name.
 pub fn set_aside(path: &Path) -> io::Result<PathBuf> {
     let name = |ending: &str| {
         let mut name = path.file_name().unwrap_or_default().to_owned();

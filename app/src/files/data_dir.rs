@@ -1,4 +1,4 @@
-//! The data directory: the control's battery-backed memory on the disk.
+//! The data directory: the battery-backed memory of the control on the disk.
 //!
 //! ```text
 //! lock                one process at a time
@@ -9,8 +9,8 @@
 //! copies/             every file once more
 //! ```
 //!
-//! Every write is atomic. A file that is damaged or missing is named, and its copy
-//! is used; without a good copy that file alone is as delivered.
+//! Every write is atomic. A damaged or missing file is reported and its copy is read.
+//! Without a good copy, this file alone gets its factory contents.
 
 use std::collections::BTreeSet;
 use std::io;
@@ -32,20 +32,20 @@ use crate::saying;
 const PROGRAMS: &str = "programs";
 const LOCK: &str = "lock";
 const LADDER: &str = "ladder.il";
-/// The macro variables. Earlier versions took NaN into them from project folders.
+/// The macro variables. Earlier versions imported NaN from project folders.
 const VARIABLES: &str = "variables";
-/// What holds passwords is its owner's alone.
+/// Files with passwords, which only their owner may read.
 const PRIVATE: [&str; 1] = ["authority.ron"];
-/// The largest file that is read but for programs, bytes.
+/// Size limit of a file, programs excepted, bytes.
 const LARGEST_BYTES: u64 = 64 * 1024 * 1024;
 
-/// An open data directory; it is locked as long as this value lives.
+/// An open data directory. The value keeps it locked.
 #[derive(Debug)]
 pub struct DataDir {
     path: PathBuf,
     _lock: Lock,
     files: Kept,
-    /// Programs whose writing was broken off: the power failed.
+    /// Programs whose last write was interrupted by a power failure.
     interrupted: Vec<String>,
 }
 
@@ -53,29 +53,25 @@ pub struct DataDir {
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum DataError {
-    /// It cannot be made, read or written.
+    /// The directory cannot be created, read or written.
     Unusable {
-        /// The directory.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// Another process has it.
+    /// Another process has locked the directory.
     InUse {
-        /// The directory.
         path: PathBuf,
     },
-    /// Nothing is to be made there.
+    /// The path is not a data directory, and none may be created there.
     Missing {
-        /// The directory.
         path: PathBuf,
     },
-    /// The platform names no folder for data.
+    /// The platform has no default folder for data.
     NoDefault,
 }
 
 impl DataError {
-    /// What is said of it.
     pub fn message(&self) -> Message {
         match self {
             Self::Unusable { path, source } => {
@@ -88,42 +84,37 @@ impl DataError {
     }
 }
 
-/// What a file of the directory held.
+/// The contents of a file of the directory, and whether they are intact.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Loaded<T> {
-    /// A value.
     Value(T),
-    /// A value from the copy of a damaged or missing file, or without what cannot be used.
+    /// A value from the copy of a damaged or missing file, or without its invalid parts.
     Recovered(T, Complaint),
-    /// There is no such file yet.
+    /// The file does not exist yet.
     Missing,
-    /// It was damaged: why, and where it is kept now.
+    /// The file and its copy are damaged. Names the reason and the new name of the file.
     Damaged(Complaint),
 }
 
-/// A program of the directory.
+/// A program file of the directory.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StoredProgram {
-    /// Its number.
     pub number: u16,
-    /// Its text.
     pub text: String,
-    /// How it is written down.
     pub encoding: Encoding,
 }
 
-/// The platform's own place for the data.
+/// The default data directory of the platform.
 pub fn default_path() -> Result<PathBuf, DataError> {
     platform::data_folder("gsk980td").ok_or(DataError::NoDefault)
 }
 
 impl DataDir {
-    /// Opens a directory to read what is in it, and changes nothing there. It must be
-    /// a data directory already: nobody's slip of the pen is taken for a control as
-    /// it was delivered.
+    /// Opens a directory for reading and changes nothing in it. It must already be a data
+    /// directory: a mistyped path must not look like a control in its factory state.
     ///
     /// # Errors
-    /// Why it cannot be read.
+    /// Why the directory cannot be read.
     pub fn read_only(path: &Path) -> Result<Self, DataError> {
         if !platform::is_taken(&path.join(LOCK)) {
             return Err(DataError::Missing {
@@ -139,10 +130,10 @@ impl DataDir {
         })
     }
 
-    /// Opens a directory, making it if it is not there, and locks it.
+    /// Opens and locks a directory; creates it if it is missing.
     ///
     /// # Errors
-    /// Why it cannot be used.
+    /// Why the directory cannot be used.
     pub fn open(path: &Path) -> Result<Self, DataError> {
         let unusable = |source| DataError::Unusable {
             path: path.to_owned(),
@@ -151,7 +142,7 @@ impl DataDir {
         let programs = path.join(PROGRAMS);
         platform::make_folder(&programs).map_err(unusable)?;
         let lock = locked(Lock::alone(&path.join(LOCK)), path)?;
-        // A directory that takes no file would fail at the first edit: say it now.
+        // Report a read-only directory now, not at the first edit.
         let probe = programs.join(".gsk980td-probe");
         atomic::write(&probe, b"").map_err(unusable)?;
         platform::remove(&probe).map_err(unusable)?;
@@ -171,24 +162,23 @@ impl DataDir {
         })
     }
 
-    /// Programs whose writing was broken off when the power failed; their last
-    /// stored texts are there.
+    /// Numbers of the programs whose last write was interrupted by a power failure; their
+    /// older texts are kept.
     pub fn interrupted(&self) -> &[String] {
         &self.interrupted
     }
 
-    /// What is wrong with the list of files itself.
+    /// The damage of the manifest itself, if any.
     pub const fn complaint(&self) -> Option<&Complaint> {
         self.files.complaint()
     }
 
-    /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Reads `NAME.ron`. Every number in it is finite; of the macro variables one that is
-    /// not is left out.
+    /// Reads `NAME.ron`. A number that is not finite makes the file damaged; only the macro
+    /// variables are loaded without it.
     pub fn load<T: DeserializeOwned>(&self, name: &str) -> Loaded<T> {
         let file = file_name(name);
         let mut left_out = None;
@@ -219,7 +209,7 @@ impl DataDir {
     /// Writes `NAME.ron`.
     ///
     /// # Errors
-    /// What could not be written.
+    /// The files that cannot be written.
     pub fn store<T: Serialize>(&self, name: &str, value: &T) -> Result<(), Message> {
         let failures = self.commit(vec![as_ron(name, value)?]);
         if failures.is_empty() {
@@ -229,12 +219,13 @@ impl DataDir {
         }
     }
 
-    /// Writes what is not so yet, each file for itself; what could not be written.
+    /// Writes the changes whose contents are new, each file independently. Returns one
+    /// message for each file that cannot be written.
     pub fn commit(&self, changes: Vec<Change>) -> Vec<Message> {
         self.files.commit(changes)
     }
 
-    /// Reads the ladder that was saved in place of the standard one.
+    /// Reads the ladder that replaces the standard one.
     pub fn ladder(&self) -> Loaded<Ladder> {
         self.read(LADDER, LARGEST_BYTES, |bytes| {
             let text = String::from_utf8(bytes).map_err(say::as_written)?;
@@ -242,7 +233,7 @@ impl DataDir {
         })
     }
 
-    /// Reads every program; what is wrong with those that were damaged.
+    /// Reads all programs; returns them with the complaints about damaged ones.
     pub fn programs(&self) -> (Vec<StoredProgram>, Vec<Complaint>) {
         let mut programs = Vec::new();
         let mut complaints = Vec::new();
@@ -285,7 +276,7 @@ impl DataDir {
         (programs, complaints)
     }
 
-    /// The numbers of the programs that the directory should have.
+    /// The program numbers in the manifest.
     fn program_numbers(&self) -> impl Iterator<Item = u16> {
         let names = self.files.names().into_iter();
         names.filter_map(|name| program_number(name.strip_prefix(PROGRAMS)?.strip_prefix('/')?))
@@ -313,16 +304,16 @@ impl DataDir {
     }
 }
 
-/// The first error of a ladder that does not compile; there is one.
+/// The first error of a ladder that does not compile.
 fn first_of(errors: &CompileErrors) -> Message {
     let first = errors.errors.first();
     first.map_or_else(|| say::as_written(errors), saying::of_finding)
 }
 
-/// `NAME.ron` with a value in it.
+/// A change that writes a value as `NAME.ron`.
 ///
 /// # Errors
-/// What the writer of RON says.
+/// The value cannot be written as RON.
 pub fn as_ron<T: Serialize>(name: &str, value: &T) -> Result<Change, Message> {
     let style = ron::ser::PrettyConfig::new().depth_limit(3);
     let text = ron::ser::to_string_pretty(value, style)
@@ -339,7 +330,7 @@ pub fn as_ron<T: Serialize>(name: &str, value: &T) -> Result<Change, Message> {
     })
 }
 
-/// The file of the ladder that runs in place of the standard one.
+/// A change that writes the ladder that replaces the standard one.
 pub fn as_ladder(ladder: &Ladder) -> Change {
     Change {
         name: LADDER.to_owned(),
@@ -348,7 +339,7 @@ pub fn as_ladder(ladder: &Ladder) -> Change {
     }
 }
 
-/// The file of a program: its text, or nothing to delete it.
+/// A change that writes the text of a program; `None` deletes the program.
 pub fn as_program(number: u16, text: Option<(&str, Encoding)>) -> Change {
     Change {
         name: program_name(number),
@@ -373,7 +364,7 @@ fn program_name(number: u16) -> String {
     format!("{PROGRAMS}/O{number:04}.CNC")
 }
 
-/// The number in a name like `O0001.CNC`.
+/// The program number in a name such as `O0001.CNC`.
 fn program_number(name: &str) -> Option<u16> {
     let digits = name.strip_prefix('O')?.strip_suffix(".CNC")?;
     let plain = digits.len() == 4 && digits.bytes().all(|byte| byte.is_ascii_digit());

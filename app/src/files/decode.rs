@@ -1,12 +1,12 @@
-//! Bytes of a program file to text and back: which encoding it is in, and what
-//! in it no encoding explains.
+//! Decodes program files to text and encodes text: detects the encoding and reports bytes
+//! that no encoding explains.
 
 use std::fmt;
 
 use encoding_rs::{CoderResult, DecoderResult, EncoderResult, GB18030, WINDOWS_1252};
 use gsk_messages::{Message, say};
 
-/// How the text of a file is written down.
+/// The encoding of a text file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Encoding {
     /// UTF-8 without a byte order mark (ASCII included).
@@ -35,44 +35,36 @@ impl fmt::Display for Encoding {
     }
 }
 
-/// A decoded file.
+/// The text of a file and its encoding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Decoded {
-    /// The text.
     pub text: String,
-    /// What it was written in, to be written back the same way.
+    /// The encoding of the file, in which the text is written again.
     pub encoding: Encoding,
 }
 
-/// Why bytes are no program text. Line and column count from 1; a column is a
-/// character.
+/// Why bytes are not a program text. Lines and columns count from 1; columns count
+/// characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum DecodeError {
-    /// A byte that text never has.
+    /// A control character that no program text contains.
     Binary {
-        /// The byte.
         byte: u8,
-        /// Its line.
         line: usize,
-        /// Its column.
         column: usize,
     },
-    /// Bytes that the encoding does not know.
+    /// A byte that is invalid in the encoding.
     Undecodable {
-        /// The byte.
         byte: u8,
         /// The encoding that was tried last.
         encoding: Encoding,
-        /// Its line.
         line: usize,
-        /// Its column.
         column: usize,
     },
 }
 
 impl DecodeError {
-    /// What is said of it.
     pub fn message(&self) -> Message {
         match self {
             Self::Binary { byte, line, column } => {
@@ -88,9 +80,9 @@ impl DecodeError {
     }
 }
 
-/// Decodes the bytes of a program file: a byte order mark decides, else valid
-/// UTF-8, else what the bytes beyond ASCII look like, GB18030 or Windows-1252. The leader
-/// and the trailer of a tape (NUL) and the reader controls DC1 to DC4 are left out.
+/// Decodes the bytes of a program file. A byte order mark decides the encoding. Otherwise
+/// valid UTF-8 is UTF-8; other bytes are GB18030 or Windows-1252, by their statistics. Drops
+/// the leader and trailer of a tape (NUL) and the reader controls DC1 to DC4.
 pub fn decode(mut bytes: Vec<u8>) -> Result<Decoded, DecodeError> {
     leave_out_leaders(&mut bytes);
     if bytes.starts_with(&[0xEF, 0xBB, 0xBF]) {
@@ -110,7 +102,7 @@ pub fn decode(mut bytes: Vec<u8>) -> Result<Decoded, DecodeError> {
             let bytes = error.as_bytes();
             match western_signs(bytes) {
                 Some((alone, pairs)) if alone > pairs => windows_1252(bytes),
-                // In doubt what GB18030 can read is GB18030.
+                // A tie counts as GB18030 if the bytes are valid in it.
                 Some((alone, pairs)) if alone == pairs && alone > 0 => match gb18030(bytes) {
                     Err(DecodeError::Undecodable { .. }) => windows_1252(bytes),
                     read => read,
@@ -121,8 +113,8 @@ pub fn decode(mut bytes: Vec<u8>) -> Result<Decoded, DecodeError> {
     }
 }
 
-/// Leaves out the NULs before a text and after its last line: the leader and the trailer of
-/// a tape. Within a text they are the mark of a binary file.
+/// Removes the NULs before a text and after its last line: the leader and the trailer of a
+/// tape. NULs within a text mark a binary file.
 fn leave_out_leaders(bytes: &mut Vec<u8>) {
     if matches!(bytes[..], [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..]) {
         return;
@@ -138,13 +130,13 @@ fn leave_out_leaders(bytes: &mut Vec<u8>) {
     bytes.drain(..begin);
 }
 
-/// Counts bytes beyond ASCII that speak for Windows-1252, and pairs that speak for GB18030:
-/// letters of Windows-1252 are single between ASCII, while the Chinese characters of a shop
-/// floor (GB2312) are pairs of such bytes. None if a byte cannot be a western letter.
+/// Counts the evidence for Windows-1252 (single bytes beyond ASCII between ASCII) and for
+/// GB18030 (pairs of bytes of common Chinese characters, GB2312). `None` if a byte is not a
+/// western letter.
 fn western_signs(bytes: &[u8]) -> Option<(usize, usize)> {
     /// Lead bytes of the common characters of GB2312.
     const COMMON: core::ops::RangeInclusive<u8> = 0xB0..=0xD7;
-    /// Bytes that Windows-1252 leaves undefined, and ÿ, which is in no shop's comment.
+    /// Bytes that Windows-1252 leaves undefined, and ÿ, which no comment contains.
     const NO_LETTERS: [u8; 6] = [0x81, 0x8D, 0x8F, 0x90, 0x9D, 0xFF];
     let (mut alone, mut pairs) = (0_usize, 0_usize);
     for run in bytes.split(u8::is_ascii).filter(|run| !run.is_empty()) {
@@ -161,8 +153,8 @@ fn windows_1252(bytes: &[u8]) -> Result<Decoded, DecodeError> {
     plain(text.into_owned(), Encoding::Windows1252)
 }
 
-/// The bytes of a text in an encoding; characters that GB18030 cannot write do
-/// not exist.
+/// Encodes a text. GB18030 can encode all characters; a text that Windows-1252 cannot encode
+/// becomes UTF-8.
 pub fn encode(text: &str, encoding: Encoding) -> Vec<u8> {
     match encoding {
         Encoding::Utf8 => text.as_bytes().to_vec(),
@@ -174,7 +166,7 @@ pub fn encode(text: &str, encoding: Encoding) -> Vec<u8> {
     }
 }
 
-/// In UTF-8 where a character was added that Windows-1252 does not have.
+/// UTF-8 if the text contains a character that Windows-1252 lacks.
 fn windows_1252_bytes(text: &str) -> Vec<u8> {
     let mut encoder = WINDOWS_1252.new_encoder();
     let mut out = Vec::with_capacity(text.len() + 16);
@@ -209,7 +201,7 @@ fn gb18030_bytes(text: &str) -> Vec<u8> {
     }
 }
 
-/// The place of the next character after a text, from 1.
+/// Line and column of the next character after a text, from 1.
 fn place_after(text: &str) -> (usize, usize) {
     let line = text.bytes().filter(|byte| *byte == b'\n').count() + 1;
     let start = text.rfind('\n').map_or(0, |at| at + 1);
@@ -263,7 +255,7 @@ fn utf16(
 }
 
 fn gb18030(bytes: &[u8]) -> Result<Decoded, DecodeError> {
-    // A binary file is named as such, and not by some pair of bytes in it.
+    // Report a binary file as such, not as an invalid pair of bytes.
     if let Some(at) = bytes.iter().position(|byte| is_binary(*byte)) {
         let before = String::from_utf8_lossy(&bytes[..at]);
         let (line, column) = place_after(&before);
@@ -300,26 +292,25 @@ fn gb18030(bytes: &[u8]) -> Result<Decoded, DecodeError> {
     }
 }
 
-/// Control characters that no program text has. Tab, line ends, form feed,
-/// the reader controls DC1–DC4 and the end mark of DOS may occur.
+/// Whether a byte is a control character that no program text contains. Tab, line ends, form
+/// feed, the reader controls DC1 to DC4 and the end mark of DOS are allowed.
 const fn is_binary(byte: u8) -> bool {
     matches!(byte, 0..=8 | 0x0E..=0x10 | 0x15..=0x19 | 0x1B..=0x1F)
 }
 
-/// Whether a text has control characters other than tabulators and ends of lines: hardly
-/// any has, and this is quickly seen.
+/// Whether a text has control characters other than tabs and line ends. Few texts have one;
+/// the check is fast.
 fn has_control(text: &[u8]) -> bool {
     let control = |byte: u8| byte < b' ' && byte != b'\n' && byte != b'\r' && byte != b'\t';
     (text.iter()).fold(false, |any, byte| any | control(*byte))
 }
 
-/// Whether a text has any; all bytes are looked at together.
+/// Whether a text has a binary character. The loop has no branch, so that it vectorizes.
 fn has_binary(text: &[u8]) -> bool {
     (text.iter()).fold(false, |any, byte| any | is_binary(*byte))
 }
 
-/// The last gate: text without binary characters; an end mark of DOS and what
-/// follows it is dropped.
+/// Checks a decoded text for binary characters and cuts it at the end mark of DOS.
 fn plain(mut text: String, encoding: Encoding) -> Result<Decoded, DecodeError> {
     if !has_control(text.as_bytes()) {
         return Ok(Decoded { text, encoding });
@@ -341,8 +332,8 @@ fn plain(mut text: String, encoding: Encoding) -> Result<Decoded, DecodeError> {
     Ok(Decoded { text, encoding })
 }
 
-/// The first line with a full-width letter or digit outside a comment: it is
-/// read as its ASCII form, and the user is told.
+/// The first line, from 1, with a full-width letter or digit outside a comment. The control
+/// reads it as ASCII; the operator is notified.
 pub fn full_width_line(text: &str) -> Option<usize> {
     if text.is_ascii() {
         return None;

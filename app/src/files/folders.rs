@@ -1,4 +1,4 @@
-//! The part programs of folders.
+//! Finds the part programs in folders.
 
 use std::path::{Path, PathBuf};
 
@@ -6,13 +6,13 @@ use super::program_file::FileError;
 use super::subprograms::{number_in_head, program_ending};
 use crate::platform;
 
-/// Files of other kinds have these endings as often as programs do: they count when they
-/// begin with an O word.
+/// Endings that other files use as well: such a file counts as a program if it begins with
+/// an O word.
 const COMMON_ENDINGS: [&str; 2] = ["", "txt"];
 
-/// Files as they are, and in the place of each folder the programs in it and below it, by
-/// name. Hidden ones and links to folders are left out. Beside them what is wrong: folders
-/// that cannot be read, or have no program.
+/// Expands folders: returns the files as they are and, for each folder, the programs in it
+/// and below it, sorted by path. Hidden files and links to folders are skipped. The second
+/// list names folders that cannot be read or contain no program.
 pub fn programs(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileError>) {
     let (mut programs, mut wrong) = (Vec::new(), Vec::new());
     for path in paths {

@@ -1,5 +1,5 @@
-//! Files that are kept twice under a manifest: what is damaged or gone is noticed,
-//! and its copy takes its place.
+//! Files kept twice under a manifest: damage and loss are detected, and the copy is read
+//! instead.
 //!
 //! ```text
 //! manifest.ron             what every file must be
@@ -22,31 +22,31 @@ use crate::saying::of_system;
 const MANIFEST: &str = "manifest.ron";
 const COPIES: &str = "copies";
 
-/// The largest manifest that is read.
+/// Size limit of the manifest, bytes.
 const LARGEST_MANIFEST: u64 = 16 * 1024 * 1024;
 
-/// Files of one folder.
+/// The files of one folder with their copies and manifest.
 #[derive(Debug)]
 pub struct Kept {
     folder: PathBuf,
-    /// Nothing is renamed or written.
+    /// Rename and write nothing.
     read_only: bool,
     manifest: Mutex<Manifest>,
-    /// What is wrong with the manifest itself.
+    /// The damage of the manifest itself.
     complaint: Option<Complaint>,
 }
 
-/// What is wrong with a file.
+/// The damage of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Complaint {
-    /// Its name, without its folder.
+    /// The name of the file, without its folder.
     pub name: String,
-    /// What is wrong, and what is used instead.
+    /// The damage, and what is used instead.
     pub said: Message,
 }
 
 impl Complaint {
-    /// Of a file of this path.
+    /// The damage of the file at a path.
     pub fn new(path: &Path, said: Message) -> Self {
         let name = path.file_name().unwrap_or_default();
         Self {
@@ -56,28 +56,28 @@ impl Complaint {
     }
 }
 
-/// What a file is to become: a content, or nothing.
+/// The new contents of a file, or its deletion.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Change {
     /// Name of the file in its folder.
     pub name: String,
-    /// What it is to hold; `None` deletes it.
+    /// `None` deletes the file.
     pub content: Option<Vec<u8>>,
-    /// Who may read it.
+    /// Access rights of the file.
     pub readers: Readers,
 }
 
-/// What was found in the place of a file.
+/// The result of reading a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
-    /// The content, of the file or of its copy; `None` if neither can be used.
+    /// The contents of the file or of its copy; `None` if neither is usable.
     pub content: Option<Vec<u8>>,
-    /// What was wrong.
+    /// `None` if the file is intact or never existed.
     pub damage: Option<Complaint>,
 }
 
 impl Kept {
-    /// The files of a folder, as its manifest has them.
+    /// Opens a folder and reads its manifest.
     pub fn open(folder: &Path, read_only: bool) -> Self {
         let (manifest, complaint) = match read_manifest(folder) {
             Ok(manifest) => (manifest, None),
@@ -91,18 +91,17 @@ impl Kept {
         }
     }
 
-    /// What is wrong with the manifest itself.
     pub const fn complaint(&self) -> Option<&Complaint> {
         self.complaint.as_ref()
     }
 
-    /// The names that the manifest has.
+    /// The file names in the manifest.
     pub fn names(&self) -> Vec<String> {
         self.manifest().names().map(str::to_owned).collect()
     }
 
-    /// Reads a file of at most `largest` bytes; a damaged one is renamed, and its
-    /// copy is read in its place.
+    /// Reads a file of at most `largest` bytes. A damaged file is renamed and its copy is
+    /// read.
     pub fn read(&self, name: &str, largest: u64) -> Found {
         let path = self.folder.join(name);
         let (found, reason) = match read_plain(&path, largest) {
@@ -129,7 +128,7 @@ impl Kept {
             .filter(|bytes| {
                 manifest.state(name).is_some() && manifest.allows(name, Some(Mark::of(bytes)))
             });
-        // Whatever happens to it now, it is to be written anew.
+        // The next commit writes the file again, whatever its state is.
         manifest.settle(name, None);
         Found {
             damage: Some(self.complain_of(&path, reason, copy.is_some())),
@@ -137,13 +136,14 @@ impl Kept {
         }
     }
 
-    /// Notes that what a good file says cannot be used.
+    /// Marks a file with a good checksum as damaged, because its contents cannot be used.
     pub fn reject(&self, name: &str, reason: Message) -> Complaint {
         self.manifest().settle(name, None);
         self.complain_of(&self.folder.join(name), Some(reason), false)
     }
 
-    /// What happened to a file (`reason`, or it is gone), and what is used instead.
+    /// Reports the damage of a file (`reason`; `None`: it is missing) and what is used
+    /// instead.
     fn complain_of(&self, path: &Path, reason: Option<Message>, copy: bool) -> Complaint {
         let instead = match copy {
             true => say::file_copy_used(),
@@ -163,7 +163,8 @@ impl Kept {
         Complaint::new(path, said)
     }
 
-    /// Writes what is not so yet, each file for itself; what could not be written.
+    /// Writes the changes whose contents are new, each file independently. Returns one
+    /// message for each file that cannot be written.
     pub fn commit(&self, changes: Vec<Change>) -> Vec<Message> {
         let mut manifest = self.manifest();
         let changes: Vec<(Change, State)> = changes
@@ -215,7 +216,7 @@ impl Kept {
         write(&copy, content, change.readers)
     }
 
-    /// A manifest that cannot be written must not speak against the files that can.
+    /// Removes a manifest that cannot be written: a wrong one would reject good files.
     fn write_manifest(&self, manifest: &Manifest) -> Result<(), Message> {
         let (path, copy) = (
             self.folder.join(MANIFEST),
@@ -236,7 +237,7 @@ impl Kept {
     }
 }
 
-/// The manifest or its copy; with what is wrong if one of them is damaged.
+/// Reads the manifest or its copy. The error holds the usable manifest and the damage.
 fn read_manifest(folder: &Path) -> Result<Manifest, (Manifest, Complaint)> {
     let read = |path: &Path| match read_plain(path, LARGEST_MANIFEST) {
         Ok(None) => Ok(None),
@@ -268,14 +269,14 @@ fn read_manifest(folder: &Path) -> Result<Manifest, (Manifest, Complaint)> {
     }
 }
 
-/// Reads a plain file; `None` if there is none.
+/// Reads a regular file; `None` if it does not exist.
 fn read_plain(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, Message> {
     let facts = match platform::facts(path) {
         Ok(facts) => facts,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(say::as_written(error)),
     };
-    // A pipe would be waited for.
+    // Reading a pipe would wait for its writer.
     if !facts.is_file {
         return Err(say::file_not_plain());
     }
@@ -352,7 +353,7 @@ mod tests {
             assert!(sentence.contains(said), "{sentence}");
             assert!(sentence.contains("last good copy is used"), "{sentence}");
             assert_eq!(kept.read("b.ron", LARGEST).damage, None);
-            // It is said once: the next saving writes the file anew.
+            // The damage is reported once: the next commit writes the file again.
             assert_eq!(kept.commit(vec![change("a.ron", "(24: 584)")]), []);
             assert_eq!(
                 Kept::open(&folder, false).read("a.ron", LARGEST).damage,
@@ -402,8 +403,8 @@ mod tests {
         assert!(kept.read("a", LARGEST).damage.is_some());
     }
 
-    /// A kill between the first manifest and the files leaves the old ones; what is
-    /// then wanted is written although the manifest has it already as the new state.
+    /// A kill between the first manifest and the files leaves the old files. The next commit
+    /// writes them, although the manifest already lists their new state.
     #[test]
     fn what_a_kill_left_undone_is_done_by_the_next_commit() {
         let deletion = |name: &str| Change {
@@ -417,7 +418,7 @@ mod tests {
         manifest.begin("b", None);
         manifest.begin("c", None);
         kept.write_manifest(&manifest).unwrap();
-        // The third one was deleted already, but not its copy.
+        // The third file was deleted, but not its copy.
         fs::remove_file(folder.join("c")).unwrap();
         let kept = Kept::open(&folder, false);
         let contents = ["a", "b", "c"].map(|name| kept.read(name, LARGEST));

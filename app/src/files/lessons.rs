@@ -1,5 +1,5 @@
-//! Lessons as files: those of a teacher in the folder `lessons` of the data directory,
-//! beside the ones that come with the program.
+//! Loads lessons: the built-in ones and those of a teacher in the folder `lessons` of the
+//! data directory.
 
 use std::path::Path;
 
@@ -9,37 +9,37 @@ use gsk_runner::lesson::{Lesson, built_in};
 use super::program_file;
 use crate::platform;
 
-/// The folder of the data directory.
+/// Folder in the data directory.
 pub const FOLDER: &str = "lessons";
-/// Their ending.
+/// Ending of a lesson file.
 const ENDING: &str = "ron";
 
-/// The lessons there are.
+/// The available lessons.
 #[derive(Debug, Default)]
 pub struct Lessons {
-    /// Those that come with the program, then those of the folder by name.
+    /// The built-in lessons, then those of the folder by name.
     pub lessons: Vec<Lesson>,
-    /// What is wrong with files of the folder.
+    /// The errors in files of the folder.
     pub wrong: Vec<Message>,
 }
 
-/// Reads the file of a lesson.
+/// Reads a lesson file.
 ///
 /// # Errors
-/// It cannot be read, or breaks a rule: a sentence that names the place.
+/// The file cannot be read, or breaks a rule: the message names the position.
 pub fn read(path: &Path) -> Result<Lesson, Message> {
     let file = program_file::read(path).map_err(|error| error.message())?;
     Lesson::read(&path.display().to_string(), &file.text).map_err(|error| error.message())
 }
 
-/// The lessons that come with the program, and those of a data directory.
+/// All lessons: the built-in ones and those of a data directory.
 pub fn all(data: Option<&Path>) -> Lessons {
     let mut found = Lessons {
         lessons: built_in(),
         wrong: Vec::new(),
     };
     let listed = data.map(|data| platform::list(&data.join(FOLDER)));
-    // No folder: no lessons of a teacher.
+    // Without the folder there are no lessons of a teacher.
     let mut paths = listed.and_then(Result::ok).unwrap_or_default();
     paths.retain(|path| {
         path.extension()
@@ -49,7 +49,7 @@ pub fn all(data: Option<&Path>) -> Lessons {
     for path in paths {
         match read(&path) {
             Ok(lesson) => {
-                // One of the same name takes the place of ours.
+                // A lesson of the folder replaces the built-in one of the same name.
                 found.lessons.retain(|known| known.name != lesson.name);
                 found.lessons.push(lesson);
             }

@@ -1,8 +1,8 @@
-//! What the files of a data directory must be: length and checksum of each, so that
-//! a file that was damaged or deleted is noticed, whatever its text still says.
+//! The manifest of a data directory: length and checksum of each file. It detects damaged
+//! and deleted files, even if their text can still be parsed.
 //!
-//! While files are being written the manifest names both contents, the old and the
-//! new one: a kill at any moment leaves one of the two.
+//! While files are written the manifest lists both contents, the old and the new one: a kill
+//! at any moment leaves one of the two.
 //!
 //! ```text
 //!   manifest {old, new}  ->  the files, one after the other  ->  manifest {new}
@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// What a content is known by.
+/// Identifies the contents of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Mark {
     length: u64,
@@ -20,7 +20,7 @@ pub struct Mark {
 }
 
 impl Mark {
-    /// Of a content.
+    /// The mark of some contents.
     pub fn of(bytes: &[u8]) -> Self {
         Self {
             length: bytes.len() as u64,
@@ -29,18 +29,18 @@ impl Mark {
     }
 }
 
-/// A file, or its absence.
+/// The state of a file; `None` if it is absent.
 pub type State = Option<Mark>;
 
-/// The states each file may be in, by its name in the directory. A file without a
-/// mark may be anything: it was put there by hand, or by a version without manifest.
+/// The allowed states of each file, by its name in the directory. A file without an entry
+/// may have any contents: the user or a version without manifest put it there.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Manifest {
     files: BTreeMap<String, Vec<State>>,
 }
 
 impl Manifest {
-    /// Whether a file may be as it was found.
+    /// Whether the manifest allows the state of a file.
     pub fn allows(&self, name: &str, found: State) -> bool {
         match self.files.get(name) {
             None => true,
@@ -48,13 +48,13 @@ impl Manifest {
         }
     }
 
-    /// The state of a file, when it is known.
+    /// The last known state of a file; `None` if it is unknown.
     pub fn state(&self, name: &str) -> Option<State> {
         self.files.get(name)?.last().copied()
     }
 
-    /// A file is about to get another content. What stands in its place now, if that
-    /// is not known, may still be there after a kill.
+    /// Prepares a write: allows both the current and the next state. If the current state is
+    /// unknown, any is allowed, because a kill may leave it.
     pub fn begin(&mut self, name: &str, next: State) {
         let states = self
             .state(name)
@@ -62,7 +62,8 @@ impl Manifest {
         self.files.insert(name.to_owned(), states);
     }
 
-    /// A file has this content now.
+    /// Records the current state of a file, the only one allowed. `None` removes the file
+    /// from the manifest: then any state is allowed.
     pub fn settle(&mut self, name: &str, now: State) {
         match now {
             Some(_) => self.files.insert(name.to_owned(), vec![now]),
@@ -70,9 +71,9 @@ impl Manifest {
         };
     }
 
-    /// A file was found in a state that is allowed. After a writing that was broken
-    /// off nobody knows whether its copy is the old or the new one: the file counts
-    /// as unknown, so that the next commit writes both, or deletes both.
+    /// Records that a file was read in an allowed state. After an interrupted write the copy
+    /// may be older or newer than the file. The state becomes unknown, so that the next
+    /// commit writes or deletes both.
     pub fn found(&mut self, name: &str, state: State) {
         let broken_off = self.files.get(name).is_some_and(|states| states.len() > 1);
         match state {
@@ -83,20 +84,19 @@ impl Manifest {
         }
     }
 
-    /// There is such a file; what stands in it is not known.
+    /// Records that a file exists with unknown contents.
     pub fn adopt(&mut self, name: &str) {
         self.files.entry(name.to_owned()).or_default();
     }
 
-    /// The names of all files.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.files.keys().map(String::as_str)
     }
 
-    /// As text: the checksum of the rest, then the rest.
+    /// The manifest as text: the checksum of the rest, then the rest.
     ///
     /// # Errors
-    /// What the writer of RON says.
+    /// The manifest cannot be written as RON.
     pub fn to_text(&self) -> Result<String, ron::Error> {
         let style = ron::ser::PrettyConfig::new().depth_limit(2);
         let body = ron::ser::to_string_pretty(self, style)?;
@@ -104,7 +104,7 @@ impl Manifest {
         Ok(format!("// {sum:08x}\n{body}"))
     }
 
-    /// Reads what [`Manifest::to_text`] wrote; `None` if it is damaged.
+    /// Parses the text of [`Manifest::to_text`]; `None` if it is damaged.
     pub fn from_text(text: &str) -> Option<Self> {
         let (head, body) = text.split_once('\n')?;
         let sum = u32::from_str_radix(head.strip_prefix("// ")?, 16).ok()?;

@@ -1,4 +1,4 @@
-//! Everything that touches the disk: reading programs, the data directory.
+//! Files on the disk: programs, jobs, lessons and the data directory.
 
 pub mod atomic;
 pub mod data_dir;
@@ -21,10 +21,10 @@ mod testing {
     use std::ops::Deref;
     use std::path::{Path, PathBuf};
 
-    /// A folder that is gone with its test, however that ends.
+    /// A folder that is removed at the end of its test, even if the test panics.
     pub struct TestFolder(PathBuf);
 
-    /// An empty folder of its own for one test.
+    /// Creates an empty folder for one test.
     pub fn test_folder(name: &str) -> TestFolder {
         let folder = std::env::temp_dir().join(format!("gsk980td-{name}-{}", std::process::id()));
         let _ = fs::remove_dir_all(&folder);

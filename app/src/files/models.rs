@@ -1,8 +1,8 @@
-//! Which control model a data directory is for, and where each model keeps its memory.
+//! Selects the control model of a data directory and the folder of its memory.
 //!
 //! ```text
 //! DIR/              the memory of the GSK980TD
-//! DIR/models/ncb08/ that of the NC-B08: programs, parameters and all else of its own
+//! DIR/models/ncb08/ that of the NC-B08: its programs, parameters and all other data
 //! DIR/control       the model that the window opens with
 //! ```
 
@@ -14,14 +14,14 @@ use gsk_core::model::ModelId;
 use super::atomic;
 use crate::platform;
 
-/// The file that names it.
+/// The file with the name of the selected model.
 pub const CHOICE: &str = "control";
-/// The folder of the memories of other models.
+/// The folder with the memories of the other models.
 pub const FOLDER: &str = "models";
-/// No word of a model is longer.
+/// Size limit of the file, bytes: longer than any model name.
 const LONGEST: u64 = 64;
 
-/// The model that was chosen for a directory: the GSK980TD where none was.
+/// The selected model of a data directory; the GSK980TD by default.
 pub fn chosen(directory: &Path) -> ModelId {
     let read = platform::read(&directory.join(CHOICE), LONGEST);
     let text = read.map(|bytes| String::from_utf8_lossy(&bytes).trim().to_owned());
@@ -29,10 +29,10 @@ pub fn chosen(directory: &Path) -> ModelId {
     id.filter(|id| !id.is_mill()).unwrap_or_default()
 }
 
-/// Chooses the model that the window opens with.
+/// Stores the model that the window opens with.
 ///
 /// # Errors
-/// It cannot be written down.
+/// The file cannot be written.
 pub fn choose(directory: &Path, model: ModelId) -> io::Result<()> {
     if chosen(directory) == model {
         return Ok(());
@@ -43,7 +43,7 @@ pub fn choose(directory: &Path, model: ModelId) -> io::Result<()> {
     )
 }
 
-/// Where a model keeps its memory.
+/// The folder with the memory of a model in a data directory.
 pub fn folder(directory: &Path, model: ModelId) -> PathBuf {
     match model {
         ModelId::Gsk980td => directory.to_owned(),
@@ -51,7 +51,7 @@ pub fn folder(directory: &Path, model: ModelId) -> PathBuf {
     }
 }
 
-/// The data directory that a model keeps its memory in.
+/// The data directory of a model's memory folder: the inverse of [`folder`].
 pub fn directory(folder: &Path, model: ModelId) -> PathBuf {
     match model {
         ModelId::Gsk980td => folder.to_owned(),

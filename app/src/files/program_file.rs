@@ -1,4 +1,4 @@
-//! Reading one part program from the disk.
+//! Reads a part program from the disk.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -9,64 +9,53 @@ use super::decode::{self, DecodeError, Encoding};
 use crate::platform;
 use crate::saying::of_system;
 
-/// The largest program file that is read.
+/// Size limit of a program file, bytes.
 pub const LARGEST_BYTES: u64 = 256 * 1024 * 1024;
 
-/// A program as it stands in a file.
+/// A program file with its text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramFile {
-    /// Where it came from.
     pub path: PathBuf,
-    /// Its text.
     pub text: String,
-    /// What it was written in.
     pub encoding: Encoding,
-    /// What the user should know about how it was read.
+    /// Notices for the operator, such as full-width letters.
     pub notices: Vec<Message>,
 }
 
-/// Why a program could not be read; it names the file.
+/// Why a program cannot be read. Every message names the file.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum FileError {
-    /// The system refused.
+    /// An error of the operating system.
     System {
-        /// The file.
         path: PathBuf,
-        /// What the system said.
         source: io::Error,
     },
-    /// Not a plain file.
+    /// The path is a folder.
     Folder {
-        /// The folder.
         path: PathBuf,
     },
-    /// A folder without part programs.
+    /// The folder contains no part program.
     NoProgram {
-        /// The folder.
         path: PathBuf,
     },
-    /// Nothing in it.
+    /// The file is empty or blank.
     Empty {
-        /// The file.
         path: PathBuf,
     },
-    /// Above [`LARGEST_BYTES`].
+    /// The file exceeds [`LARGEST_BYTES`].
     TooLarge {
-        /// The file.
         path: PathBuf,
     },
-    /// Not text.
+    /// The file is not text.
     NotText {
-        /// The file.
         path: PathBuf,
-        /// Where and why.
+        /// Position and reason.
         source: DecodeError,
     },
 }
 
 impl FileError {
-    /// What is said of it.
     pub fn message(&self) -> Message {
         match self {
             Self::System { path, source } => {
@@ -129,7 +118,7 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
             path: path.to_owned(),
         });
     }
-    // A pipe has no length beforehand: the limit holds for what is read, too.
+    // A pipe has no length in advance: limit the bytes read, too.
     let bytes = platform::read(path, LARGEST_BYTES + 1).map_err(system)?;
     if bytes.len() as u64 > LARGEST_BYTES {
         return Err(FileError::TooLarge {

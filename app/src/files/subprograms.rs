@@ -1,14 +1,17 @@
-//! Finding the subprograms of a program in the folder it lies in: one rule for all models
-//! and all that load programs.
+//! Finds the subprograms of a program in its folder: one rule for all models and all
+//! commands.
 //!
-//! Looked for in the text are `M98 P…`, `G65 P…` and `G66 P…`; `G20 N…` where that is a
-//! call (Huaxing); G, M and T codes that call by the parameters or the numbers of the model
-//! (macro B, 6044 to 6046 and M9000 to M9999 of the mill); and on lathes the codes that call
-//! when 006.5 is set: `M61` O9061, `S21` O9121, `T15` O9215. A call whose number is a
-//! variable may mean each program of the folder. A number that no loaded
-//! program has is searched beside the file, by name first (`O1002.CNC`, `1002.nc`,
-//! `P33.nc`), then by the O word or the `%P33` that a small file starts with. What stays
-//! missing is reported by the control itself when the call is reached (alarm 078).
+//! The text is searched for calls:
+//! * `M98 P…`, `G65 P…` and `G66 P…`,
+//! * `G20 N…` where that is a call (Huaxing),
+//! * G, M and T codes that call by parameters or numbers of the model (macro B, 6044 to 6046
+//!   and M9000 to M9999 of the mill),
+//! * on lathes the codes that call when 006.5 is set: `M61` O9061, `S21` O9121, `T15` O9215.
+//!
+//! A call whose number is a variable may call each program of the folder. A number that no
+//! loaded program has is searched in the folder, first by file name (`O1002.CNC`, `1002.nc`,
+//! `P33.nc`), then by the O word or the `%P33` at the start of a file. The control itself
+//! reports a missing program when the call is executed (alarm 078).
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -18,45 +21,42 @@ use gsk_core::model::{ControlModel, GCode};
 use super::program_file;
 use crate::platform;
 
-/// Endings of files that are opened only to look for their O word.
+/// Endings of files that are searched for an O word.
 const PROGRAM_ENDINGS: [&str; 9] = ["", "cnc", "nc", "txt", "tap", "gcode", "ngc", "min", "prg"];
-/// The most files of a folder that are looked into.
+/// The most files of a folder that are searched for an O word.
 const MOST_FILES: usize = 2000;
-/// How much of a file is read to find its O word.
+/// The bytes at the start of a file that are searched for an O word.
 const HEAD_BYTES: u64 = 4096;
 
-/// A subprogram found.
+/// A subprogram that was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
-    /// Its number.
     pub number: u16,
-    /// Where.
     pub path: PathBuf,
-    /// Its text.
     pub text: String,
-    /// A call names it by its number; else a variable may.
+    /// Whether a call gives its number; false if only a variable may.
     pub named: bool,
 }
 
-/// What a text calls.
+/// The programs that a text calls.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Calls {
-    /// Program numbers that stand in the text or follow from a code.
+    /// Program numbers that the text gives, or that follow from a code.
     pub numbers: BTreeSet<u16>,
-    /// A variable names a program: it may be any.
+    /// Whether a variable gives a program number: it may be any.
     pub by_variable: bool,
 }
 
 impl Calls {
-    /// Adds what another text calls.
+    /// Adds the calls of another text.
     pub fn extend(&mut self, other: Self) {
         self.numbers.extend(other.numbers);
         self.by_variable |= other.by_variable;
     }
 }
 
-/// Searches the folder of `main` for the programs that it `calls` and that are not in
-/// `loaded`, and for those that they call.
+/// Searches the folder of `main` for called programs that are not in `loaded`, and for those
+/// that they call in turn.
 pub fn find(main: &Path, calls: Calls, loaded: &BTreeSet<u16>, model: &ControlModel) -> Vec<Found> {
     if !calls.by_variable && calls.numbers.is_subset(loaded) {
         return Vec::new();
@@ -65,7 +65,7 @@ pub fn find(main: &Path, calls: Calls, loaded: &BTreeSet<u16>, model: &ControlMo
     find_among(&beside(main), calls, loaded, model, &read)
 }
 
-/// As [`find`], among programs that are known by number; `read` gives their texts.
+/// Like [`find`], in an index of programs by number; `read` returns the text of a file.
 pub fn find_among(
     index: &BTreeMap<u16, PathBuf>,
     calls: Calls,
@@ -75,7 +75,7 @@ pub fn find_among(
 ) -> Vec<Found> {
     let mut wanted: Vec<(u16, bool)> = Vec::new();
     let want = |wanted: &mut Vec<(u16, bool)>, calls: Calls| {
-        // Those that are surely called come off the list first.
+        // The stack returns the certain calls first.
         if calls.by_variable {
             wanted.extend(index.keys().map(|number| (*number, false)));
         }
@@ -106,8 +106,8 @@ pub fn find_among(
     found
 }
 
-/// What a text calls outside comments: by P of M98, G65 and G66 the number of its last four
-/// digits, by N of the call of the Huaxing lathes its own, by a code what the model gives.
+/// The calls of a text outside comments. P of M98, G65 and G66 gives the number by its last
+/// four digits, N of a Huaxing call the whole number; other codes follow the model.
 pub fn calls(text: &str, model: &ControlModel) -> Calls {
     let record = model.record();
     let call_by_n = record.g_number(GCode::SubprogramCall);
@@ -125,12 +125,12 @@ pub fn calls(text: &str, model: &ControlModel) -> Calls {
     calls
 }
 
-/// How a block of a model calls.
+/// How the blocks of a model call programs.
 struct Called<'a> {
     model: &'a ControlModel,
-    /// The G code that calls by N.
+    /// The G code that calls by N, if the model has one.
     call_by_n: Option<u8>,
-    /// M, S and T without a function call (006.5).
+    /// M, S and T codes without a machine function can call (006.5).
     special: bool,
 }
 
@@ -163,8 +163,8 @@ impl Called<'_> {
         }
     }
 
-    /// The program of a code that may call one (006.5): an M that is no machine function,
-    /// S and T of two digits.
+    /// The program of a code that can call one (006.5): an M code without a machine
+    /// function, S and T codes of two digits.
     fn special_call(&self, letter: u8, digits: &str) -> Option<u16> {
         let code = last_four(digits)?;
         let two = digits.len() == 2 && code >= 10;
@@ -180,13 +180,13 @@ impl Called<'_> {
     }
 }
 
-/// Whether a block calls a macro: G66, or G65 that is no operation of macro A.
+/// Whether a block calls a macro: by G66, or by G65 without an H word (macro A).
 fn calls_macro(block: &str) -> bool {
     block.contains("G66") || block.contains("G65") && !block.contains("G65H")
 }
 
-/// The lines that have a letter of a call. Most lines of a long program have none: no
-/// more is done with them than to look at their bytes.
+/// The lines that contain a letter of a call. Most lines of a long program have none: only
+/// their bytes are scanned.
 fn lines_that_may_call(text: &str, with_g: bool) -> impl Iterator<Item = &str> {
     let mut rest = text;
     core::iter::from_fn(move || {
@@ -199,8 +199,8 @@ fn lines_that_may_call(text: &str, with_g: bool) -> impl Iterator<Item = &str> {
     })
 }
 
-/// The first byte that may be one of M, P, S and T, or of their full-width forms; or a G,
-/// where a G code may call.
+/// The index of the first byte that is M, P, S or T or part of a full-width letter; with
+/// `with_g` also G.
 fn first_that_may_call(bytes: &[u8], with_g: bool) -> Option<usize> {
     let g = if with_g { b'g' } else { b'm' };
     let may_call = |byte: &u8| {
@@ -208,7 +208,7 @@ fn first_that_may_call(bytes: &[u8], with_g: bool) -> Option<usize> {
         let letter = small == b'm' || small == b'p' || small == b's' || small == b't';
         letter || small == g || *byte >= 0x80
     };
-    // Many at once first: this is what the processor does best.
+    // The fold without a branch vectorizes.
     let mut from = 0;
     for many in bytes.chunks(MANY) {
         if many.iter().fold(false, |any, byte| any | may_call(byte)) {
@@ -220,7 +220,7 @@ fn first_that_may_call(bytes: &[u8], with_g: bool) -> Option<usize> {
     Some(from + rest.iter().position(may_call)?)
 }
 
-/// Bytes that are looked at together.
+/// Bytes in one pass of the scan.
 const MANY: usize = 64;
 
 fn leading_digits(text: &str) -> &str {
@@ -228,12 +228,12 @@ fn leading_digits(text: &str) -> &str {
     &text[..end]
 }
 
-/// The number of the last four digits; `None` without a digit.
+/// The number in the last four digits; `None` without a digit.
 fn last_four(digits: &str) -> Option<u16> {
     digits[digits.len().saturating_sub(4)..].parse().ok()
 }
 
-/// A line without comment and blanks, full-width letters and digits as ASCII.
+/// A line without comments and blanks; full-width letters and digits become ASCII.
 fn code_of(line: &str) -> String {
     let code = line.split('(').next().unwrap_or_default();
     let code = code.chars().filter_map(|character| match character {
@@ -244,8 +244,8 @@ fn code_of(line: &str) -> String {
     code.collect::<String>().to_ascii_uppercase()
 }
 
-/// The programs beside a file, by number; a name counts more than an O word,
-/// and of two equals the first in alphabetical order.
+/// The programs in the folder of `main`, by number. A file name has priority over an O word,
+/// and among equals the first path.
 pub fn beside(main: &Path) -> BTreeMap<u16, PathBuf> {
     let folder = main
         .parent()
@@ -275,7 +275,7 @@ pub fn beside(main: &Path) -> BTreeMap<u16, PathBuf> {
     by_number
 }
 
-/// The number that a file of this name would be found by.
+/// The program number in a file name, such as 1002 in `O1002.CNC`.
 pub fn number_in_name(path: &Path) -> Option<u16> {
     if !has_program_ending(path) {
         return None;
@@ -287,7 +287,7 @@ pub fn number_in_name(path: &Path) -> Option<u16> {
     plain.then(|| digits.parse().ok())?
 }
 
-/// The number of the O word, or of the `%P01`, that a file begins with.
+/// The program number in the O word or `%P01` at the start of a file.
 pub fn number_in_head(path: &Path) -> Option<u16> {
     if !is_file(path) {
         return None;
@@ -311,7 +311,7 @@ fn has_program_ending(path: &Path) -> bool {
     program_ending(path).is_some()
 }
 
-/// The ending of a file in small letters, if programs have such.
+/// The ending of a file in lower case, if it is one of programs.
 pub fn program_ending(path: &Path) -> Option<&'static str> {
     let ending = path
         .extension()

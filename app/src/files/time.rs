@@ -1,4 +1,4 @@
-//! A moment as it stands in a log.
+//! Formats time stamps of logs.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 

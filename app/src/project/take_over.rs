@@ -1,4 +1,4 @@
-//! A project taken over by a control that is off (decision PROJECT-6).
+//! Imports a project into a control that is switched off (decision PROJECT-6).
 
 use std::path::{Path, PathBuf};
 
@@ -15,14 +15,14 @@ use crate::files::data_dir::DataDir;
 use crate::files::models;
 use crate::retained::project::{Held, held};
 
-/// Whose rights count.
+/// Whose rights limit an import.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Who<'a> {
-    /// The operation level that the control has after power-on.
+    /// The operation level of the control after power-on.
     AtPowerOn,
-    /// That of a password, for this once.
+    /// The level of this password, for one import.
     Password(&'a str),
-    /// That in force when the control was switched off.
+    /// The level that was active when the control was switched off.
     LoggedOn,
 }
 
@@ -42,42 +42,41 @@ impl Who<'_> {
     }
 }
 
-/// What is to be taken over.
+/// A request to import a project.
 #[derive(Clone, Copy, Debug)]
 pub struct Taking<'a> {
     /// The folder of the project.
     pub project: &'a Path,
-    /// The data directory of the control.
     pub directory: &'a Path,
-    /// The model that the project must be of; none: any.
+    /// The model that the project must have; `None` allows any.
     pub model: Option<ModelId>,
-    /// Whose rights count.
     pub who: Who<'a>,
-    /// Nothing is written.
+    /// Compare only, write nothing.
     pub dry_run: bool,
 }
 
-/// What came of it.
+/// The result of an import.
 #[derive(Clone, Debug)]
 pub struct Taken {
-    /// What differs.
+    /// The differences between the control and the project.
     pub differences: Vec<ProjectDifference>,
-    /// What the rights of the control refuse: then nothing was written.
+    /// The changes that the rights of the control refuse. If there is one, nothing is
+    /// written.
     pub denied: Vec<DeniedChange>,
-    /// What the control held.
+    /// The memory before the import.
     pub old: ProjectState,
-    /// What it holds with all of the differences.
+    /// The memory with all differences applied.
     pub new: ProjectState,
-    /// Where it keeps that.
+    /// The folder of the model in the data directory.
     pub folder: PathBuf,
-    /// Where what was there before stands; none where nothing was written.
+    /// The project with the old memory; `None` if nothing was written.
     pub backup: Option<PathBuf>,
-    /// What was wrong with its files.
+    /// Damaged files of the data directory.
     pub complaints: Vec<Message>,
 }
 
 impl Taken {
-    /// How much was taken over, or that nothing was.
+    /// Reports how many changes were written, or that none was.
     pub fn message(&self) -> Message {
         match &self.backup {
             Some(backup) => {
@@ -91,10 +90,10 @@ impl Taken {
     }
 }
 
-/// Takes over the values of a project that are wanted, all of them or none.
+/// Imports those values of a project that `wanted` selects: all of them or none.
 ///
 /// # Errors
-/// The project or the data directory cannot be used, what could not be written.
+/// The project or the data directory cannot be used, or the changes cannot be written.
 pub fn take_over(
     taking: &Taking<'_>,
     wanted: &dyn Fn(&ProjectDifference) -> bool,
@@ -116,20 +115,18 @@ pub fn take_over(
     opened.take_over(differences, taking.dry_run)
 }
 
-/// A control that is off and is to take something over.
+/// A switched-off control as the target of an import.
 #[derive(Clone, Copy, Debug)]
 pub struct Target<'a> {
-    /// Its data directory.
     pub directory: &'a Path,
-    /// The model whose memory is written; none: the one of the directory.
+    /// The model whose memory is written; `None` selects the model of the directory.
     pub model: Option<ModelId>,
-    /// Whose rights count.
     pub who: Who<'a>,
-    /// Nothing is written.
+    /// Compare only, write nothing.
     pub dry_run: bool,
 }
 
-/// Its memory, opened.
+/// The opened memory of a switched-off control.
 #[derive(Debug)]
 pub struct OpenedMemory {
     data: DataDir,
@@ -139,10 +136,11 @@ pub struct OpenedMemory {
     encodings: Encodings,
 }
 
-/// Opens what a control holds; unless nothing is to be written, nobody else can meanwhile.
+/// Opens the memory of a control. Without `dry_run` the data directory stays locked for
+/// other processes.
 ///
 /// # Errors
-/// The data directory cannot be used, a password that opens nothing.
+/// The data directory cannot be used, or the password is wrong.
 pub fn open(target: &Target<'_>) -> Result<OpenedMemory, ProjectError> {
     let model = target
         .model
@@ -164,20 +162,21 @@ pub fn open(target: &Target<'_>) -> Result<OpenedMemory, ProjectError> {
 }
 
 impl OpenedMemory {
-    /// All that it keeps.
+    /// The memory of the control.
     pub const fn memory(&self) -> &Memory {
         &self.held.memory
     }
 
-    /// The same as a project has it.
+    /// The memory of the control in the form of a project.
     pub const fn state(&self) -> &ProjectState {
         &self.held.state
     }
 
-    /// Takes over values, all of them or none; what was there before is kept as a project.
+    /// Applies differences to the memory, all or none. The old memory is kept as a project
+    /// in `backups`.
     ///
     /// # Errors
-    /// What the whole would break, what could not be written.
+    /// A value would be invalid, or the changes cannot be written.
     pub fn take_over(
         self,
         differences: Vec<ProjectDifference>,

@@ -1,4 +1,4 @@
-//! Words of the command line: how they are read, and why one cannot be.
+//! Parses the values of command line options.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gsk_core::memory::DayTime;
@@ -6,62 +6,61 @@ use gsk_core::model::ModelId;
 use gsk_core::units::parse_finite;
 use gsk_messages::{Message, say};
 
-/// Why a word of the command line cannot be read.
+/// Why a value of an option cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum WordError {
-    /// No number.
+    /// Not a number.
     NoNumber(String),
-    /// No length of this control.
+    /// Outside the range of lengths, 9999.999.
     Outside(String),
-    /// Another form is wanted.
+    /// Wrong form; holds the expected one.
     Form(&'static str),
-    /// The same, with one that would do.
+    /// Wrong form; holds the expected one and an example.
     FormLike(&'static str, &'static str),
-    /// Neither on nor off.
+    /// Neither `on` nor `off`.
     NoSwitch,
-    /// Too short a way.
+    /// A distance below 0.1 mm.
     NoWay(String),
-    /// Too low a feed.
+    /// A feed below 1 mm/min.
     NoFeed(String),
-    /// A speed below 0.
+    /// A spindle speed below 0.
     NegativeSpeed,
-    /// No state.
+    /// Neither `0` nor `1`.
     NoState(String),
-    /// No number of a parameter.
+    /// Not a parameter number.
     NoParameter(String),
-    /// No whole number.
+    /// Not a whole number.
     NotWhole(String),
-    /// No bit.
+    /// Not a bit number 0 to 7.
     NoBit,
-    /// No number of an offset.
+    /// Not an offset number.
     NoOffset(String),
-    /// More values than an offset has.
+    /// More than four values of an offset.
     TooManyValues,
-    /// No nose type.
+    /// Not a nose type 0 to 9.
     NoNose,
-    /// No unit.
+    /// Not a unit of time.
     NoUnit(String),
-    /// No time.
+    /// Not a number before the unit of time.
     NoTime(String),
-    /// No time that could be meant.
+    /// A time below 1 ms or above 10^12 ms.
     UselessTime(String),
-    /// No level of the log.
+    /// Not a log level.
     NoLevel(String),
-    /// No partition of the control.
+    /// Not a partition of the control's memory.
     NoPartition,
-    /// No axis of a mill.
+    /// Not an axis of a mill.
     NoAxis,
-    /// Not the eight bits of a byte.
+    /// Not eight binary digits.
     NoBits,
-    /// No diagnosis number with its bits.
+    /// Not a diagnosis number with its eight bits.
     NoKeys,
-    /// Not two whole numbers, with this between them.
+    /// Not two whole numbers with this character between them.
     NotTwo(char),
 }
 
 impl WordError {
-    /// What is said of it.
     pub fn message(&self) -> Message {
         match self {
             Self::NoNumber(word) => say::option_no_number(word),
@@ -92,33 +91,28 @@ impl WordError {
     }
 }
 
-/// `--param`.
+/// Value of `--param`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterWord {
-    /// `N=V`.
+    /// A whole parameter, `N=V`.
     Value {
-        /// Parameter number.
         number: u16,
-        /// New value.
         value: i32,
     },
-    /// `N.B=0|1`.
+    /// One bit of a parameter, `N.B=0|1`.
     Bit {
-        /// Parameter number.
         number: u16,
-        /// Bit 0–7.
+        /// Bit 0 to 7.
         bit: u8,
-        /// New state.
         state: bool,
     },
 }
 
-/// `--offset`.
+/// Value of `--offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OffsetWord {
-    /// Offset number.
     pub number: u8,
-    /// X, as it is keyed in on the offset page.
+    /// X in mm, a diameter or a radius as on the offset page.
     pub x: f64,
     /// Z, mm.
     pub z: f64,
@@ -128,16 +122,15 @@ pub struct OffsetWord {
     pub nose: u8,
 }
 
-/// `--input`, `--set`: an address as the ladder writes it, and its state.
+/// Value of `--input` and `--set`: a PLC address and the state of its bit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputBit {
-    /// For instance `X0.4`.
+    /// Such as `X0.4`, in capitals.
     pub address: String,
-    /// Its state.
     pub state: bool,
 }
 
-/// Reads a number of any size.
+/// Parses any finite number.
 pub fn finite(word: &str) -> Result<f64, WordError> {
     parse_finite(word.trim()).ok_or_else(|| WordError::NoNumber(word.to_owned()))
 }
@@ -150,12 +143,12 @@ fn number(word: &str) -> Result<f64, WordError> {
     Ok(value)
 }
 
-/// The words of the models whose programs run.
+/// Parser of a model whose programs can be executed: all lathes.
 pub fn model() -> impl TypedValueParser<Value = ModelId> {
     models(|id| !id.is_mill())
 }
 
-/// The words of all models.
+/// Parser of a model, mills included.
 pub fn any_model() -> impl TypedValueParser<Value = ModelId> {
     models(|_| true)
 }
@@ -166,7 +159,7 @@ fn models(taken: fn(&ModelId) -> bool) -> impl TypedValueParser<Value = ModelId>
     PossibleValuesParser::new(words).map(|word| ModelId::from_word(&word).unwrap_or_default())
 }
 
-/// `--clock`.
+/// Parses the value of `--clock`.
 pub(super) fn moment(word: &str) -> Result<DayTime, WordError> {
     DayTime::from_text(word).ok_or(WordError::Form("YYYY-MM-DDThh:mm:ss"))
 }
@@ -178,7 +171,7 @@ pub(super) fn model_parameter(word: &str) -> Result<(u16, i32), WordError> {
     }
 }
 
-/// Reads X,Z.
+/// Parses `X,Z`, both at most 9999.999.
 pub fn pair(word: &str) -> Result<(f64, f64), WordError> {
     let (x, z) = word
         .split_once(',')
@@ -186,7 +179,7 @@ pub fn pair(word: &str) -> Result<(f64, f64), WordError> {
     Ok((number(x)?, number(z)?))
 }
 
-/// Reads a way there and back, mm: either way, and not nothing.
+/// Parses the distance of a move there and back, mm, positive or negative, at least 0.1 mm.
 pub fn travel(word: &str) -> Result<f64, WordError> {
     let value = number(word)?;
     if value.abs() < 0.1 {
@@ -195,7 +188,7 @@ pub fn travel(word: &str) -> Result<f64, WordError> {
     Ok(value)
 }
 
-/// Reads a feed, mm/min.
+/// Parses a feed, mm/min, at least 1.
 pub fn feed(word: &str) -> Result<f64, WordError> {
     let value = number(word)?;
     if value < 1.0 {
@@ -213,7 +206,7 @@ pub(super) fn spindle_speed(word: &str) -> Result<f64, WordError> {
     }
 }
 
-/// Reads on and off.
+/// Parses `on` and `off`.
 pub fn switch(word: &str) -> Result<bool, WordError> {
     match word.trim() {
         "on" => Ok(true),
@@ -244,7 +237,7 @@ pub(super) fn parameter(word: &str) -> Result<ParameterWord, WordError> {
     let Some((number, bit)) = name.split_once('.') else {
         let number = parse(name)?;
         let value = value.trim();
-        // A status parameter may be written as its eight bits, as on the page.
+        // The eight bits of a bit parameter, as the parameter page shows them.
         if value.len() == 8 && value.bytes().all(|byte| matches!(byte, b'0' | b'1')) {
             let value =
                 i32::from_str_radix(value, 2).map_err(|_| WordError::NotWhole(value.to_owned()))?;
@@ -289,7 +282,7 @@ pub(super) fn offset(word: &str) -> Result<OffsetWord, WordError> {
     })
 }
 
-/// Reads `X0.4=1`.
+/// Parses `X0.4=1`.
 pub fn input_bit(word: &str) -> Result<InputBit, WordError> {
     let (address, value) = word
         .split_once('=')
@@ -300,7 +293,8 @@ pub fn input_bit(word: &str) -> Result<InputBit, WordError> {
     })
 }
 
-/// Reads a time like `500ms`, `90s`, `1.5m`, `24h`; seconds without a unit.
+/// Parses a time such as `500ms`, `90s`, `1.5m`, `24h` to ms; without a unit it is in
+/// seconds.
 pub fn duration_ms(word: &str) -> Result<u64, WordError> {
     let word = word.trim();
     let split = word

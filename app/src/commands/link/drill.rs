@@ -1,5 +1,5 @@
-//! What `link test` measures at a board: round trips, the switches that are operated, and,
-//! when the owner asks for it, moves of Z with holds in them.
+//! Measurements of `link test`: round-trip times, operated switches and, on request, moves
+//! of Z with feed holds.
 
 use crate::commands::CommandError;
 use std::time::Duration;
@@ -12,14 +12,14 @@ use super::super::{ALARM, FINE, output};
 use crate::board::Board;
 use crate::platform;
 
-/// How long the idle board is listened to.
+/// Duration of the measurement of an idle board.
 const IDLE: Duration = Duration::from_secs(3);
-/// Holds that are measured.
+/// Number of feed holds that are measured.
 const HOLDS: u32 = 10;
-/// Time the drill accelerates and brakes in, ms.
+/// Duration of acceleration and of braking, ms.
 const RAMP_MS: f64 = 100.0;
 
-/// Median and worst of some times, ms.
+/// Median and maximum of some times, ms; `None` if there are none.
 fn figures(times: &mut [Duration]) -> Option<(f64, f64)> {
     times.sort_unstable();
     let worst = times.last()?;
@@ -27,7 +27,7 @@ fn figures(times: &mut [Duration]) -> Option<(f64, f64)> {
     Some((ms(&times[times.len() / 2]), ms(worst)))
 }
 
-/// Round trips of an idle board; what happened meanwhile.
+/// Prints the round-trip times of an idle board. Returns the events of the meantime.
 pub fn idle(board: &mut Board) -> Vec<LinkEvent> {
     let mut events = Vec::new();
     let end = board.now() + IDLE;
@@ -51,7 +51,7 @@ pub fn idle(board: &mut Board) -> Vec<LinkEvent> {
     events
 }
 
-/// The switches without which nothing may move, and what they are called.
+/// The switches that must be free before a move, with their names.
 const SWITCHES: [(Input, fn() -> Message); 4] = [
     (Input::LimitX, say::link_test_limit_x),
     (Input::LimitZ, say::link_test_limit_z),
@@ -59,7 +59,7 @@ const SWITCHES: [(Input, fn() -> Message); 4] = [
     (Input::DriveAlarm, say::link_page_drive_alarm),
 ];
 
-/// Those of them that are operated.
+/// The names of the operated switches.
 pub fn operated(board: &Board) -> Vec<Message> {
     let operated = |(input, name): (Input, fn() -> Message)| {
         (board.link.input(input) == Some(true)).then(name)
@@ -67,7 +67,7 @@ pub fn operated(board: &Board) -> Vec<Message> {
     SWITCHES.into_iter().filter_map(operated).collect()
 }
 
-/// A move of Z under way: speed in pulses a tick.
+/// A test move of Z: positions in pulses, speeds in pulses per tick.
 struct Drill<'a> {
     board: &'a mut Board,
     events: Vec<LinkEvent>,
@@ -75,13 +75,14 @@ struct Drill<'a> {
     z: f64,
     speed: f64,
     pulses: i64,
-    /// Way handed over, pulses, and when it is made.
+    /// End of each tick and the total distance at it, pulses.
     ways: Vec<(RunTime, u64)>,
     refused: Option<MotionRefused>,
 }
 
 impl Drill<'_> {
-    /// One tick at a speed that goes toward `target`; false when the link broke off.
+    /// Moves one tick and changes the speed towards `target`. Returns false if the
+    /// connection is lost or the motion is refused.
     fn tick(&mut self, target: f64, top: f64) -> bool {
         let step = top / RAMP_MS;
         self.speed += (target - self.speed).clamp(-step, step);
@@ -89,7 +90,7 @@ impl Drill<'_> {
         self.push()
     }
 
-    /// Hands over a tick that ends where Z is, as soon as there is room.
+    /// Sends the end position of a tick as soon as the lookahead has space.
     fn push(&mut self) -> bool {
         self.run += Duration::from_millis(1);
         let before = self.pulses;
@@ -115,29 +116,29 @@ impl Drill<'_> {
             Err(refused) => {
                 self.pulses = before;
                 self.refused = Some(refused);
-                // What was handed over is not to run dry.
+                // Stop the board before its queue runs dry.
                 self.board.link.stop(Stop::Flush);
             }
         }
         pushed.is_ok()
     }
 
-    /// Pulses that the board has certainly made.
+    /// Total distance that the board has certainly executed, pulses.
     fn made(&self) -> u64 {
         let executed = self.board.link.executed();
         let made = self.ways.partition_point(|(end, _)| *end <= executed);
         made.checked_sub(1).map_or(0, |last| self.ways[last].1)
     }
 
-    /// The way that one more tick towards the top speed takes, and braking after it:
-    /// the slide goes no farther than it was sent.
+    /// Distance of one more tick towards the top speed and of braking after it: the slide
+    /// must not pass its target.
     fn braking(&self, top: f64) -> f64 {
         let step = top / RAMP_MS;
         let speed = (self.speed.abs() + step).min(top);
         speed + speed * speed / (2.0 * step)
     }
 
-    /// Brakes to rest and waits until the board has made it all.
+    /// Brakes and waits until the board has executed all motion.
     fn stop(&mut self, top: f64) -> bool {
         while self.speed != 0.0 {
             if !self.tick(0.0, top) {
@@ -154,10 +155,10 @@ impl Drill<'_> {
         self.board.link.state() == LinkState::Ready
     }
 
-    /// A move from rest to rest that ends on pulse 0 exactly.
+    /// Moves to pulse 0 exactly, from standstill to standstill.
     fn return_to_start(&mut self, top: f64) -> bool {
         let from = self.z;
-        // Half a wave of the cosine: its greatest speed is pi/2 times the mean.
+        // Half a cosine wave: its maximum speed is pi/2 times the mean.
         let ticks = (core::f64::consts::FRAC_PI_2 * from.abs() / top)
             .max(RAMP_MS)
             .ceil();
@@ -173,15 +174,16 @@ impl Drill<'_> {
     }
 }
 
-/// Processor time of this process and of the one that holds the port so far, where the
-/// system tells.
+/// Processor time of this process and of the guard process so far, s; `None` if the system
+/// does not provide it.
 fn processor_time(board: &Board) -> Option<f64> {
     let own = platform::processor_time(std::process::id())?;
     let holder = board.holder().and_then(platform::processor_time);
     Some(own + holder.unwrap_or(0.0))
 }
 
-/// Moves Z there and back with holds, and compares the counts.
+/// Moves Z by a distance and back with feed holds, prints the measurements and compares the
+/// pulse counts of link and board. `feed` in mm/min.
 pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, CommandError> {
     let per_mm = board.link.pulses_per_mm()[1];
     let top = feed / 60_000.0 * per_mm;
@@ -189,7 +191,7 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Comm
     if rate > most {
         return Err(CommandError::TooFast { feed, rate, most });
     }
-    // A board with homing wakes up locked.
+    // A board with homing starts locked.
     board.wait(Duration::from_millis(500), |_, _| false);
     board.link.reset();
     board.wait(Duration::from_millis(500), |_, _| false);
@@ -226,7 +228,7 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Comm
                     break 'legs;
                 }
             }
-            // The operator presses hold now.
+            // Here the operator presses feed hold.
             let pressed = drill.board.now();
             if !drill.stop(top) {
                 whole = false;
@@ -242,7 +244,7 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Comm
     let load = processor.zip(processor_time(drill.board));
     whole = whole && drill.return_to_start(top);
     if !whole {
-        // Some boards tell the cause only with their next report.
+        // Some boards report the cause with a later status report only.
         let late = drill.board.wait(Duration::from_secs(2), |_, _| false);
         drill.events.extend(late);
     }

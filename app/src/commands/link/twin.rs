@@ -1,5 +1,5 @@
-//! `link twin`: a board without hardware, behind a pseudo terminal or a network address, at the pace of
-//! the wall clock.
+//! `link twin`: simulates a pulse board in real time on a pseudo terminal or a network
+//! address.
 
 use crate::commands::CommandError;
 
@@ -13,16 +13,16 @@ use super::super::{FINE, output};
 use crate::cli::{LinkTwinArgs, TwinBoard};
 use crate::ports::Offer;
 
-/// Bytes ahead for which damage is prepared.
+/// Number of bytes in advance for which losses are scheduled.
 const AHEAD: u64 = 4096;
 
-/// Pulses a turn of the encoder of a board that threads.
+/// Pulses per turn of the encoder of the grblHAL twin.
 const ENCODER: u16 = 1024;
 
-/// Switches of the board of timed steps: pin, axis, pulses from and to, and pulses of a
-/// turn when it comes once a turn. Limit, deceleration switch and zero signal of X and
-/// of Z; behind its deceleration switch the first zero signal of X comes at 3200, that
-/// of Z at 6400.
+/// Switches of the Klipper twin: pin, axis, first and last pulse, and pulses per turn if the
+/// signal comes once per turn. Limit switch, deceleration switch and zero signal of X, then
+/// of Z. After its deceleration switch the first zero signal of X comes at 3200, that of Z
+/// at 6400.
 const SWITCHES: [(&str, usize, i64, i64, Option<i64>); 6] = [
     ("PC0", 0, 4000, i64::MAX, None),
     ("PC4", 0, 1200, 2400, None),
@@ -32,7 +32,7 @@ const SWITCHES: [(&str, usize, i64, i64, Option<i64>); 6] = [
     ("PC7", 1, 0, 31, Some(1600)),
 ];
 
-/// The spindle of the board of timed steps.
+/// The spindle of the Klipper twin.
 const SPINDLE: SpindleWiring<'_> = SpindleWiring {
     index_pin: "PC3",
     forward_pin: "PB4",
@@ -42,13 +42,13 @@ const SPINDLE: SpindleWiring<'_> = SpindleWiring {
     time_constant_s: 0.2,
 };
 
-/// A board that is played.
+/// A simulated board.
 enum Twin {
     Grbl(Box<GrblTwin>),
     Klipper(Box<KlipperTwin>),
 }
 
-/// What is printed when it changes.
+/// The state of the board that is printed when it changes.
 #[derive(PartialEq)]
 struct Shown {
     state: Message,
@@ -66,9 +66,9 @@ impl Twin {
         };
         match args.firmware {
             TwinBoard::Grbl => grbl(Variant::Grbl, GrblSettings::default()),
-            // Its spindle has an encoder.
+            // A board with a spindle encoder.
             TwinBoard::Grblhal => grbl(Variant::GrblHal, GrblSettings::with_encoder(ENCODER)),
-            // As an owner has it who copied an example.
+            // The settings of a board configured from an example.
             TwinBoard::Fluidnc => grbl(Variant::FluidNc, GrblSettings::with_config_tree()),
             TwinBoard::Klipper => {
                 let mut board = KlipperTwin::new(klipper::KlipperHardware::default());
@@ -98,7 +98,7 @@ impl Twin {
         }
     }
 
-    /// The bytes are given, time passes up to a moment; what the board says.
+    /// Passes bytes to the board and advances it to a time, ns. Returns its answers.
     fn play(&mut self, bytes: &[u8], until: u64) -> Vec<u8> {
         match self {
             Self::Grbl(board) => {
@@ -129,7 +129,7 @@ impl Twin {
                     klipper::KlipperState::Shutdown(reason) => say::link_twin_shut_down(reason),
                 },
                 resets: 0,
-                // A quarter of a second without a pulse.
+                // At standstill: no pulse for 0.25 s.
                 stands: board.now().saturating_sub(board.last_pulse_ns()) > 250_000_000,
                 pulses: board.pulses(),
             },
@@ -137,7 +137,7 @@ impl Twin {
     }
 }
 
-/// A machine file for a board that is played.
+/// The machine file for a simulated board.
 const fn machine(firmware: TwinBoard) -> &'static str {
     match firmware {
         TwinBoard::Grbl | TwinBoard::Grblhal | TwinBoard::Fluidnc => {
@@ -147,7 +147,7 @@ const fn machine(firmware: TwinBoard) -> &'static str {
     }
 }
 
-/// Plays a board until its time is up.
+/// Simulates a board until the time of `--seconds` is over.
 pub fn twin(args: &LinkTwinArgs) -> Result<u8, CommandError> {
     if args.print_machine {
         output::print(machine(args.firmware));

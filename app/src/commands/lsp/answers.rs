@@ -1,4 +1,4 @@
-//! Answers to the requests of an editor.
+//! Answers the requests of an editor.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -30,28 +30,28 @@ use super::desk::Desk;
 use super::documents::Document;
 use super::folder;
 
-/// An answer, and what is shown beside it.
+/// The result of a request, with a notice for the user.
 type Answer = Result<(Value, Option<Message>), Refusal>;
 
-/// Why a request is not answered.
+/// Why a request is refused.
 enum Refusal {
-    /// What is asked is not what the method takes.
+    /// The parameters do not fit the method.
     Params(String),
-    /// The document is not open.
     NotOpen,
-    /// What is wanted would change the program, or makes no sense there.
+    /// The operation would change the meaning of the program, or does not apply at the
+    /// position.
     Failed(Message),
     /// The server does not know the method.
     Method(String),
 }
 
-/// The document of a request, where it names an open one.
+/// The open document that a request names, if any.
 pub fn document_of<'a>(desk: &'a mut Desk, request: &Request) -> Option<&'a mut Document> {
     let uri = request.params.get("textDocument")?.get("uri")?.as_str()?;
     desk.open.get_mut(uri)
 }
 
-/// Answers a request; what comes beside the answer is shown to the user.
+/// Answers a request. The message, if any, is shown to the user.
 pub fn answer(desk: &mut Desk, request: Request) -> (Response, Option<Message>) {
     let id = request.id.clone();
     match answered(desk, request) {
@@ -149,7 +149,7 @@ fn document<'a>(desk: &'a Desk, uri: &Uri) -> Result<&'a Document, Refusal> {
     desk.open.get(uri.as_str()).ok_or(Refusal::NotOpen)
 }
 
-/// The document and the position in its text that a request names.
+/// The document of a request and the position in its text.
 fn at<'a>(
     desk: &'a Desk,
     params: &TextDocumentPositionParams,
@@ -162,7 +162,7 @@ fn at<'a>(
     Ok((document, position))
 }
 
-/// The programs beside a document, by number.
+/// The programs in the folder of a document, by number.
 fn beside(desk: &mut Desk, uri: &Uri) -> Result<BTreeMap<u16, PathBuf>, Refusal> {
     let document = desk.open.get(uri.as_str()).ok_or(Refusal::NotOpen)?;
     Ok(match &document.path {
@@ -171,7 +171,7 @@ fn beside(desk: &mut Desk, uri: &Uri) -> Result<BTreeMap<u16, PathBuf>, Refusal>
     })
 }
 
-/// Markdown for an editor that shows it; the text alone for others.
+/// Markdown, or plain text for an editor that cannot show it.
 fn markup(value: String, markdown: bool) -> MarkupContent {
     match markdown {
         true => MarkupContent {
@@ -263,7 +263,7 @@ fn on_definition(desk: &mut Desk, params: &TextDocumentPositionParams) -> Answer
     value(&found)
 }
 
-/// The URI of a file, as the editor writes it where the file is open.
+/// The URI of a file; that of the editor if the file is open.
 fn uri_in(desk: &Desk, path: &std::path::Path) -> Option<Uri> {
     let mut open = desk.open.values();
     let open = open.find(|document| document.path.as_deref() == Some(path));
@@ -422,7 +422,7 @@ fn on_rename(desk: &Desk, params: &TextDocumentPositionParams, name: &str) -> An
     value(&WorkspaceEdit::new(changes))
 }
 
-/// The lenses of a document; none before it was looked through.
+/// The code lenses of a document; none before its first analysis.
 pub fn lenses_of(document: &Document, encoding: Encoding, reader: ReadingContext) -> Vec<CodeLens> {
     let Some(analysis) = &document.analysis else {
         return Vec::new();

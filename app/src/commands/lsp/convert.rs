@@ -1,5 +1,5 @@
-//! Between the places of the protocol and those of a text: columns in UTF-8 or UTF-16,
-//! files as URIs.
+//! Converts positions and files between the protocol and the program: columns in UTF-8 or
+//! UTF-16, paths and URIs.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -7,24 +7,24 @@ use std::str::FromStr;
 use gsk_language::{Position, TextChange, TextDocument, TextRange};
 use lsp_types::{PositionEncodingKind, Range, TextEdit, Uri};
 
-/// How columns are counted.
+/// The unit of columns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Encoding {
-    /// In bytes.
+    /// Bytes of UTF-8.
     Utf8,
-    /// In the units that every editor knows.
+    /// Code units of UTF-16, which every editor supports.
     #[default]
     Utf16,
 }
 
 impl Encoding {
-    /// The one that costs least of those that an editor offers.
+    /// The fastest encoding that the editor offers: UTF-8 if it does, else UTF-16.
     pub fn of(offered: Option<&[PositionEncodingKind]>) -> Self {
         let bytes = offered.is_some_and(|it| it.contains(&PositionEncodingKind::UTF8));
         if bytes { Self::Utf8 } else { Self::Utf16 }
     }
 
-    /// As the protocol calls it.
+    /// The name of the encoding in the protocol.
     pub const fn kind(self) -> PositionEncodingKind {
         match self {
             Self::Utf8 => PositionEncodingKind::UTF8,
@@ -32,7 +32,7 @@ impl Encoding {
         }
     }
 
-    /// A byte of a line as a column.
+    /// Converts a byte offset in a line to a column.
     fn column(self, line: &str, byte: usize) -> u32 {
         let byte = line.floor_char_boundary(byte.min(line.len()));
         let before = line.get(..byte).unwrap_or(line);
@@ -43,7 +43,8 @@ impl Encoding {
         u32::try_from(column).unwrap_or(u32::MAX)
     }
 
-    /// A column of a line as a byte; the end of the line where there is none.
+    /// Converts a column of a line to a byte offset; the end of the line if the column is
+    /// beyond it.
     fn byte(self, line: &str, column: u32) -> usize {
         let column = column as usize;
         match self {
@@ -61,13 +62,11 @@ impl Encoding {
         }
     }
 
-    /// A position of a text for an editor.
     pub fn to_editor(self, text: &TextDocument, at: Position) -> lsp_types::Position {
         let column = self.column(text.line(at.line), at.byte as usize);
         lsp_types::Position::new(at.line, column)
     }
 
-    /// A position that an editor names.
     pub fn to_text(self, text: &TextDocument, at: lsp_types::Position) -> Position {
         let byte = self.byte(text.line(at.line), at.character);
         Position {
@@ -76,13 +75,11 @@ impl Encoding {
         }
     }
 
-    /// A piece of a line for an editor.
     pub fn range(self, text: &TextDocument, place: &TextRange) -> Range {
         let (from, to) = place.start_and_end();
         Range::new(self.to_editor(text, from), self.to_editor(text, to))
     }
 
-    /// A change for an editor.
     pub fn edit(self, text: &TextDocument, edit: &TextChange) -> TextEdit {
         let (from, to) = (
             self.to_editor(text, edit.from),
@@ -92,12 +89,12 @@ impl Encoding {
     }
 }
 
-/// The file that a URI names; none for a text that is no file yet.
+/// The path of a `file:` URI; `None` for a text that was never saved.
 pub fn path_of(uri: &Uri) -> Option<PathBuf> {
     let rest = uri.as_str().strip_prefix("file://")?;
     let path = rest.strip_prefix("localhost").unwrap_or(rest);
     let decoded = decoded(path.strip_prefix('/').map(|_| path)?)?;
-    // `/c:/parts` is `c:/parts` where drives have letters.
+    // Windows: `/c:/parts` is `c:/parts`.
     let drive = matches!(decoded.as_bytes(), [b'/', letter, b':', b'/', ..] if letter.is_ascii_alphabetic());
     Some(PathBuf::from(if drive {
         &decoded[1..]
@@ -123,7 +120,6 @@ fn decoded(text: &str) -> Option<String> {
     String::from_utf8(bytes).ok()
 }
 
-/// A file as a URI.
 pub fn uri_of(path: &Path) -> Option<Uri> {
     let mut uri = String::from("file://");
     let bytes = path.as_os_str().as_encoded_bytes();

@@ -1,5 +1,5 @@
-//! What lies on the desk between two messages: the open documents, and what the editor
-//! wants.
+//! The state of the server between two messages: open documents and capabilities of the
+//! editor.
 
 use std::collections::BTreeMap;
 
@@ -9,27 +9,26 @@ use super::convert::Encoding;
 use super::documents::Document;
 use super::folder::Folders;
 
-/// What the editor can do and wants.
+/// Capabilities of the editor.
 #[derive(Clone, Copy, Debug)]
 pub struct Editor {
-    /// How it counts columns.
+    /// The unit of its columns.
     pub encoding: Encoding,
-    /// Whether it takes proposals with places to be filled in.
+    /// Whether it accepts completions with placeholders.
     pub snippets: bool,
-    /// Whether it shows Markdown under the pointer, and beside proposals.
+    /// Whether it shows Markdown in hovers and in completions.
     pub markdown: (bool, bool),
-    /// Whose programs are read, in which language.
+    /// Control model and language of the programs.
     pub reader: ReadingContext,
 }
 
-/// What answers are made from.
+/// The state from which requests are answered.
 pub struct Desk {
-    /// What the editor can do.
     pub editor: Editor,
-    /// How programs are written.
+    /// The format style of programs.
     pub style: Style,
-    /// Open documents by their URI.
+    /// Open documents by URI.
     pub open: BTreeMap<String, Document>,
-    /// The programs beside them.
+    /// Programs in the folders of the documents.
     pub folders: Folders,
 }

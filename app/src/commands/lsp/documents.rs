@@ -11,29 +11,26 @@ use lsp_types::{TextDocumentContentChangeEvent, Uri};
 use super::convert::Encoding;
 use crate::files::subprograms::Found;
 
-/// A document that is open.
+/// An open document.
 pub struct Document {
-    /// What the editor calls it.
     pub uri: Uri,
-    /// Its file; none for one that was never saved.
+    /// `None` if the document was never saved.
     pub path: Option<PathBuf>,
-    /// The editor's count of its changes.
+    /// The version number that the editor assigned.
     pub version: i32,
-    /// Its text.
     pub text: Arc<TextDocument>,
     structure: OnceLock<Arc<Structure>>,
-    /// Programs of other files that it calls.
+    /// Called programs of other files.
     pub found: Arc<Vec<Found>>,
-    /// What the last look through this text found.
+    /// The analysis of the current text; `None` until the checker has finished.
     pub analysis: Option<Arc<Analysis>>,
-    /// Whether the look that is under way is still wanted.
+    /// False cancels the running analysis.
     wanted: Arc<AtomicBool>,
-    /// Requests that wait for the look.
+    /// Code lens requests that wait for the analysis.
     pub waiting: Vec<RequestId>,
 }
 
 impl Document {
-    /// As the editor opens it.
     pub fn new(uri: Uri, path: Option<PathBuf>, version: i32, text: String) -> Self {
         Self {
             uri,
@@ -48,20 +45,20 @@ impl Document {
         }
     }
 
-    /// Its structure, read when it is asked for.
+    /// The structure of the text, parsed on first use.
     pub fn structure(&self) -> &Arc<Structure> {
         let read = || Arc::new(Structure::read(&self.text));
         self.structure.get_or_init(read)
     }
 
-    /// Takes over what a look through this text found.
+    /// Stores the analysis of the current text.
     pub fn looked(&mut self, structure: Arc<Structure>, analysis: Arc<Analysis>) {
-        // It may have been read meanwhile, and is the same then.
+        // The structure may already be set: it is the same.
         let _ = self.structure.set(structure);
         self.analysis = Some(analysis);
     }
 
-    /// Takes over changes in their order.
+    /// Applies changes in their order.
     pub fn change(
         &mut self,
         version: i32,
@@ -87,7 +84,7 @@ impl Document {
         }
     }
 
-    /// A new look begins: one that is under way is no longer wanted.
+    /// Starts a new analysis and cancels the running one. Returns its cancel flag.
     pub fn begin_look(&mut self) -> Arc<AtomicBool> {
         self.give_up_look();
         self.analysis = None;
@@ -95,13 +92,13 @@ impl Document {
         Arc::clone(&self.wanted)
     }
 
-    /// Nobody waits for the look any more.
+    /// Cancels the running analysis.
     pub fn give_up_look(&self) {
         self.wanted.store(false, Ordering::Relaxed);
     }
 
-    /// The numbers that P of M99 in programs of other files leads to, in the order of
-    /// those programs.
+    /// The sequence numbers that M99 P in programs of other files returns to, in the order
+    /// of those programs.
     pub fn led_from_outside(&self) -> Vec<u16> {
         let texts = self
             .found

@@ -1,4 +1,4 @@
-//! The programs beside a document: open ones before those on the disk.
+//! The programs in the folder of a document. An open document replaces its file on the disk.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -10,22 +10,22 @@ use super::documents::Document;
 use crate::files::program_file;
 use crate::files::subprograms::{self, Found};
 
-/// Files larger than this are not looked into for words that lead to a program.
+/// Size limit for files that are searched for calls, bytes.
 const LARGEST_OTHER: usize = 4 * 1024 * 1024;
 
-/// The programs of folders by their numbers, found once and kept until files have changed.
+/// Indexes of folders by program number, cached until files change.
 #[derive(Default)]
 pub struct Folders {
     by_main: BTreeMap<PathBuf, BTreeMap<u16, PathBuf>>,
 }
 
 impl Folders {
-    /// Files may have changed.
+    /// Clears the cache, because files may have changed.
     pub fn forget(&mut self) {
         self.by_main.clear();
     }
 
-    /// The programs beside a document, by number.
+    /// The programs in the folder of a document, by number.
     pub fn beside<'a>(
         &mut self,
         path: &Path,
@@ -40,7 +40,7 @@ impl Folders {
     }
 }
 
-/// An open document of the same folder, and the number it is called by.
+/// Number and path of an open document in the same folder.
 fn numbered_beside(path: &Path, document: &Document) -> Option<(u16, PathBuf)> {
     let other = document.path.as_deref()?;
     if other == path || other.parent() != path.parent() {
@@ -51,7 +51,7 @@ fn numbered_beside(path: &Path, document: &Document) -> Option<(u16, PathBuf)> {
     Some((number, other.to_owned()))
 }
 
-/// The text of a program that is open, or on the disk.
+/// The text of a program: from the editor if it is open, else from the disk.
 pub fn text_of<'a>(path: &Path, mut open: impl Iterator<Item = &'a Document>) -> Option<String> {
     let open = open.find(|it| it.path.as_deref() == Some(path));
     match open {
@@ -60,7 +60,7 @@ pub fn text_of<'a>(path: &Path, mut open: impl Iterator<Item = &'a Document>) ->
     }
 }
 
-/// The programs beside a text that it calls, and those that they call.
+/// The called programs in the folder of a text, and those that they call in turn.
 pub fn called(
     text: &TextDocument,
     index: &BTreeMap<u16, PathBuf>,
@@ -71,7 +71,7 @@ pub fn called(
     subprograms::find_among(index, calls, &BTreeSet::new(), model, read)
 }
 
-/// Whether a file is small enough to be looked into for a word.
+/// Whether a text is small enough to be searched for calls.
 pub fn is_small(text: &str) -> bool {
     text.len() <= LARGEST_OTHER
 }

@@ -1,4 +1,4 @@
-//! The thread that looks programs through.
+//! The thread that analyses programs.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -21,39 +21,35 @@ use crate::files::subprograms::{Calls, Found};
 use crate::loading;
 use crate::work_limit::WorkLimit;
 
-/// Work of a look through a text.
+/// Work budget of one analysis.
 const BUDGET: WorkBudget = WorkBudget::interactive(20_000_000);
 
-/// A text to be looked through.
+/// A text to be analysed.
 pub struct Job {
-    /// Its document.
     pub uri: Uri,
-    /// Its version.
+    /// Version of the document.
     pub version: i32,
-    /// Its file.
+    /// `None` if the document was never saved.
     pub path: Option<PathBuf>,
-    /// The text.
     pub text: Arc<TextDocument>,
-    /// Programs of other files that it calls.
+    /// Called programs of other files.
     pub found: Arc<Vec<Found>>,
-    /// Whether anybody still waits for it.
+    /// False cancels the job.
     pub wanted: Arc<AtomicBool>,
 }
 
-/// What a look found.
+/// The result of a job.
 pub struct Looked {
-    /// The document.
     pub uri: Uri,
-    /// The version that was looked through.
+    /// Version of the document that was analysed.
     pub version: i32,
-    /// The structure of its text.
     pub structure: Arc<Structure>,
-    /// What was found; what kept the program from being loaded is the only finding then.
+    /// The findings; if the program cannot be loaded, the reason is the only one.
     pub analysis: Arc<Analysis>,
 }
 
-/// Starts the thread: texts go in, what was found comes out. It ends when nobody can send
-/// a text any more.
+/// Starts the thread. It takes jobs from the sender, returns results through the receiver,
+/// and ends when the sender is dropped.
 pub fn start(control: Control, language: Language) -> (Sender<Job>, Receiver<Looked>) {
     let (jobs, from_server) = unbounded::<Job>();
     let (to_server, looked) = unbounded();
@@ -62,14 +58,14 @@ pub fn start(control: Control, language: Language) -> (Sender<Job>, Receiver<Loo
             if !job.wanted.load(Ordering::Relaxed) {
                 continue;
             }
-            // Neither needs the other, and of a long text each takes its time.
+            // Structure and analysis are independent: both take long for a long text.
             let (structure, analysis) = thread::scope(|side_by_side| {
                 let structure = side_by_side.spawn(|| Structure::read(&job.text));
                 let analysis = look(&control, &job, language);
                 let read_anew = |_| Structure::read(&job.text);
                 (structure.join().unwrap_or_else(read_anew), analysis)
             });
-            // The server may have ended meanwhile.
+            // The server may have ended.
             if job.wanted.load(Ordering::Relaxed) {
                 let _ = to_server.send(Looked {
                     uri: job.uri,
@@ -127,7 +123,7 @@ fn short(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// The look at a program that the memory does not take.
+/// The analysis of a program that cannot be loaded.
 fn not_loaded(message: &Message, language: Language) -> Analysis {
     Analysis {
         findings: vec![ProgramFinding {

@@ -1,4 +1,4 @@
-//! Diagnostics of a document: what a look found, each at its place.
+//! Converts the findings of an analysis to diagnostics with their positions.
 
 use gsk_core::command::ProgramId;
 use gsk_language::{
@@ -12,10 +12,9 @@ use lsp_types::{
 use super::convert::{Encoding, uri_of};
 use super::documents::Document;
 
-/// Who says so.
+/// The source name that the editor shows.
 const SOURCE: &str = "gsk980td";
 
-/// What a look found, for the editor.
 pub fn diagnostics(
     document: &Document,
     analysis: &Analysis,
@@ -63,7 +62,7 @@ fn diagnostic(
     }
 }
 
-/// A piece of a line; one character at least, so that it is seen.
+/// The range of a finding, at least one character wide to be visible.
 fn widened(encoding: Encoding, text: &TextDocument, place: &TextRange) -> Range {
     let mut range = encoding.range(text, place);
     if range.start == range.end && place.to < text.line(place.line).len() as u32 {
@@ -72,7 +71,7 @@ fn widened(encoding: Encoding, text: &TextDocument, place: &TextRange) -> Range 
     range
 }
 
-/// Whether a program is one of the text.
+/// Whether a program is part of the text.
 fn is_own(structure: &Structure, number: u16) -> bool {
     structure
         .parts
@@ -80,8 +79,8 @@ fn is_own(structure: &Structure, number: u16) -> bool {
         .any(|part| part.number == Some(number))
 }
 
-/// The first word of the text that calls a program; of one that another program calls,
-/// the first call.
+/// The first word of the text that calls a program. If only another program calls it, the
+/// first call of the text.
 fn call_of(structure: &Structure, number: u16) -> Option<TextRange> {
     let calls = || {
         let leads = structure.references.iter();
@@ -93,13 +92,13 @@ fn call_of(structure: &Structure, number: u16) -> Option<TextRange> {
         .map(|lead| lead.word.clone())
 }
 
-/// The first line that is read.
+/// The first line that the control reads.
 fn first(text: &TextDocument, structure: &Structure) -> TextRange {
     let line = structure.block_lines.0;
     TextRange::new(line, &(0..text.line(line).len()))
 }
 
-/// The place in the other file.
+/// The position of a finding in another file.
 fn elsewhere(
     document: &Document,
     number: u16,

@@ -1,4 +1,4 @@
-//! The loop of the server: messages of the editor, results of the looker.
+//! The main loop of the server: messages of the editor and results of the checker thread.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -35,22 +35,22 @@ use super::looker::{self, Job, Looked};
 use super::{places, settings};
 use crate::cli::is_chinese;
 
-/// How the server ended.
+/// Why the server ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ended {
-    /// By `shutdown` and `exit`.
+    /// The editor sent `shutdown` and `exit`.
     AsAsked,
-    /// The editor was gone, or sent `exit` alone.
+    /// The editor disconnected, or sent `exit` without `shutdown`.
     Abandoned,
 }
 
-/// Why nothing can be sent or received any more.
+/// Why the connection failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
-    /// What came was none of the protocol.
+    /// A message violates the protocol.
     #[error(transparent)]
     Protocol(#[from] ProtocolError),
-    /// The editor does not read any more.
+    /// The editor does not read the answers.
     #[error("{}", say::lsp_not_read())]
     NotRead,
 }
@@ -61,11 +61,11 @@ impl<T> From<SendError<T>> for ServeError {
     }
 }
 
-/// The server between two messages.
+/// The server with its connection and its state.
 struct Server<'a> {
     connection: &'a Connection,
     desk: Desk,
-    /// Whose programs are looked through: which codes call programs.
+    /// The control model: it determines which codes call programs.
     model: ControlModel,
     jobs: Sender<Job>,
     looked: Receiver<Looked>,
@@ -75,7 +75,7 @@ struct Server<'a> {
 /// Serves an editor until it ends the server.
 ///
 /// # Errors
-/// Messages that are none of the protocol; an editor that does not read.
+/// A message violates the protocol, or the editor does not read the answers.
 pub fn serve(
     connection: &Connection,
     control: Control,
@@ -84,7 +84,7 @@ pub fn serve(
     let (id, params) = loop {
         let (id, params) = match connection.initialize_start() {
             Ok(asked) => asked,
-            // An editor that ends before it has begun.
+            // The editor disconnected before the initialization.
             Err(error) if error.channel_is_disconnected() => return Ok(Ended::Abandoned),
             Err(error) => return Err(error.into()),
         };
@@ -130,7 +130,7 @@ pub fn serve(
     server.run()
 }
 
-/// What an editor says of itself.
+/// The capabilities of an editor from its initialization message.
 fn editor(params: &InitializeParams, setup: &Setup, language: Option<Language>) -> Editor {
     let general = params.capabilities.general.as_ref();
     let offered = general.and_then(|it| it.position_encodings.as_deref());
@@ -159,7 +159,7 @@ fn editor(params: &InitializeParams, setup: &Setup, language: Option<Language>) 
     }
 }
 
-/// What the server can do.
+/// The capabilities of the server.
 fn capabilities(encoding: Encoding) -> ServerCapabilities {
     let triggers = ["G", "M", "T", "P", "Q", " "];
     ServerCapabilities {
@@ -197,7 +197,7 @@ fn capabilities(encoding: Encoding) -> ServerCapabilities {
     }
 }
 
-/// What a message leads to.
+/// Whether the main loop continues after a message.
 enum Next {
     GoOn,
     End(Ended),
@@ -239,7 +239,7 @@ impl Server<'_> {
             }
             Message::Notification(_) if self.shut_down => {}
             Message::Notification(notification) => self.notified(notification)?,
-            // The server asks the editor nothing.
+            // The server sends no requests to the editor.
             Message::Response(_) => {}
         }
         Ok(Next::GoOn)
@@ -263,7 +263,7 @@ impl Server<'_> {
             && let Some(document) = answers::document_of(&mut self.desk, &request)
             && document.analysis.is_none()
         {
-            // The look that was begun with the last change answers it.
+            // The running analysis answers this request.
             document.waiting.push(request.id);
             return Ok(());
         }
@@ -335,7 +335,7 @@ impl Server<'_> {
             .collect()
     }
 
-    /// A request that waits is no longer wanted; all others have been answered.
+    /// Cancels a waiting request; all other requests are already answered.
     fn cancel(&mut self, notification: &Notification) -> Result<(), ServeError> {
         let id = notification.params.get("id");
         let Some(id) = id.and_then(|id| serde_json::from_value(id.clone()).ok()) else {
@@ -362,7 +362,7 @@ impl Server<'_> {
         self.publish(uri.clone(), None, Vec::new())
     }
 
-    /// What waits for a text that is no more.
+    /// Refuses requests whose text has changed or was closed.
     fn refuse(&self, waiting: Vec<lsp_server::RequestId>) -> Result<(), ServeError> {
         for id in waiting {
             let code = ErrorCode::ContentModified as i32;
@@ -371,7 +371,7 @@ impl Server<'_> {
         Ok(())
     }
 
-    /// Looks a document through that has changed, and those that call it.
+    /// Analyses a changed document and the open documents that call it.
     fn look_with_callers(&mut self, uri: &Uri) -> Result<(), ServeError> {
         let path = self
             .desk
@@ -395,7 +395,7 @@ impl Server<'_> {
         Ok(())
     }
 
-    /// Has a document looked through.
+    /// Sends a document to the checker thread.
     fn look(&mut self, uri: &Uri) -> Result<(), ServeError> {
         let Some(document) = self.desk.open.get(uri.as_str()) else {
             return Ok(());
@@ -425,7 +425,7 @@ impl Server<'_> {
         self.refuse(waiting)
     }
 
-    /// What a look found, for the editor.
+    /// Publishes the result of an analysis.
     fn show(&mut self, looked: Looked) -> Result<(), ServeError> {
         let Editor {
             encoding, reader, ..
@@ -461,8 +461,8 @@ impl Server<'_> {
     }
 }
 
-/// The parameters of a notification; one that cannot be read is passed over, as nobody
-/// waits for an answer.
+/// The parameters of a notification. Malformed ones are logged and ignored: a notification
+/// has no answer.
 fn params<N>(notification: Notification) -> Option<N::Params>
 where
     N: lsp_types::notification::Notification,

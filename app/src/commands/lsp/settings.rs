@@ -1,14 +1,13 @@
-//! What an editor sets: how programs are written.
+//! Reads the format style from an editor's settings.
 
 use gsk_language::{Casing, Numbering, Spacing, Style};
 use serde::Deserialize;
 use serde_json::Value;
 
-/// The section of an editor's settings.
+/// The section of this program in an editor's settings.
 pub const SECTION: &str = "gsk980td";
 
-/// As an editor writes it; what is left out stays as by default, what cannot be read does,
-/// too.
+/// The settings as the editor sends them. A missing field has its default.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 struct Written {
@@ -55,8 +54,8 @@ impl Default for WrittenStyle {
     }
 }
 
-/// The style in settings: the section alone, or a value that has it. None where they
-/// cannot be read.
+/// The style in settings: in the section, or in a value that contains it. `None` if the
+/// settings cannot be read.
 pub fn style(settings: &Value) -> Option<Style> {
     let section = settings.get(SECTION).unwrap_or(settings);
     if section.is_null() {

@@ -1,5 +1,5 @@
-//! Standard input and output as a connection. What was sent has been written when the
-//! connection ends, also after an editor's message that was none.
+//! Connects the server to standard input and output. At the end of the connection all
+//! messages are written, even after a malformed message of the editor.
 
 use std::io;
 use std::thread::{self, JoinHandle};
@@ -10,17 +10,16 @@ use lsp_types::notification::{Exit, Notification as _};
 
 use super::framing::read_message;
 
-/// Messages that may wait to be written.
+/// Most messages in the queue of the writer.
 const WAITING: usize = 16;
 
 /// The threads that read and write.
 pub struct Streams {
-    /// How reading ended; said before the connection tells that it has.
+    /// The result of reading; it is sent before the connection closes.
     read: Receiver<io::Result<()>>,
     writer: JoinHandle<io::Result<()>>,
 }
 
-/// Opens the streams.
 pub fn open() -> (Connection, Streams) {
     let (to_writer, written) = bounded(WAITING);
     let (to_server, messages) = bounded(0);
@@ -30,7 +29,7 @@ pub fn open() -> (Connection, Streams) {
         receiver: messages,
     };
     thread::spawn(move || {
-        // Nobody may be there to hear it.
+        // The receiver may be dropped.
         let _ = told.send(read_all(&to_server));
         drop(to_server);
     });
@@ -61,13 +60,13 @@ fn write_all(written: &Receiver<Message>) -> io::Result<()> {
 }
 
 impl Streams {
-    /// Waits until all is written that was sent; the connection must be gone.
+    /// Waits until all messages are written. The connection must be dropped before.
     ///
     /// # Errors
-    /// The editor does not read, or sent what is no message.
+    /// The editor does not read, or has sent a malformed message.
     pub fn end(self) -> io::Result<()> {
         let written = self.writer.join().unwrap_or(Ok(()));
-        // A thread that still waits for the editor ends with the program.
+        // A reader that still waits for the editor ends with the process.
         let read = self.read.try_recv().unwrap_or(Ok(()));
         read.and(written)
     }

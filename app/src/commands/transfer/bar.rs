@@ -1,4 +1,4 @@
-//! Files on their way, on a terminal.
+//! Progress bars and port selection of `transfer`.
 
 use std::io::{self, IsTerminal};
 
@@ -10,7 +10,7 @@ use super::{CommandError, output};
 use crate::cli::TransferPortArgs;
 use crate::pc::{Remembered, Talk, Watch, of_window};
 
-/// A progress bar; elsewhere than on a terminal there is none.
+/// A progress bar on a terminal; `None` elsewhere.
 #[derive(Default)]
 struct Bar(Option<ProgressBar>);
 
@@ -47,7 +47,8 @@ fn bar(name: &FileName, size: usize) -> Option<ProgressBar> {
     Some(bar)
 }
 
-/// The port and its speed: those of the command line, else those of the window.
+/// The port and its speed in bits per second: from the command line, else from the window's
+/// settings.
 pub(super) fn port(args: &TransferPortArgs) -> Result<(String, u32), CommandError> {
     let last = match &args.port {
         Some(port) => Remembered {
@@ -59,13 +60,12 @@ pub(super) fn port(args: &TransferPortArgs) -> Result<(String, u32), CommandErro
     Ok((last.port, args.baud.unwrap_or(last.baud)))
 }
 
-/// Opens the port.
+/// Opens the port without a query to the control.
 pub(super) fn open(args: &TransferPortArgs) -> Result<Talk, CommandError> {
     let (port, baud) = port(args)?;
     Ok(Talk::open(&port, baud, Box::new(Bar::default()))?)
 }
 
-/// The same, and the control answers.
 pub(super) fn connect(args: &TransferPortArgs) -> Result<Talk, CommandError> {
     let mut talk = open(args)?;
     talk.connect()?;

@@ -1,4 +1,4 @@
-//! `transfer control`: the other end of the line, a control without a window.
+//! `transfer control`: a control without a window at the other end of the line.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -25,12 +25,12 @@ use crate::pc::FilesError;
 use crate::retained::{self, Keeper};
 use crate::serial::{End, SerialLine};
 
-/// Longer than the self-test takes, ms.
+/// Upper limit of the duration of the self-test, ms.
 const SELF_TEST: u64 = 20_000;
-/// How often it is looked whether the end was asked for.
+/// Interval at which the end request is polled.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// Plays the control until Ctrl-C.
+/// Simulates the control until Ctrl-C.
 pub(super) fn control(args: &TransferControlArgs) -> Result<u8, CommandError> {
     args.setup.refuse_mill().map_err(LoadError::from)?;
     let mut setup = loading::fitted(Setup::at_the_panel(), args.setup.machine.as_ref());
@@ -52,7 +52,8 @@ pub(super) fn control(args: &TransferControlArgs) -> Result<u8, CommandError> {
             Request::SetParameterSwitch(true),
             Request::CancelSwitchAlarm,
         ] {
-            // Its alarm is cancelled at once; a control without the right has it off still.
+            // The alarm of the switch is cancelled at once. A control without the right
+            // leaves the switch off.
             let _ = emulator.simulation.cnc.request(request);
         }
     }
@@ -92,7 +93,8 @@ pub(super) fn control(args: &TransferControlArgs) -> Result<u8, CommandError> {
     Ok(FINE)
 }
 
-/// Prints what the port says; before the first line its name alone, for scripts.
+/// Prints a message of the port. Before the first line prints the port's name alone, for
+/// scripts.
 fn print(said: &Message, named: &mut Option<Instant>) {
     if named.is_none()
         && let Some(port) = said.plain_value("port")
@@ -104,7 +106,7 @@ fn print(said: &Message, named: &mut Option<Instant>) {
     output::say(said);
 }
 
-/// Stores a program; its number.
+/// Stores a program in the memory and returns its number.
 fn load(path: &Path, setup: &mut Setup) -> Result<u16, CommandError> {
     let file = program_file::read(path)?;
     let own = Program::new(file.text).number();
@@ -114,7 +116,7 @@ fn load(path: &Path, setup: &mut Setup) -> Result<u16, CommandError> {
     Ok(number)
 }
 
-/// In EDIT, on the program page: O, the number, OUT.
+/// Presses the keys EDIT, PROGRAM, O, the number and OUT.
 fn press_out(console: &Console, number: u16) {
     console.send(Command::Tap(Key::Edit));
     console.send(Command::Tap(Key::Program));

@@ -1,5 +1,5 @@
-//! A file whose name the control has already: it is overwritten, the one that is there is
-//! renamed, or it is skipped (manual V-3.3).
+//! Sends a file whose name the control already has: overwrites, renames the old file, or
+//! skips (manual V-3.3).
 
 use std::io::{self, BufRead, IsTerminal, Write};
 
@@ -11,20 +11,20 @@ use crate::cli::ExistingFile;
 use crate::output;
 use crate::pc::{self, FilesError, PcError, Talk};
 
-/// What has become of a file.
+/// The outcome of sending a file.
 pub(super) enum Settled {
     Sent,
     Skipped,
 }
 
-/// What is to be done about it.
+/// How the conflict of names is resolved.
 enum Choice {
     Overwrite,
     Rename(FileName),
     Skip,
 }
 
-/// Sends a file, whatever stands in its way.
+/// Sends a file and resolves a conflict of names.
 pub(super) fn send(
     talk: &mut Talk,
     file: TransferFile,
@@ -79,14 +79,14 @@ fn choice(
     })
 }
 
-/// The next program number that is free.
+/// The next free program number.
 fn free_name(talk: &mut Talk, file: &TransferFile) -> Result<FileName, CommandError> {
     let name = &file.remote_path.name;
     let entries = talk.list(file.remote_path.partition)?;
     pc::free_name(name, &entries).ok_or_else(|| FilesError::NoFreeName(name.clone()).into())
 }
 
-/// Asks somebody at the terminal until the answer is one.
+/// Prompts the operator at the terminal until the answer is valid.
 fn asked(name: &FileName) -> Result<Choice, CommandError> {
     loop {
         let answer = answer(&say::transfer_exists_ask(name))?;
@@ -111,7 +111,7 @@ fn asked(name: &FileName) -> Result<Choice, CommandError> {
 
 fn answer(question: &Message) -> Result<String, CommandError> {
     let mut out = io::stderr().lock();
-    // A terminal that shows no question takes no answer either.
+    // A terminal that cannot show the question cannot be read either.
     let _ = write!(out, "{}", output::worded(question)).and_then(|()| out.flush());
     let mut line = String::new();
     let read = io::stdin().lock().read_line(&mut line);

@@ -22,8 +22,8 @@ use crate::pc::{FilesError, Talk};
 use bar::{connect, say_rate};
 use existing::Settled;
 
-/// Carries out a command of the serial port. Exit code 1 if the control refuses something
-/// or does not answer.
+/// Carries out a command of the serial port. Exit code 1 if the control refuses something or
+/// does not answer.
 pub fn transfer(command: &TransferCommand) -> Result<u8, CommandError> {
     let done = match command {
         TransferCommand::List(args) => list(args),
@@ -48,7 +48,8 @@ pub fn transfer(command: &TransferCommand) -> Result<u8, CommandError> {
     }
 }
 
-/// A refusal is said and the next file is gone on with; anything else ends the work.
+/// Reports a refusal and lets the caller continue with the next file; returns any other
+/// error.
 fn goes_on(
     result: Result<(), impl Into<CommandError>>,
     failed: &mut bool,
@@ -63,7 +64,7 @@ fn goes_on(
     }
 }
 
-/// How several files have ended.
+/// The result of several files.
 const fn ended(failed: bool) -> Result<(), CommandError> {
     match failed {
         true => Err(CommandError::Files(FilesError::Some)),
@@ -94,7 +95,7 @@ fn restore(args: &TransferRestoreArgs) -> Result<(), CommandError> {
     send_all(&args.port, &files, Partition::User, args.on_existing)
 }
 
-/// Sends files, each read before the first one goes.
+/// Sends files; reads all of them before the first one is sent.
 fn send_all(
     port: &TransferPortArgs,
     files: &[Chosen],
@@ -162,7 +163,7 @@ fn receive_all(
     ended(failed)
 }
 
-/// Receives files, each written when it is there; whether one was refused.
+/// Receives files and writes each one at once. Returns whether the control refused one.
 fn fetch(
     talk: &mut Talk,
     names: &[FileName],
@@ -232,7 +233,7 @@ fn wait(args: &TransferWaitArgs) -> Result<(), CommandError> {
     folder::make(&args.folder)?;
     let mut talk = match connect(&args.port) {
         Ok(talk) => talk,
-        // The control connects by itself when it has something to send.
+        // The control connects when it has something to send.
         Err(CommandError::Files(FilesError::Lost(_))) => bar::open(&args.port)?,
         Err(error) => return Err(error),
     };
@@ -253,7 +254,7 @@ fn wait(args: &TransferWaitArgs) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// What was received, as it is said.
+/// Reports a received file.
 fn say_got(name: &str, path: &Path, size: usize) {
     output::say(&say::transfer_got(name, path.display(), size));
 }

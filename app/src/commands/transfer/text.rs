@@ -1,4 +1,5 @@
-//! Programs as plain text, for controls and DNC programs that know nothing else.
+//! Sends and receives programs as plain text, for controls and DNC programs without a file
+//! protocol.
 
 use std::path::Path;
 
@@ -12,12 +13,11 @@ use crate::files::program_file;
 use crate::pc::{FilesError, folder};
 use crate::ports::Port;
 
-/// So long a port that another program has just left may still be in use.
+/// Time for which a port may stay busy after another program has closed it.
 const IN_USE: Duration = Duration::from_millis(500);
-/// Between two programs: the other end stores the one before.
+/// Pause between two programs: the other end stores the first one.
 const BETWEEN: Duration = Duration::from_millis(300);
 
-/// `transfer send-text`.
 pub(super) fn send(args: &TransferSendTextArgs) -> Result<(), CommandError> {
     let (name, baud) = bar::port(&args.port)?;
     let texts = args.files.iter().map(|path| {
@@ -78,7 +78,6 @@ fn pause(port: &mut Port, time: Duration) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// `transfer receive-text`.
 pub(super) fn receive(args: &TransferReceiveTextArgs) -> Result<(), CommandError> {
     folder::make(&args.folder)?;
     let (name, baud) = bar::port(&args.port)?;
