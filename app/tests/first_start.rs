@@ -66,7 +66,9 @@ fn each_purpose_opens_its_screen() {
 fn three_clicks_lead_from_the_first_start_to_a_cut() {
     let mut bench = asked();
     let clicks = ["I am learning", "Begin", "stepped shaft"];
-    clicks.map(|label| click(&mut bench, label));
+    for label in clicks {
+        click(&mut bench, label);
+    }
     // Facing begins at X58 in a bar of 54 mm.
     let cuts = (0..600).any(|_| {
         std::thread::sleep(core::time::Duration::from_millis(5));
