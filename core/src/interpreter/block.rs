@@ -1,5 +1,5 @@
-//! One block: from its words to a plan. Nothing outside the given state
-//! changes, so a block that raises an alarm leaves no trace.
+//! Evaluates the words of one block into a [`Plan`]. Nothing outside the given state changes,
+//! so the caller can take back a block that raises an alarm.
 //!
 //! Order in a block (manual I-3.3, I-3.5.1, PLC-II 8.1): S, M and T begin together; the
 //! motion waits for a tool change, but not for S and M; then M00, M30, M98, M99.
@@ -35,7 +35,7 @@ use crate::interpreter::threads::thread;
 use crate::interpreter::threads::thread_cycle;
 use crate::model::Record;
 
-/// What the motion words of a block amount to.
+/// The motion that a block commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Nothing,
@@ -50,7 +50,11 @@ enum Kind {
     FacingCycle,
 }
 
-/// Evaluates a block into a new plan, in its place: plans are large to be moved.
+/// Evaluates the words of a block: updates `state` and fills `plan` in place, because plans
+/// are large to move.
+///
+/// # Errors
+/// The alarm of a word. `state` and `plan` are then unusable: the caller restores them.
 pub(crate) fn evaluate(
     state: &mut State,
     context: &Context<'_>,
@@ -85,7 +89,7 @@ pub(crate) fn evaluate(
     set_modal(state, words)?;
     // Increments count from the position shown before a T of the same block.
     let base = state.position + state.ahead;
-    // Coordinates that the tip gets are no way, also under G91.
+    // G50 (G92) gives the tool tip coordinates. They are no increments, also under G91.
     let incremental = state.incremental && words.one_shot != Some(OneShot::Coordinates);
     let axes = words.axes(context.x_factor, base).under(incremental);
     let without_k;
@@ -157,7 +161,7 @@ pub(crate) fn evaluate(
     if let Some(call) = special {
         check_call(state, context, plan.motion.is_contour())?;
         plan.flow = subprogram::call_special(context, call)?;
-        // Alone in its block it is like M98.
+        // A call alone in its block is no stop of single block, as with M98.
         plan.stops = words.count > 1;
         if plan.stops && plan.is_done() {
             plan.after = Some(Action::Nothing);
@@ -171,7 +175,8 @@ pub(crate) fn evaluate(
     Ok(())
 }
 
-/// G groups 01, 03 and 04, and F.
+/// Applies the modal G codes and F to the state. In a thread block F and I set the lead
+/// instead of the feed.
 fn set_modal(state: &mut State, words: &Words) -> Result<(), Alarm> {
     if let Some(code) = words.motion {
         state.modal.motion = code;
@@ -244,13 +249,13 @@ fn tool_execution(context: &Context<'_>, kind: Kind) -> Execution {
         Kind::OneShot(OneShot::Dwell) | Kind::Arc => Execution::Not,
         Kind::OneShot(_) => Execution::Shift,
         _ if context.parameters.offset_by_shift() => Execution::Shift,
-        // The tool changes coordinates, not where the slides stand.
+        // The tool shifts the coordinates; the slides do not travel.
         _ if context.model.record().offsets_by_shift => Execution::Shift,
         _ => Execution::Travel,
     }
 }
 
-/// The S of a G50 block limits, any other S sets the speed.
+/// The spindle command of a block. S of a G50 block limits the speed, any other S sets it.
 fn spindle(
     state: &mut State,
     context: &Context<'_>,
@@ -268,7 +273,7 @@ fn spindle(
     Ok(Some(SpindleCommand::Limit(limit)))
 }
 
-/// The motion of a block; leaves the position at its end.
+/// Plans the motion of a block and sets `state.position` to its end.
 #[expect(
     clippy::inline_always,
     reason = "called, it costs a twentieth of the time of a block"
@@ -336,7 +341,10 @@ fn motion(
     }
 }
 
-/// The arc to a programmed point; `None` when there is nothing to cut.
+/// The arc from the current position to `end`; `None` if it has no length.
+///
+/// # Errors
+/// The alarm of the arc's data, of the feed or of the nose radius compensation.
 pub(super) fn arc(
     state: &State,
     compensated: Compensated,
@@ -362,7 +370,7 @@ fn end_point(state: &State, axes: &AxisWords, reach: Reach<'_>) -> Result<Exact,
     within_stroke(axes.target(state.position), reach)
 }
 
-/// Calls of the Huaxing lathes by G codes.
+/// Plans the flow after G20, G24 and G25 to G27 of the Huaxing lathes.
 fn follow_call(
     code: OneShot,
     state: &State,
@@ -375,7 +383,7 @@ fn follow_call(
         OneShot::Repeat { comes_back } => block_call::repeat(context, words, comes_back)?,
         OneShot::EndlessLoop => block_call::endless(context, words)?,
         OneShot::SubprogramEnd => subprogram::back(context, None)?,
-        // The way back is along no contour.
+        // The return runs without nose radius compensation.
         OneShot::StartReturn(_) => {
             plan.apart = true;
             return Ok(());
@@ -390,7 +398,7 @@ fn follow_call(
     Ok(())
 }
 
-/// M00, M30, M98, M99: after the motion.
+/// Plans what happens after the motion: M00, M30, M98 or M99.
 fn follow(
     state: &mut State,
     context: &Context<'_>,
@@ -398,7 +406,7 @@ fn follow(
     function: Option<Function>,
     plan: &mut Plan,
 ) -> Result<(), Alarm> {
-    // The P of a G04 without X, U is its time.
+    // In G04 without X and U, P is the dwell time.
     let dwells = matches!(words.one_shot, Some(OneShot::Dwell)) && words.x.or(words.u).is_none();
     let p = words.p.filter(|_| !dwells);
     match function {

@@ -1,12 +1,12 @@
-//! Canned cycles: makers of moves, one move at a time.
+//! Canned cycles: generators that make one move at a time.
 //!
 //! ```text
-//!   block --plan--> Maker --make--> Move, Move, …    each with a Note: which pass
-//!                     |                              it belongs to and why
-//!                     +-- plain data: start, end, step counters
+//!   block --plan--> CycleGenerator --next_move--> Move, Move, …
+//!                      |                           each with a PassNote: its pass and why
+//!                      +-- plain data: start, end, step counters
 //! ```
 //!
-//! A cycle with ten thousand passes takes no more memory than one with two.
+//! So a cycle of ten thousand passes takes no more memory than one of two.
 
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
@@ -28,7 +28,7 @@ use crate::interpreter::threads::tapping::Tapping;
 use crate::interpreter::threads::thread_cycle::ThreadCycle;
 use crate::units::Point;
 
-/// What makes the moves.
+/// The generator of a cycle's moves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Maker {
     /// G33 with several starts; G84 and G85 of the Huaxing lathes.
@@ -67,19 +67,26 @@ impl Maker {
     }
 }
 
-/// A cycle under way. It is one move ahead, so that it knows its last one.
+/// A running cycle. It generates one move ahead and so knows which move is its last.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Cycle {
+    #[serde(rename = "maker")]
     maker: Maker,
+    #[serde(rename = "ahead")]
     ahead: Option<Move>,
-    /// Where the move ahead ends.
+    /// Where the move ahead ends, machine coordinates.
+    #[serde(rename = "at")]
     at: Point,
-    /// What the move taken last belongs to.
+    /// The note of the move taken last.
+    #[serde(rename = "taken")]
     taken: Option<Note>,
 }
 
 impl Cycle {
-    /// Begins a cycle where the tool stands.
+    /// Starts a cycle at the current position of the tool.
+    ///
+    /// # Errors
+    /// 062 if the cycle makes no move.
     pub(crate) fn begin(state: &State, maker: Maker) -> Result<Self, Alarm> {
         let mut cycle = Self {
             maker,
@@ -94,7 +101,7 @@ impl Cycle {
         Ok(cycle)
     }
 
-    /// The next move that goes anywhere.
+    /// Generates the next move, without those of zero length.
     fn look_ahead(&mut self) {
         loop {
             self.ahead = self.maker.make();
@@ -129,8 +136,9 @@ impl Cycle {
         self.ahead.is_none()
     }
 
-    /// Of a cycle of threads: how far each axis goes a revolution in its cuts, mm;
-    /// the run-out counts when it is tied to the spindle (107 = 0).
+    /// Greatest travel of each axis per spindle revolution in the cuts of a thread cycle, mm;
+    /// `None` for other cycles. The run-out counts if it is tied to the spindle (`tied`, 107 =
+    /// 0).
     pub(crate) fn thread_per_revolution(&self, tied: bool) -> Option<Point> {
         match &self.maker {
             Maker::Thread(cycle) => Some(cycle.per_revolution(tied)),
@@ -141,7 +149,8 @@ impl Cycle {
         }
     }
 
-    /// What makes a cut of a cycle of threads more than one straight pass.
+    /// Whether a cut of a thread cycle has a run-out or several starts; `None` for a single
+    /// straight pass.
     pub(crate) fn beyond_pass(&self) -> Option<BeyondPass> {
         match &self.maker {
             Maker::Thread(cycle) => cycle.beyond_pass(),
@@ -151,7 +160,7 @@ impl Cycle {
         }
     }
 
-    /// Why the move taken last is where it is.
+    /// The explanation data of the move taken last.
     pub(crate) const fn note(&self) -> Option<Note> {
         self.taken
     }

@@ -1,14 +1,14 @@
-//! G70 to G76: which of a cycle's two blocks it is, and where the run goes on
-//! (manual I-3.2.6).
+//! Plans G70 to G76: separates data blocks from cycle blocks, and finds the block after the
+//! cycle (manual I-3.2.6).
 //!
 //! ```text
 //!   G71 U2 R1            without P, Q: data into parameters
-//!   G71 P10 Q50 U0.5     with them: the cycle; the run goes on behind nf
-//!   N10 …                when the profile follows, else behind the cycle
+//!   G71 P10 Q50 U0.5     with them: the cycle, then the block after nf
+//!   N10 …                if the profile follows, else the block after the cycle
 //!   N50 …
 //!
-//!   G71 I4 K1 N3 X0.4    Huaxing: the next three blocks are the contour, and run
-//!   …                    as they stand after the cycle
+//!   G71 I4 K1 N3 X0.4    Huaxing: the next three blocks are the contour; they
+//!   …                    run as ordinary blocks after the cycle
 //! ```
 
 use crate::alarm::Alarm;
@@ -28,7 +28,10 @@ use crate::interpreter::profile::{self, Range};
 use crate::interpreter::threads::compound_thread;
 use crate::units::Axis;
 
-/// Plans a block of one of these cycles.
+/// Fills `plan` for a block of one of these cycles.
+///
+/// # Errors
+/// The alarm of the cycle's words or of its profile.
 pub(crate) fn plan(
     code: OneShot,
     state: &mut State,
@@ -95,18 +98,18 @@ pub(crate) fn plan(
     };
     if plan.motion.moves() {
         state.return_here();
-        // G76 keeps to the rules of threads.
+        // Feed hold stops within the moves of G76 as within other threads.
         plan.whole = code != OneShot::CompoundThread;
     }
     Ok(())
 }
 
-/// A cycle, or nothing where only its data were given.
+/// The motion of a cycle, or none for a block that only sets data.
 fn begin(state: &State, maker: Option<Maker>) -> Result<Motion, Alarm> {
     maker.map_or(Ok(Motion::None), |maker| Motion::cycle(state, maker))
 }
 
-/// Where the run goes on after a cycle over a profile.
+/// The flow after a cycle over a profile.
 fn behind(cycle: Place, profile: Range) -> Flow {
     if profile.last < cycle.block {
         return Flow::Next;

@@ -1,4 +1,4 @@
-//! A machine on which everything is done at once.
+//! A host that finishes every command at once, for interpretation without machine time.
 
 use core::cell::LazyCell;
 
@@ -7,32 +7,32 @@ use crate::memory::{Counters, Offsets, Parameters, Registers, Settings, Variable
 use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
 
-/// What a program is interpreted against when no time is to pass: it may write to
-/// parameters, offsets, variables and outputs, and every command is finished when it is given.
+/// A host that stores everything a program may write (parameters, offsets, variables, outputs)
+/// and reports every command as finished.
 pub struct Immediate<'a> {
-    /// Parameters, its own.
+    /// A separate copy of the parameters, which the program may change.
     pub parameters: Parameters,
-    /// Tool offsets, its own.
+    /// A separate copy of the tool offsets.
     pub offsets: Offsets,
-    /// Macro variables, its own.
+    /// A separate copy of the macro variables.
     pub variables: Variables,
-    /// Timer, date and what the program switches off, its own.
+    /// A separate copy of timer, date and the stops that the program switches off.
     pub registers: Registers,
-    /// Part counter and times, its own.
+    /// A separate copy of the part counter and the times.
     pub counters: Counters,
-    /// The rows of the setting page, its own.
+    /// A separate copy of the rows of the setting page.
     pub settings: Settings,
-    /// Machine time so far, s.
+    /// Machine time since the start, s; the caller advances it.
     pub now_s: f64,
-    /// What the ladder gives to macros; worked out when a program asks for it.
+    /// Signals from the ladder to macros, computed when a program reads one first.
     pub inputs: LazyCell<u16, Box<dyn FnOnce() -> u16 + 'a>>,
-    /// What macros give to the ladder.
+    /// Signals from macros to the ladder, F54 in the lowest byte.
     pub outputs: u64,
-    /// Stored programs and the external one.
+    /// The stored programs and the external one.
     pub programs: &'a ProgramMemory,
-    /// Machine position where the interpreter asks for it.
+    /// Machine position at the start of a run, mm, X as a radius.
     pub position: Point,
-    /// Which axes have a reference.
+    /// Whether each axis has a reference.
     pub referenced: PerAxis<bool>,
     /// Whether block skip is on.
     pub block_skip: bool,
@@ -63,7 +63,7 @@ impl Host for Immediate<'_> {
     fn counters_mut(&mut self) -> &mut Counters {
         &mut self.counters
     }
-    // Cycle start is on all the time.
+    // Cycle start is always on here.
     fn started_ms(&self) -> u64 {
         self.counters.started_ms.wrapping_add(self.now_ms())
     }

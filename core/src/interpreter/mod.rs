@@ -1,14 +1,14 @@
-//! Blocks to commands: modal state and one folder for each family of codes.
+//! Interprets programs: turns blocks into commands. One folder for each family of codes.
 //!
 //! ```text
-//!   Program --parse--> Block --words--> Words --block::evaluate--> Plan --> Command, Command, …
-//!                                         |            ^
-//!                                         |            State (modal, position, frame, cycle words)
-//!                                         +-- T, S, M, motion family, calls
+//!   Program --parse--> Block --sort--> SortedWords --evaluate--> Plan --> Command, …
+//!                                        |            ^
+//!                                        |            modal state, position, frame, …
+//!                                        +-- T, S, M, motion family, calls
 //! ```
 //!
-//! A `plan` gives its commands one at a time, so that a cycle makes its moves
-//! when they are asked for. Positions are kept as integers (`exact`).
+//! A `plan` gives its commands one at a time, so that a cycle makes each move when the caller
+//! requests it. Positions are integers (`exact`).
 
 mod block;
 mod calls;

@@ -1,4 +1,4 @@
-//! The way of the commands through the nose radius compensation (manual II, C
+//! Passes the commands of a run through the nose radius compensation (manual II, C
 //! compensation).
 
 use crate::alarm::{Alarm, groups};
@@ -15,7 +15,10 @@ use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
 
 impl Interpreter {
-    /// [`next`](Self::next) without a heap allocation for the command.
+    /// Reads up to the next command, like [`next`](Self::next), but without a heap allocation.
+    ///
+    /// # Errors
+    /// The alarm of the block.
     pub(crate) fn advance<H: Host>(&mut self, host: &mut H) -> Result<Advance, Alarm> {
         if self.mdi.is_some() {
             return self.step(&mut Ahead { host, held: false });
@@ -50,17 +53,17 @@ impl Interpreter {
                 Err(alarm) if held && groups::is_of_corner(alarm.number) => {
                     self.compensation.refuse(alarm);
                 }
-                // How the corner is cut depends on what is still to come.
+                // The corner depends on the block that has not arrived yet.
                 Ok(Advance::Starved) => return Ok(Advance::Starved),
-                // The block is read again when all before it is carried out.
+                // The reader reads the block again when every earlier command is finished.
                 Ok(Advance::Wait | Advance::Ended) | Err(_) if held => self.compensation.flush(),
                 answer => return answer,
             }
         }
     }
 
-    /// Where the tool stands before a block that may start the compensation, and has just
-    /// been read.
+    /// Sets the start position of the compensation to that before a block, if the block just
+    /// read may start the compensation.
     pub(super) fn stand_as(&mut self, before: &State) {
         if self.state.modal.nose_compensation != 40 && !self.compensation.is_on() {
             let machine = before.machine(before.position).point();
@@ -68,7 +71,7 @@ impl Interpreter {
         }
     }
 
-    /// The compensation as the next block finds it.
+    /// The mode of the compensation before the next block.
     pub(super) fn compensated(&self) -> Compensated {
         match (&self.mdi, self.compensation.is_on()) {
             (Some(_), _) => Compensated::Never,
@@ -77,16 +80,16 @@ impl Interpreter {
         }
     }
 
-    /// Whether a block that otherwise waits may be read while moves before it
-    /// wait for their ends: its effects come in order all the same.
+    /// Whether a block that otherwise waits may be read while earlier moves wait for their
+    /// ends. Its effects keep their order.
     pub(super) fn reads_early(&self, words: &Words) -> bool {
         self.mdi.is_none()
             && self.compensation.holds()
             && !matches!(words.m, Some(0 | 30 | 98 | 99))
     }
 
-    /// Something else will move the tool while a compensated run stands: what
-    /// was read ahead stays where it is.
+    /// Suspends a compensated run while something else moves the tool: stores its programmed
+    /// end.
     pub(super) fn lay_aside(&mut self) {
         if self.compensation.is_on() || self.compensation.holds() {
             let position = self.state.machine(self.state.position);
@@ -94,7 +97,7 @@ impl Interpreter {
         }
     }
 
-    /// The compensated run goes on from where the tool stands now.
+    /// Continues the compensated run from the current machine position.
     fn come_back(&mut self, machine: Point) {
         let Some(position) = self.aside.take() else {
             return;
@@ -108,19 +111,19 @@ impl Interpreter {
         self.state.stand_at(moved);
     }
 
-    /// The vector is dropped, without motion.
+    /// Drops the compensation vector without motion.
     pub(super) fn drop_compensation(&mut self) {
         self.compensation.clear();
         self.aside = None;
     }
 }
 
-/// The turn of the control between many silent blocks: no command of a block.
+/// Whether a command only gives the control a turn between silent blocks.
 fn is_a_turn_only(command: &Command) -> bool {
     matches!(command.action, Action::Nothing) && !command.block_end
 }
 
-/// The host while moves wait for their ends: nothing is finished then.
+/// The host as the reader sees it while moves wait for their ends: nothing counts as finished.
 struct Ahead<'a, H> {
     host: &'a mut H,
     held: bool,

@@ -1,6 +1,5 @@
-//! The codes of group 00 that move the tool, set coordinates or wait, and cycles that
-//! are not modal. G70 to G76 of the GSK980TD have plans of their own (`compound`), calls
-//! none.
+//! Plans the codes of group 00 that move the tool, set coordinates or wait, and cycles that
+//! are not modal. `compound` plans G70 to G76 of the GSK980TD.
 
 use crate::alarm::Alarm;
 use crate::interpreter::canned_cycle::Maker;
@@ -20,7 +19,10 @@ use crate::interpreter::threads::counted_thread;
 use crate::interpreter::threads::single_pass;
 use crate::interpreter::threads::tapping;
 
-/// The motion of such a block; leaves the position at its end.
+/// Plans the motion of a code of group 00 and sets `state.position` to its end.
+///
+/// # Errors
+/// The alarm of the code.
 pub(crate) fn motion(
     code: OneShot,
     state: &mut State,
@@ -60,7 +62,7 @@ pub(crate) fn motion(
             Maker::CountedThread(counted_thread::plan(state, context, words, axes, unit)?)
         }
         OneShot::ThreadPass(unit) => {
-            // The tool does not come back: the cycle begins before the state moves on.
+            // The tool does not return: the cycle begins at the state before the pass.
             let mut after = *state;
             let pass = single_pass::plan(&mut after, context, words, axes, unit)?;
             let motion = Motion::cycle(state, Maker::SinglePass(pass))?;

@@ -1,7 +1,6 @@
-//! A move along the contour and nothing else: X or U, Z or W, the words of an arc, perhaps
-//! F, under G00 to G03. Most blocks are no more than that, and need little of what
-//! [`block`] looks for. The rules are the same: `a_plain_move_is_what_its_block_is` holds
-//! one against the other.
+//! A fast path for blocks that only move along the contour: X or U, Z or W, the words of an
+//! arc and F, under G00 to G03. Most blocks are of this form. The rules are those of
+//! [`block`]; the test `a_plain_move_is_what_its_block_is` compares the two.
 
 use crate::alarm::Alarm;
 use crate::command::Action;
@@ -14,12 +13,12 @@ use crate::interpreter::context::words::{ArcWords, AxisWords, Target};
 use crate::model::{GCode, Record};
 use crate::program::Block;
 
-/// What such a block says.
+/// The words of a block that only moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlainMove {
     /// The code of group 01 in force, 0 to 3.
     motion: u8,
-    /// It stands in the block.
+    /// Whether the block contains that code.
     codes: bool,
     feed: Option<f64>,
     /// X, U, Z and W as written, millionths of a millimetre.
@@ -28,12 +27,12 @@ pub(crate) struct PlainMove {
     arc: ArcWords,
 }
 
-/// What a move is carried out under.
+/// What a move depends on besides its words and the state.
 #[derive(Clone, Copy)]
 pub(crate) struct Under<'a> {
     pub(crate) record: &'a Record,
     pub(crate) compensated: Compensated,
-    /// 2 under radius programming (001.2), else 1.
+    /// Diameters per programmed X: 2 under radius programming (001.2), else 1.
     pub(crate) x_factor: i64,
 }
 
@@ -47,8 +46,8 @@ impl Under<'_> {
 }
 
 impl PlainMove {
-    /// The move that a block in millimetres is, with the code of group 01 before it;
-    /// `None` where it says anything else, or refers to variables.
+    /// The move of a block in millimetres, with the code of group 01 before it; `None` if the
+    /// block contains anything else or refers to variables.
     pub(crate) fn of(block: &Block, motion: u8, record: &Record) -> Option<Self> {
         if !block.has_only(b"GFXUZWRIK") || block.has_variables() {
             return None;
@@ -79,7 +78,7 @@ impl PlainMove {
             }
         }
         let moves = match plain.motion {
-            // Corners look ahead.
+            // Blocks with corners read ahead.
             0 | 1 => block.has_any(b"XUZW") && !block.has_any(b"RIK"),
             2 | 3 => block.has_any(b"XUZWIK"),
             _ => false,
@@ -87,10 +86,10 @@ impl PlainMove {
         moves.then_some(plain)
     }
 
-    /// Carries it out on the state: where the tool goes. `None` for an arc of no length.
+    /// Applies the move to the state and returns its action; `None` for an arc of no length.
     ///
     /// # Errors
-    /// Those of its code; the state is as before then.
+    /// The alarm of its code. The state stays as before.
     pub(crate) fn action(
         &self,
         state: &mut State,
@@ -132,7 +131,7 @@ impl PlainMove {
     }
 }
 
-/// The code of group 01 that moves along the contour.
+/// The number of a code of group 01 that moves along the contour; `None` for other codes.
 const fn code(meaning: GCode) -> Option<u8> {
     match meaning {
         GCode::Rapid | GCode::StraightRapid => Some(0),

@@ -1,5 +1,5 @@
-//! What the block read last still has to do. Commands are taken one by one:
-//! a cycle makes its next move when it is asked for it.
+//! The remaining actions of the block read last. The caller takes commands one by one, and a
+//! cycle makes each move on request.
 
 use std::collections::VecDeque;
 
@@ -18,19 +18,21 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::context::writes::Writes;
 use crate::interpreter::cycles::box_cycle::BoxCycle;
 
-/// The motion of a block: one variant for each way to make moves.
+/// The motion of a block: a variant for each way to make moves.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Motion {
-    /// None, or none left.
+    /// No motion, or none left.
     #[default]
     None,
     /// A single move, dwell or change of coordinates.
+    #[serde(rename = "One")]
     One(Action),
     /// G90, G94.
     Box(Box<BoxCycle>),
     /// G28.
     Reference(Box<Reference>),
-    /// A cut with a chamfer, corner arc or run-out.
+    /// A cut and its chamfer, corner arc or run-out.
+    #[serde(rename = "Two")]
     Two(Box<Two>),
     /// G33 with several starts, G71 to G76, G92.
     Cycle(Box<Cycle>),
@@ -57,10 +59,10 @@ impl From<Two> for Motion {
 }
 
 impl Motion {
-    /// A cycle that begins where the tool stands.
+    /// Starts a cycle at the current position of the tool.
     ///
     /// # Errors
-    /// A cycle that makes no pass.
+    /// 062 if the cycle makes no move.
     pub(crate) fn cycle(state: &State, maker: Maker) -> Result<Self, Alarm> {
         Ok(Self::Cycle(Box::new(Cycle::begin(state, maker)?)))
     }
@@ -90,8 +92,8 @@ impl Motion {
         }
     }
 
-    /// Whether it goes along a contour, where G41 and G42 act: G00 to G03. The
-    /// moves of cycles, threads and G28 run without compensation.
+    /// Whether the motion is along a contour (G00 to G03), where G41 and G42 act. Cycles,
+    /// threads and G28 run without compensation.
     pub(crate) const fn is_contour(&self) -> bool {
         matches!(
             self,
@@ -100,7 +102,7 @@ impl Motion {
         )
     }
 
-    /// Whether where it ends is known only when it is finished.
+    /// Whether the end of the motion is known only when it is finished.
     pub(crate) const fn ends_unknown(&self) -> bool {
         matches!(self, Self::Reference(reference) if reference.seeks())
     }
@@ -117,25 +119,28 @@ impl Motion {
     }
 }
 
-/// The rest of a block, in the order in which it happens.
+/// The remaining actions of a block, in their order.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Plan {
     pub(crate) source: Source,
     pub(crate) modal: Modal,
-    /// S, M, T.
+    /// Actions of S, M and T.
     pub(crate) before: VecDeque<Action>,
     pub(crate) motion: Motion,
-    /// The motion runs without nose radius compensation, whatever it is.
+    /// Whether the motion runs without nose radius compensation in any case.
+    #[serde(rename = "apart")]
     pub(crate) apart: bool,
-    /// M00, M30, M99 of the main program.
+    /// M00, M30, or M99 of the main program.
     pub(crate) after: Option<Action>,
-    /// Where reading goes on when everything is taken.
+    /// The flow of the run after the last action.
     pub(crate) flow: Flow,
     /// Whether single block stops at the end of the block.
+    #[serde(rename = "stops")]
     pub(crate) stops: bool,
-    /// Whether feed hold waits for the end of each of its moves.
+    /// Whether feed hold waits for the end of each move.
+    #[serde(rename = "whole")]
     pub(crate) whole: bool,
-    /// Parameters that come into force with it.
+    /// Parameters to write when the reader accepts the block.
     pub(crate) writes: Writes,
 }
 
@@ -155,8 +160,9 @@ impl Plan {
         }
     }
 
-    /// Queues what begins in the same tick as the tool change of the block: the strobes of
-    /// M, S and T rise together, and one FIN answers all of them (manual PLC-II 8.1).
+    /// Queues an action that begins in the same tick as the tool change of the block: the
+    /// strobes of M, S and T rise together, and one FIN answers all of them (manual PLC-II
+    /// 8.1).
     pub(crate) fn begin_with_tool(&mut self, action: Action) {
         let is_tool = |action: &Action| matches!(action, Action::Tool { .. });
         let tool = self.before.iter().position(is_tool);
@@ -164,7 +170,8 @@ impl Plan {
             .insert(tool.unwrap_or(self.before.len()), action);
     }
 
-    /// Tells the tool change whether motion, dwell or a stop of its block follows it.
+    /// Marks the tool change as the last action, if no motion, dwell or stop of its block
+    /// follows.
     pub(crate) fn mark_last_tool(&mut self) {
         let rests = matches!(self.motion, Motion::None) && self.after.is_none();
         for action in &mut self.before {
@@ -174,7 +181,7 @@ impl Plan {
         }
     }
 
-    /// After the profile of G70: back to the start, as the end of the cycle's block.
+    /// The return to the start after the profile of a G70, as the end of its block.
     pub(crate) fn after_profile(finishing: &Finishing, state: &mut State) -> Self {
         state.stand_at(state.machine(finishing.start));
         let mut plan = Self::new(finishing.source, state.modal);
@@ -186,7 +193,7 @@ impl Plan {
         plan
     }
 
-    /// Why the move of a cycle taken last is where it is.
+    /// The explanation data of the cycle move taken last.
     pub(crate) fn note(&self) -> Option<Note> {
         match &self.motion {
             Motion::Cycle(cycle) => cycle.note(),
@@ -200,7 +207,7 @@ impl Plan {
         self.before.is_empty() && self.motion.is_done() && self.after.is_none()
     }
 
-    /// The next command.
+    /// Takes the next command.
     #[inline]
     pub(crate) fn take(&mut self) -> Option<Command> {
         let emission = match self.before.pop_front() {

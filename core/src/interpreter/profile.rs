@@ -1,5 +1,5 @@
-//! The blocks ns to nf that G70 to G73 name by P and Q (manual I-3.2.6): found,
-//! checked, and evaluated to the contour they describe.
+//! The blocks ns to nf that P and Q of G70 to G73 name (manual I-3.2.6): finds them, checks
+//! them, and evaluates them to a contour.
 //!
 //! ```text
 //!   G71 P10 Q50 …        N10 G00 X…      ns: A -> B
@@ -25,27 +25,27 @@ use crate::interpreter::plan::Plan;
 use crate::program::Program;
 use crate::units::Point;
 
-/// Blocks a profile may have.
+/// Greatest number of blocks of a profile.
 const MOST_BLOCKS: u32 = 100;
 
-/// Where a profile stands: its first and its last block.
+/// The indices of the first and the last block of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Range {
     pub(crate) first: u32,
     pub(crate) last: u32,
-    /// The blocks follow the cycle (Huaxing): the G00 of the first one may be in force
-    /// from before.
+    /// Whether the blocks follow the cycle (Huaxing). Then the G00 of the first one may be in
+    /// force before it.
     pub(crate) follows: bool,
 }
 
-/// How one step of a contour goes.
+/// The geometry of one step of a contour.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Shape {
-    /// Straight; whether it was programmed as a rapid.
+    /// A straight line; `rapid` if it was programmed as a rapid.
     Straight { rapid: bool },
     /// An arc about a programmed centre.
     Arc { center: Point, clockwise: bool },
-    /// A wait.
+    /// A dwell.
     Dwell { ms: u32 },
 }
 
@@ -54,11 +54,11 @@ pub(crate) enum Shape {
 pub(crate) struct Step {
     pub(crate) to: Exact,
     pub(crate) shape: Shape,
-    /// Line of the file it comes from.
+    /// Line of its block in the file.
     pub(crate) line: u32,
 }
 
-/// A contour: A, the step to B, and the steps from there to C.
+/// A contour: the start A, the step to B, and the steps from B to C.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Profile {
     pub(crate) start: Exact,
@@ -78,7 +78,10 @@ impl Profile {
     }
 }
 
-/// Finds ns and nf; alarms 016, 061, 063, 067.
+/// Finds the blocks ns and nf.
+///
+/// # Errors
+/// 016, 061, 063 or 067.
 pub(crate) fn locate(context: &Context<'_>, words: &Words) -> Result<Range, Alarm> {
     if context.mdi {
         return Err(Alarm::new(number::PROFILE_IN_MDI).because(say::profile_in_mdi()));
@@ -120,6 +123,9 @@ pub(crate) fn locate(context: &Context<'_>, words: &Words) -> Result<Range, Alar
 }
 
 /// The next N blocks after the cycle (Huaxing).
+///
+/// # Errors
+/// 016, 061, 063 or 067.
 pub(crate) fn following(context: &Context<'_>, words: &Words) -> Result<Range, Alarm> {
     if context.mdi {
         return Err(Alarm::new(number::PROFILE_IN_MDI).because(say::profile_in_mdi()));
@@ -152,7 +158,10 @@ pub(crate) fn following(context: &Context<'_>, words: &Words) -> Result<Range, A
     })
 }
 
-/// The program the cycle stands in.
+/// The program of the cycle.
+///
+/// # Errors
+/// 031 if it is missing.
 pub(crate) fn program<'a>(context: &Context<'a>) -> Result<&'a Program, Alarm> {
     context
         .programs
@@ -164,7 +173,7 @@ fn find(program: &Program, number: i64, range: core::ops::Range<u32>) -> Option<
     program.find_sequence_block(u32::try_from(number).ok()?, range)
 }
 
-/// The numbers of P and Q must not coincide in the program (manual I-3.2.6.7).
+/// Checks that the number of P or Q occurs once in the program (manual I-3.2.6.7).
 fn once(program: &Program, address: char, number: i64) -> Result<(), Alarm> {
     let end = program.block_count();
     let Some(first) = find(program, number, 0..end) else {
@@ -189,8 +198,10 @@ fn out_of_order(detail: Message) -> Alarm {
     Alarm::new(number::PROFILE_RANGE).because(detail)
 }
 
-/// The words of each block of a range, in order; alarms 064 and 066 for what
-/// must not stand there. The callback gets block, words and the code of group 01.
+/// Calls `visit` with index, words and code of group 01 of each block of a range, in order.
+///
+/// # Errors
+/// 064 and 066 for codes that a profile cannot contain, and the alarms of the blocks.
 fn walk(
     context: &Context<'_>,
     range: Range,
@@ -211,7 +222,7 @@ fn walk(
     Ok(())
 }
 
-/// An alarm of a profile's block belongs to the cycle; its text names the line.
+/// Assigns the alarm of a profile's block to the cycle; its text contains the line.
 fn in_profile(alarm: &Alarm, line: u32) -> Alarm {
     let detail = alarm.detail.clone().unwrap_or_else(|| say::as_written(""));
     Alarm::new(alarm.number).because(say::in_profile(line, detail))
@@ -232,7 +243,10 @@ fn check_codes(context: &Context<'_>, words: &Words, motion: u8) -> Result<(), A
     Ok(())
 }
 
-/// Checks the blocks of G70, which run as ordinary blocks afterwards.
+/// Checks the blocks of a G70, which run as ordinary blocks afterwards.
+///
+/// # Errors
+/// The alarm of a block.
 pub(crate) fn check(state: &State, context: &Context<'_>, range: Range) -> Result<(), Alarm> {
     walk(
         context,
@@ -247,13 +261,16 @@ pub(crate) fn check(state: &State, context: &Context<'_>, range: Range) -> Resul
     )
 }
 
-/// A chamfer needs a block after it. Arcs have I, K and R of their own.
+/// A corner at the last block lacks a block after it. Arcs use I, K and R differently.
 fn last_corner() -> Alarm {
     Alarm::new(number::ARC_DATA).because(say::profile_corner_at_end())
 }
 
-/// The contour of a range, as the same rules read it that run it. F, S, T and M
-/// of its blocks count in G70 only.
+/// Evaluates the blocks of a range to a contour, by the rules of ordinary blocks. F, S, T and
+/// M of the blocks act in G70 only.
+///
+/// # Errors
+/// 065 for a wrong begin, and the alarms of the blocks.
 pub(crate) fn evaluate(
     state: &State,
     context: &Context<'_>,
@@ -274,7 +291,7 @@ pub(crate) fn evaluate(
         &mut |index, words, motion| {
             let line = program.block_line(index);
             let begins = match range.follows {
-                // The fragment of its manual has G90 there, with G00 in force.
+                // The example in the manual of these lathes has G90 there, with G00 in force.
                 true => motion == 0,
                 false => matches!(words.motion, Some(0 | 1)),
             };
@@ -378,7 +395,7 @@ fn step(action: &Action, shift: Shift, rest: Exact, line: u32) -> Option<Step> {
     })
 }
 
-/// Alarm 065.
+/// Alarm 065 with a reason.
 pub(crate) fn bad_start(detail: Message) -> Alarm {
     Alarm::new(number::PROFILE_START).because(detail)
 }

@@ -1,5 +1,4 @@
-//! The interpreter itself: reads blocks as far as it may and hands out their
-//! commands one at a time.
+//! The interpreter: reads blocks as far as it may and gives their commands one at a time.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,12 +25,11 @@ mod read;
 mod reading;
 mod statements;
 
-/// Blocks to commands. Plain data: it can be saved and restored at any time.
+/// Turns blocks into commands. It is plain data that can be saved and restored at any time.
 ///
-/// A *run* begins with [`start`](Self::start); [`next`](Self::next) then gives
-/// one command a call until [`Step::Ended`]. A block keyed in on the MDI page
-/// is a run of its own (`start_mdi`) that leaves a stopped
-/// automatic run where it is.
+/// [`start`](Self::start) begins a *run*. Then each call of [`next`](Self::next) gives one
+/// command, until [`Step::Ended`]. A block from the MDI page is a separate run (`start_mdi`),
+/// which leaves a stopped automatic run as it is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interpreter {
     pub(super) state: State,
@@ -39,24 +37,26 @@ pub struct Interpreter {
     pub(super) mdi: Option<Mdi>,
     /// The nose radius compensation of the automatic run.
     pub(super) compensation: Compensation,
-    /// Programmed end of what a compensated run has read, machine coordinates,
-    /// while something else moves the tool.
+    /// Programmed end of a suspended compensated run, machine coordinates, while something
+    /// else moves the tool.
+    #[serde(rename = "aside")]
     pub(super) aside: Option<Exact>,
     jumps: Jumps,
     machine_codes: MachineCodes,
     /// Whether the control has the option of macro B.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     macro_b: bool,
-    /// Whose programs are read.
+    /// The model that the programs are for.
     #[serde(default, skip_serializing_if = "ControlModel::is_delivered_main")]
     model: ControlModel,
-    /// Whether that model has variables of its own.
+    /// Whether that model has the variables #1 to #99 of the Huaxing lathes.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    #[serde(rename = "own_variables")]
     own_variables: bool,
-    /// Codes of macro B that call a program.
+    /// Codes that call a program by parameters of macro B.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     code_calls: Option<Box<CodeCalls>>,
-    /// Looks for words that change nothing; a preview alone does.
+    /// Finds words that change nothing. Only a preview sets it.
     #[serde(skip)]
     audit: Option<Box<WordAudit>>,
     #[serde(skip)]
@@ -70,15 +70,15 @@ pub(super) struct Mdi {
     run: Run,
 }
 
-/// Where a run has been read to, while the tool stands elsewhere.
+/// The state at the last block read, while the tool is elsewhere.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ReadTo(State);
 
-/// One answer of [`Interpreter::advance`], the command in place.
+/// An answer of [`Interpreter::advance`], with the command in place.
 pub(crate) enum Advance {
     Command(Command),
     Wait,
-    /// What follows has not come through the line yet.
+    /// The next block has not arrived through the serial line yet.
     Starved,
     Ended,
 }
@@ -107,18 +107,18 @@ impl Interpreter {
         }
     }
 
-    /// Whether programs are in inches, from the next block on.
+    /// Sets inch input, from the next block on.
     pub(crate) const fn set_inch_input(&mut self, inch: bool) {
         self.state.modal.inch = inch;
     }
 
-    /// The option of macro B, from the next block on.
+    /// Switches the option of macro B, from the next block on.
     pub fn set_macro_b(&mut self, on: bool) {
         self.macro_b = on;
         self.find_code_calls();
     }
 
-    /// The codes that call a program, which belong to macro B.
+    /// Reads the codes that call a program; they belong to macro B.
     fn find_code_calls(&mut self) {
         self.code_calls = match self.macro_b {
             true => CodeCalls::of(&self.model),
@@ -126,36 +126,36 @@ impl Interpreter {
         };
     }
 
-    /// Whose programs are read, from the next block on.
+    /// Sets the model that the programs are for, from the next block on.
     pub fn set_model(&mut self, model: &ControlModel) {
         self.model.clone_from(model);
         self.own_variables = model.record().own_variables;
         self.find_code_calls();
     }
 
-    /// Looks for words that change nothing, from the next block on.
+    /// Starts to search for words that change nothing, from the next block on.
     pub(crate) fn audit_words(&mut self) {
         self.audit = Some(Box::default());
     }
 
-    /// Whether something was found since the last call of [`Self::take_remarks`].
+    /// Whether remarks exist that [`Self::take_remarks`] has not returned yet.
     #[inline]
     pub(crate) fn has_remarks(&self) -> bool {
         self.audit.as_ref().is_some_and(|audit| audit.has_remarks())
     }
 
-    /// What was found since the last call.
+    /// The remarks since the last call, with their source positions.
     pub(crate) fn take_remarks(&mut self) -> Vec<Remarked> {
         let audit = self.audit.as_mut();
         audit.map_or_else(Vec::new, |audit| audit.take())
     }
 
-    /// What the model is whose programs are read.
+    /// The record of the model that the programs are for.
     pub(crate) fn record(&self) -> &'static Record {
         self.model.record()
     }
 
-    /// How blocks of a program are read now.
+    /// The syntax of the next block of a program.
     pub(crate) fn syntax(
         &self,
         program: ProgramId,
@@ -164,7 +164,7 @@ impl Interpreter {
     ) -> Syntax {
         Syntax {
             inch: self.state.modal.inch,
-            // What comes in through the line has no place to jump to.
+            // The serial line brings a program once, so macro B has no target to jump to.
             macro_b: (self.macro_b || self.own_variables)
                 && program != ProgramId::Dnc
                 && text.uses_macro_b(),
@@ -178,7 +178,8 @@ impl Interpreter {
         &self.state.modal
     }
 
-    /// Spindle and coolant stopped without a program: the last M code is the one for that.
+    /// Records that spindle or coolant stopped without a program: the last M code becomes M05
+    /// or M09.
     pub(crate) const fn machine_stopped(&mut self) {
         self.state.modal.m = match self.state.modal.m {
             Some(3 | 4) => Some(5),
@@ -187,7 +188,7 @@ impl Interpreter {
         };
     }
 
-    /// The thread lead in force, mm; zero = none yet.
+    /// The thread lead in force, mm; 0 if unset.
     pub const fn thread_lead(&self) -> f64 {
         self.state.lead
     }
@@ -197,18 +198,19 @@ impl Interpreter {
         self.state.frame()
     }
 
-    /// Programmed position where the motion read so far ends, radius mm.
+    /// Programmed position at the end of the motion read so far, mm, X as a radius.
     pub fn position(&self) -> Point {
         self.state.position.point()
     }
 
-    /// The block read last, in the run that goes on.
+    /// The source position of the block read last, in the current run; `None` before the
+    /// first.
     pub fn cursor(&self) -> Option<Source> {
         self.run().source
     }
 
-    /// Why the move of a cycle taken last is where it is: its pass, level, depth
-    /// and formula. `None` outside cycles. Worked out when asked.
+    /// The explanation of the cycle move taken last: pass, level, depth and formula. `None`
+    /// outside cycles. Computed on each call.
     pub fn explanation(&self) -> Option<Explanation> {
         let run = self.run();
         if let (Some(finishing), Some(source)) = (&run.finishing, run.source) {
@@ -221,46 +223,47 @@ impl Interpreter {
         note.and_then(Note::explanation)
     }
 
-    /// How many subprogram calls are under way.
+    /// Number of running subprogram and macro calls.
     pub fn depth(&self) -> usize {
         self.run().calls.len()
     }
 
-    /// The block of the program coming in through the line that is read next; none
-    /// while a place in it is kept.
+    /// Index of the next block of the program that arrives through the serial line; `None` if
+    /// the run keeps a position in it.
     pub(crate) fn next_coming_in(&self) -> Option<u32> {
         let run = &self.main;
         let free = run.plan.is_none() && run.calls.is_empty() && run.finishing.is_none();
         (free && run.place.program == ProgramId::Dnc).then_some(run.place.block)
     }
 
-    /// So many blocks in front of that one are gone.
+    /// Notes that the first `count` blocks of the arriving program are dropped, so that its
+    /// indices shift.
     pub(crate) const fn blocks_gone(&mut self, count: u32) {
         self.main.place.block = self.main.place.block.saturating_sub(count);
     }
 
-    /// A local variable of macro B in the innermost call of the automatic run; `None`: null.
+    /// A local variable of macro B in the innermost call of the automatic run; `None` is null.
     pub fn local(&self, number: u8) -> Option<f64> {
         self.main.levels.get(number)
     }
 
-    /// Gives it a value, or makes it null.
+    /// Sets a local variable of macro B; `None` makes it null.
     pub(crate) fn set_local(&mut self, number: u8, value: Option<f64>) {
         self.main.levels.set(number, value);
     }
 
-    /// Blocks read so far, and one more for each 64 bytes of their texts.
+    /// A measure of work: blocks read so far, plus one for each 64 bytes of their text.
     pub(crate) const fn work(&self) -> u64 {
         self.recent.work()
     }
 
-    /// Whether commands of the block read last are still to come.
+    /// Whether commands of the block read last remain.
     pub(crate) fn in_block(&self) -> bool {
         self.run().plan.is_some()
     }
 
-    /// Starts a run over a program at the first block of a line or after it.
-    /// The position comes from the host, the modal state stays.
+    /// Starts a run over a program, at the first block at or after a line (from 1). Takes the
+    /// position from the host and keeps the modal state.
     pub fn start(&mut self, program: ProgramId, line: u32, host: &impl Host) {
         let block = host
             .programs()
@@ -279,8 +282,8 @@ impl Interpreter {
         }
     }
 
-    /// Starts a run over the block keyed in on the MDI page. After its end
-    /// [`next`](Self::next) goes on with the automatic run, if one stands.
+    /// Starts a run over the block from the MDI page. After its end [`next`](Self::next)
+    /// continues the automatic run, if there is one.
     pub(crate) fn start_mdi(&mut self, program: Program, host: &impl Host) {
         let run = Run::from(Place {
             program: ProgramId::Mdi,
@@ -290,18 +293,18 @@ impl Interpreter {
         self.resync(host);
     }
 
-    /// The run over the MDI block is over.
+    /// Ends the run over the MDI block.
     pub(crate) fn leave_mdi(&mut self) {
         self.mdi = None;
     }
 
-    /// Where the automatic run has been read to.
+    /// The state of the automatic run at its last block read.
     pub(crate) const fn read_to(&self) -> ReadTo {
         ReadTo(self.state)
     }
 
-    /// After MDI blocks the automatic run counts on from where it was read to. The
-    /// modal codes that they left are in force, and so is a frame that they changed.
+    /// Restores the position of the automatic run after MDI blocks. Their modal codes stay in
+    /// force, and so does their frame unless `same_frame` is set.
     pub(crate) fn stand_where_read(&mut self, read_to: &ReadTo, same_frame: bool) {
         let ReadTo(before) = read_to;
         if same_frame {
@@ -314,15 +317,15 @@ impl Interpreter {
         self.state.threading = before.threading;
     }
 
-    /// Takes the position from the host again (after manual motion).
+    /// Takes the position from the host again, after manual motion.
     pub fn resync(&mut self, host: &impl Host) {
         self.lay_aside();
         self.state
             .stand_at(Exact::from_point(host.machine_position()));
     }
 
-    /// Puts another coordinate frame into force: at power-on, or after a
-    /// manual reference return sets coordinates.
+    /// Puts another coordinate frame into force, at power-on or after a manual reference
+    /// return sets coordinates.
     pub(crate) fn set_frame(&mut self, frame: Frame, host: &impl Host) {
         self.state.zero = Exact::from_point(frame.zero);
         self.state.zero_offset = Exact::from_point(frame.zero_offset.point());
@@ -330,8 +333,8 @@ impl Interpreter {
         self.resync(host);
     }
 
-    /// Cancels the tool offset of an axis, as manual returns to the reference
-    /// point and to the program zero do.
+    /// Cancels the tool offset of an axis, as manual returns to the reference point and to the
+    /// program zero do.
     pub(crate) fn cancel_offset(&mut self, axis: Axis, host: &impl Host) {
         self.state.offset.set(axis, 0);
         *self.state.untravelled.get_mut(axis) = false;
@@ -341,19 +344,19 @@ impl Interpreter {
         self.resync(host);
     }
 
-    /// M codes that the machine's ladder carries out.
+    /// Sets the M codes of the machine's ladder.
     pub(crate) const fn set_machine_codes(&mut self, codes: MachineCodes) {
         self.machine_codes = codes;
     }
 
-    /// The tool number shown after a manual tool change.
+    /// Sets the tool number after a manual tool change.
     pub(crate) const fn set_tool(&mut self, tool: u8) {
         self.state.modal.tool = tool;
     }
 
-    /// RESET, and the end of a program: runs are over, the stored words of
-    /// cycles are cleared, modal codes stay, but G41 and G42 are cancelled and
-    /// their vector is dropped. The offset stays by 004.3 TOC.
+    /// RESET, or the end of a program. Ends the runs, clears the stored words of cycles,
+    /// cancels G41 and G42 and drops their vector. Modal codes stay. 004.3 TOC decides whether
+    /// the offset stays.
     pub fn reset(&mut self, host: &impl Host) {
         self.main = Run::over();
         self.mdi = None;
@@ -369,12 +372,12 @@ impl Interpreter {
         self.resync(host);
     }
 
-    /// The next command. Reads at most a few blocks and makes at most one
-    /// command, so that a tick is never held up.
+    /// The next command. Reads at most a few blocks and makes at most one command, so that it
+    /// never delays a tick.
     ///
     /// # Errors
-    /// The alarm of the block being read. The block has had no effect then,
-    /// and the next call reads it again.
+    /// The alarm of the block being read. The block has no effect then, and the next call
+    /// reads it again.
     pub fn next(&mut self, host: &mut impl Host) -> Result<Step, Alarm> {
         Ok(match self.advance(host)? {
             Advance::Command(command) => Step::Command(Box::new(command)),

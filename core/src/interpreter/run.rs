@@ -1,5 +1,5 @@
-//! Where a run stands in its programs: the next block, the calls under way,
-//! and what is left of the block read last.
+//! The state of a run over programs: the next block, the running calls, and the remaining
+//! commands of the block read last.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,35 +10,40 @@ use crate::interpreter::context::place::{Call, CallKind, Place};
 use crate::interpreter::macros::levels::Levels;
 use crate::interpreter::plan::Plan;
 
-/// One run over programs.
+/// A run over programs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Run {
-    /// The next block to read.
+    /// The position of the next block to read.
+    #[serde(rename = "place")]
     pub(crate) place: Place,
-    /// Calls under way, the innermost last.
+    /// The running calls, the innermost last.
     pub(crate) calls: Vec<Call>,
-    /// Variables, loops and the modal call of macros.
+    /// Local variables, loops and modal calls of macros.
     #[serde(default, skip_serializing_if = "Levels::is_empty")]
     pub(crate) levels: Levels,
-    /// The last N met.
+    /// The last sequence number (N) read.
     pub(crate) sequence: Option<BlockNumber>,
-    /// The block read last.
+    /// The source position of the block read last.
     pub(crate) source: Option<Source>,
-    /// Its commands not taken yet.
+    /// Its remaining commands; `None` if all are taken.
     pub(crate) plan: Option<Plan>,
-    /// What the last move of a finished plan belongs to.
+    /// The explanation data of the last move of a finished plan.
+    #[serde(rename = "note")]
     pub(crate) note: Option<Note>,
-    /// The command taken last came from a block along a contour.
+    /// Whether the command taken last is a move along a contour, where G41 and G42 act.
+    #[serde(rename = "contour")]
     pub(crate) contour: bool,
     /// The profile that a G70 runs through.
     pub(crate) finishing: Option<Finishing>,
-    /// Nothing more is read before everything is finished (after M00).
+    /// Whether the reader pauses until every command is finished (after M00).
+    #[serde(rename = "paused")]
     pub(crate) paused: bool,
+    #[serde(rename = "ended")]
     pub(crate) ended: bool,
 }
 
 impl Run {
-    /// A run about to read a block.
+    /// A run that starts at a block.
     pub(crate) const fn from(place: Place) -> Self {
         Self {
             place,
@@ -55,7 +60,7 @@ impl Run {
         }
     }
 
-    /// A run that is over.
+    /// A run that has ended.
     pub(crate) const fn over() -> Self {
         let mut run = Self::from(Place {
             program: ProgramId::External,
@@ -65,8 +70,8 @@ impl Run {
         run
     }
 
-    /// The next command of the block read last; at its end, turns to the
-    /// block that follows.
+    /// Takes the next command of the block read last; after its last command sets the next
+    /// block.
     #[inline]
     pub(crate) fn take(&mut self) -> Option<Command> {
         let plan = self.plan.as_mut()?;
@@ -81,15 +86,15 @@ impl Run {
         command
     }
 
-    /// The block read last was a move along the contour and nothing else: it is taken,
-    /// and the next block follows.
+    /// Records that the block read last was only a move along the contour and that its command
+    /// is taken.
     pub(crate) const fn move_alone(&mut self) {
         self.contour = true;
         self.note = None;
         self.place = self.place.after();
     }
 
-    /// What a move leads to: the call of the last G66, or the next block.
+    /// The flow after a move: the call of the last G66, or the next block.
     pub(crate) fn modal_call(&self, place: Place) -> Flow {
         let Some((index, modal)) = self.levels.modal(&self.calls) else {
             return Flow::Next;

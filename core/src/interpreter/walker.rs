@@ -1,11 +1,10 @@
-//! A run over programs for a model whose codes are none of the lathe's: which block comes
-//! next, with loops, jumps, calls and formulas carried out. What the words of a block mean
-//! is left to whoever walks.
+//! Runs programs of a model with other codes than the lathe's: finds the next block and
+//! carries out loops, jumps, calls and formulas. The caller carries out the words of a block.
 //!
 //! ```text
-//!   Walker::next --> Read::Words(block) --> its words carried out --> call, back, end
-//!      |                                                                 |
-//!      +--- statements of macro B act here <-----------------------------+
+//!   Walker::next --> words of a block --> the caller carries them out --> call, back, end
+//!      |                                                                       |
+//!      +--- statements of macro B are carried out here <-----------------------+
 //! ```
 
 use gsk_messages::say;
@@ -23,56 +22,56 @@ use crate::interpreter::macros::variable::NotNow;
 use crate::model::ControlModel;
 use crate::program::{Block, CodeCall, Program, ProgramMemory, Recent, Syntax};
 
-/// The variables besides #0 to #33, which the walker keeps.
+/// The variables above #33 of a model. The walker keeps #0 to #33.
 pub trait System {
-    /// The value of a variable; `None`: null.
+    /// The value of a variable; `None` is null.
     ///
     /// # Errors
-    /// 115 for a number that is none.
+    /// 115 for an unknown number.
     fn read(&self, number: u32) -> Result<Option<f64>, Alarm>;
 
-    /// Gives it a value, or null.
+    /// Sets a variable; `None` makes it null.
     ///
     /// # Errors
-    /// 115 for a number that is none, 116 for one that is only read, 043 for a value that
-    /// it does not take.
+    /// 115 for an unknown number, 116 for a read-only variable, 043 for a value that it does
+    /// not take.
     fn write(&mut self, number: u32, value: Option<f64>) -> Result<(), Alarm>;
 
-    /// Whether `ASIN` and `ATAN` give −90 to 90 and −180 to 180 degrees instead of 0 to
-    /// 360.
+    /// Whether `ASIN` and `ATAN` give −90 to 90 and −180 to 180 degrees instead of 0 to 360.
     fn signed_angles(&self) -> bool {
         false
     }
 }
 
-/// What was read.
+/// The result of reading a block.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Read {
-    /// Words to be carried out, numbers in the place of formulas.
+    /// Words for the caller to carry out, with numbers in place of formulas.
     Words(Box<Block>),
-    /// A statement of macro B, which has acted, or a block that is skipped.
+    /// A statement of macro B that the walker has carried out, or a skipped block.
     Nothing,
-    /// The text of a program is over: the run goes on after the call that led there.
+    /// The text of a called program has ended: the run continues after the call.
     Returned,
-    /// The run is over.
+    /// The run has ended.
     Ended,
 }
 
-/// What M99 led to.
+/// Where M99 has led to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Back {
-    /// Another run of the same program, or to its caller.
+    /// To another run of the same program, or to its caller.
     Returned,
-    /// A block of the main program before the M99, its begin without P: it begins anew.
+    /// To an earlier block of the main program, or without P to its first one: the program
+    /// restarts.
     Repeats,
-    /// A block of the main program after it.
+    /// To a later block of the main program.
     Jumped,
 }
 
 /// A run over programs.
 #[derive(Clone, Debug)]
 pub struct Walker {
-    /// The block read last, and the one that is read next.
+    /// The position of the block read last, and that of the next one.
     here: Place,
     place: Place,
     calls: Vec<Call>,
@@ -85,7 +84,7 @@ pub struct Walker {
 }
 
 impl Walker {
-    /// A run that begins with the first block of a program.
+    /// A run that begins at the first block of a program.
     pub fn new(program: ProgramId) -> Self {
         let place = Place { program, block: 0 };
         Self {
@@ -101,20 +100,20 @@ impl Walker {
         }
     }
 
-    /// With the codes that call a program by the parameters of a model.
+    /// Adds the codes that call a program by the parameters of a model.
     #[must_use]
     pub fn with_codes(mut self, model: &ControlModel) -> Self {
         self.codes = CodeCalls::of(model);
         self
     }
 
-    /// Those codes, where they are no ordinary ones.
+    /// The codes that call a program, unless the running calls make them ordinary.
     fn calling(&self) -> Option<&CodeCalls> {
         let codes = self.codes.as_deref();
         codes.filter(|_| !are_ordinary(&self.calls))
     }
 
-    /// The block read last.
+    /// The source position of the block read last.
     pub fn source(&self, programs: &ProgramMemory) -> Source {
         let program = programs.get(self.here.program);
         Source {
@@ -124,15 +123,16 @@ impl Walker {
         }
     }
 
-    /// The program that it stands in.
+    /// The program of the block read last.
     pub const fn program(&self) -> ProgramId {
         self.here.program
     }
 
-    /// Reads the next block.
+    /// Reads the next block. `skipping` skips blocks marked `/`; `system` reads and writes
+    /// variables above #33.
     ///
     /// # Errors
-    /// The alarm of its syntax, or of its statement.
+    /// The alarm of its syntax or of its statement.
     pub fn next(
         &mut self,
         programs: &ProgramMemory,
@@ -146,7 +146,7 @@ impl Walker {
         let program = text(programs, self.place.program)?;
         self.here = self.place;
         if self.here.block >= program.block_count() {
-            // Its last line is what an alarm names.
+            // An alarm names the last line of the text.
             self.here.block = self.here.block.saturating_sub(1);
             if self.calls.is_empty() {
                 self.ended = true;
@@ -173,7 +173,7 @@ impl Walker {
             let outcome = self.call_by_words(&call, program, programs, syntax, system);
             return nothing_but(outcome);
         }
-        // Beside the run, which changes while a block is looked at.
+        // Taken out of `self`, which changes while the block is borrowed.
         let mut recent = core::mem::take(&mut self.recent);
         let read = recent.read(program, index, syntax);
         let outcome = read
@@ -183,7 +183,7 @@ impl Walker {
         nothing_but(outcome)
     }
 
-    /// A macro that a code calls with the words of its block.
+    /// Carries out a macro call that a code makes with the words of its block.
     fn call_by_words(
         &mut self,
         call: &CodeCall,
@@ -242,7 +242,7 @@ impl Walker {
         }
     }
 
-    /// Where a statement stands.
+    /// The position of a statement at the block read last.
     fn stand<'a>(
         &'a self,
         program: &'a Program,
@@ -260,7 +260,7 @@ impl Walker {
         }
     }
 
-    /// Puts into force what a statement leads to.
+    /// Applies the effect of a statement.
     fn take_up(
         &mut self,
         outcome: Outcome,
@@ -320,10 +320,11 @@ impl Walker {
         }
     }
 
-    /// Calls a subprogram from the block read last, so many times; `name` is what calls it.
+    /// Calls a subprogram from the block read last, `runs` times. `name` is the calling code,
+    /// for messages.
     ///
     /// # Errors
-    /// 077 when calls are too deep, 078 for a program that is not there.
+    /// 077 for calls that are too deep, 078 for a missing program.
     pub fn call(
         &mut self,
         programs: &ProgramMemory,
@@ -336,16 +337,17 @@ impl Walker {
         Ok(())
     }
 
-    /// The program that an M or a T calls by parameters as M98 does.
+    /// The subprogram that an M or T calls by parameters, as M98 does; `None` if it is
+    /// ordinary.
     pub fn called_by(&self, m: Option<i64>, t: Option<i64>) -> Option<PlainCall> {
         let m = m.and_then(|code| u16::try_from(code).ok());
         self.calling()?.plain_by(m, t)
     }
 
-    /// Calls it, so many times. Codes call nothing in it.
+    /// Calls such a subprogram `runs` times. In it the codes are ordinary.
     ///
     /// # Errors
-    /// Those of [`Self::call`].
+    /// As for [`Self::call`].
     pub fn call_by_code(
         &mut self,
         programs: &ProgramMemory,
@@ -363,7 +365,7 @@ impl Walker {
     /// Calls a program with the words of the block as arguments, as G65 does.
     ///
     /// # Errors
-    /// Those of [`Self::call`], and 129 for a word that is no argument.
+    /// As for [`Self::call`]; 129 for a word that is no argument.
     pub fn call_macro(
         &mut self,
         programs: &ProgramMemory,
@@ -412,7 +414,7 @@ impl Walker {
         })
     }
 
-    /// After a block that moves: the call of the last G66.
+    /// Makes the call of the last G66. The caller calls it after each block that moves.
     pub fn moved(&mut self) {
         let Some((index, modal)) = self.levels.modal(&self.calls) else {
             return;
@@ -430,10 +432,10 @@ impl Walker {
         self.enter(call, Some(arguments));
     }
 
-    /// M99, with its P.
+    /// Carries out an M99, with its P.
     ///
     /// # Errors
-    /// 078 for a block that is not there.
+    /// 078 for a missing block.
     pub fn back(&mut self, programs: &ProgramMemory, p: Option<i64>) -> Result<Back, Alarm> {
         let find = |program| {
             let number = p
@@ -479,18 +481,18 @@ impl Walker {
         Ok(Back::Returned)
     }
 
-    /// M30: nothing more is read.
+    /// Ends the run (M30).
     pub fn end(&mut self) {
         self.ended = true;
     }
 
-    /// Calls under way.
+    /// Number of running calls.
     pub fn depth(&self) -> usize {
         self.calls.len()
     }
 }
 
-/// What is read where everything before a block is finished: nothing has to wait.
+/// The result of reading. Waits cannot occur, because every earlier block is finished.
 fn nothing_but(outcome: Result<Read, NotNow>) -> Result<Read, Alarm> {
     match outcome {
         Ok(read) => Ok(read),

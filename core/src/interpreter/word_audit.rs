@@ -1,11 +1,10 @@
 //! Finds the words of a block that change nothing.
 //!
-//! Every word is taken out of its block and changed in turn, and the block is evaluated
-//! anew. A word that makes no difference to the commands, to the state after the block and
-//! to its alarms is read by no code. The codes themselves are the only list of what they
-//! read.
+//! Removes and changes each word of a block in turn and evaluates the block again. If the
+//! commands, the state after the block and its alarms stay the same, no code reads the word.
+//! So the codes are the only list of what they read.
 //!
-//! The control ignores such words, as the manual has it. Only a preview looks for them.
+//! The control ignores such words, as the manual states. Only a preview searches for them.
 
 use std::collections::BTreeSet;
 
@@ -18,82 +17,82 @@ use crate::interpreter::plan::Plan;
 use crate::model::{GCode, Record};
 use crate::program::{Block, Program, Word};
 
-/// Shapes of blocks that are kept; a program has a few dozen.
+/// Greatest number of stored shapes of blocks; a program has a few dozen.
 const MOST_SHAPES: usize = 4096;
-/// Remarks that a run makes.
+/// Greatest number of remarks of a run.
 const MOST_FINDINGS: usize = 256;
 
-/// A millimetre in a word, or one of what it counts.
+/// One millimetre, or one count, in the millionths of a word.
 const STEP: i64 = 1_000_000;
 
 /// What a preview reports about a block that the control carries out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Remark {
-    /// A word that changes nothing.
+    /// The block has a word that changes nothing.
     Ignored(IgnoredWord),
-    /// A block that stands after a `;` at the beginning of its line.
+    /// The block is after a `;` at the beginning of its line.
     AfterSemicolon,
 }
 
 /// A word that changes nothing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IgnoredWord {
-    /// The word as it is written.
+    /// The word as written, without blanks.
     pub text: String,
     /// Its letter.
     pub address: char,
-    /// The code of its block that does not read it, if there is one.
+    /// The code of the block that does not read it, such as `G01`; `None` without a code.
     pub code: Option<String>,
-    /// What its author likely meant.
+    /// What its author probably meant.
     pub advice: WordAdvice,
     /// First and last column in the line, in characters from 1.
     pub columns: (u32, u32),
 }
 
-/// What the author of a word likely meant.
+/// What the author of an ignored word probably meant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum WordAdvice {
-    /// Nothing is known.
+    /// Unknown.
     None,
-    /// A count of calls, which P holds: this P calls so often.
+    /// L as a number of calls, which P contains: this P makes these calls.
     CallCount(String),
-    /// The taper of a cycle, which is R.
+    /// I or K as the taper of a cycle, which is this R.
     TaperIsR(String),
-    /// Threads an inch, beside a lead by F.
+    /// I as threads per inch, in a block with F.
     LeadByF,
-    /// A centre, beside a radius.
+    /// I or K as a centre, in a block with R.
     CenterBesideRadius,
-    /// A radius of an arc that ends where it begins.
+    /// R of an arc that ends at its start.
     ArcWithoutLength,
-    /// An increment beside the absolute word of its axis.
+    /// An increment in a block with the absolute word of this axis.
     BesideAbsolute(char),
-    /// A dwell in seconds, beside P.
+    /// A dwell in seconds, in a block with P.
     DwellByP,
-    /// A G code before another one of its group.
+    /// A G code before this one of the same group.
     LaterCode(String),
 }
 
-/// A remark and its block.
+/// A remark and its source position.
 pub type Remarked = (Remark, Source);
 
-/// Looks at the words of blocks.
+/// Searches the blocks of a run for words that change nothing.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WordAudit {
-    /// Blocks of these shapes have no idle word.
+    /// Shapes of blocks without an ignored word.
     sound: BTreeSet<Shape>,
-    /// Every remark of the run, once, and how many of them were taken.
+    /// Each remark of the run once, and the number of those taken.
     remarks: Vec<Remarked>,
     taken: usize,
 }
 
-/// It is no part of what a control does.
+/// Two interpreters are equal whatever their audits have found.
 impl PartialEq for WordAudit {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-/// What decides which words of a block are read, but for their values.
+/// What decides which words of a block are read, besides their values.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Shape {
     addresses: u32,
@@ -128,22 +127,22 @@ impl Shape {
     }
 }
 
-/// A block that was evaluated, and what came of it.
+/// An evaluated block and its result.
 pub(crate) struct Evaluated<'a> {
-    /// Its words.
+    /// The block as parsed.
     pub(crate) block: &'a Block,
-    /// The same, sorted.
+    /// Its words, sorted.
     pub(crate) words: &'a Words,
     pub(crate) record: &'a Record,
-    /// The state before it and after it.
+    /// The state before and after the block.
     pub(crate) before: &'a State,
     pub(crate) after: &'a State,
     pub(crate) plan: &'a Plan,
 }
 
 impl WordAudit {
-    /// Looks at the words of a block of a program. `evaluate` evaluates other words in place
-    /// of the block's.
+    /// Searches a block of a program. `evaluate` evaluates other words in place of the
+    /// block's.
     pub(crate) fn look(
         &mut self,
         program: &Program,
@@ -161,8 +160,8 @@ impl WordAudit {
         }
     }
 
-    /// Looks at the words of a G65 block, whose operations are not evaluated twice: they
-    /// act while they are read.
+    /// Searches a G65 block. Its operations act while the reader reads them, so they cannot be
+    /// evaluated twice.
     pub(crate) fn look_at_macro(
         &mut self,
         program: &Program,
@@ -185,7 +184,7 @@ impl WordAudit {
         }
     }
 
-    /// The words that change nothing.
+    /// The words that change nothing, with advice.
     fn idle_words(
         &mut self,
         block: &Evaluated<'_>,
@@ -195,8 +194,8 @@ impl WordAudit {
         if self.sound.contains(&shape) {
             return Vec::new();
         }
-        // A changed value that is refused shows only that the control checks it; a block that
-        // is refused without the word needs it.
+        // A changed value that is refused shows only that the control checks it. If the block
+        // is refused without the word, it needs the word.
         let mut differs = |words: &Words, change: Change| {
             let mut state = *block.before;
             let mut plan = Plan::new(block.plan.source, block.before.modal);
@@ -230,7 +229,7 @@ impl WordAudit {
         idle
     }
 
-    /// Keeps a remark, once for its place.
+    /// Stores a remark, once for each source position.
     pub(crate) fn keep(&mut self, remark: Remark, source: Source) {
         let remarked = (remark, source);
         if self.remarks.len() < MOST_FINDINGS && !self.remarks.contains(&remarked) {
@@ -238,7 +237,7 @@ impl WordAudit {
         }
     }
 
-    /// Whether a remark waits to be taken.
+    /// Whether remarks exist that [`Self::take`] has not returned yet.
     #[inline]
     pub(crate) const fn has_remarks(&self) -> bool {
         self.remarks.len() > self.taken
@@ -253,7 +252,7 @@ impl WordAudit {
 }
 
 impl IgnoredWord {
-    /// A word of a block, with its place in its line.
+    /// A word of a block, with its columns in its line.
     #[cold]
     fn new(
         program: &Program,
@@ -302,11 +301,11 @@ fn code_of(block: &Evaluated<'_>) -> Option<String> {
     }
 }
 
-/// What is done to a word to see whether it is read.
+/// How the audit changes a word to see whether it is read.
 #[derive(Clone, Copy)]
 enum Change {
     Removed,
-    /// Its value, in millionths.
+    /// Adds to its value, in millionths.
     By(i64),
 }
 
@@ -326,8 +325,8 @@ impl Change {
     }
 }
 
-/// The words with one of them changed. How many there are stays: a word that is not read
-/// is one that single block stops for.
+/// A copy of the words with one of them changed. Their number stays, because single block
+/// depends on it.
 fn changed(words: &Words, letter: u8, change: Change) -> Words {
     let mut words = *words;
     let by = match change {
@@ -372,8 +371,8 @@ fn changed(words: &Words, letter: u8, change: Change) -> Words {
     words
 }
 
-/// A later G code of the block that takes the place of this one: the last of a group is
-/// valid (decision TEXT-4).
+/// A later G code of the block that replaces this one: the last of a group is valid (decision
+/// TEXT-4).
 fn later_of_group(block: &Evaluated<'_>, at: usize) -> Option<i64> {
     let code = |word: &Word| {
         let number = word.value.integer();
@@ -387,7 +386,7 @@ fn later_of_group(block: &Evaluated<'_>, at: usize) -> Option<i64> {
     (same.0 != number).then_some(same.0)
 }
 
-/// The field of [`Words`] that a code sets.
+/// The field of [`Words`] that a code sets, as a group number.
 const fn group(code: GCode) -> u8 {
     match code {
         GCode::Rapid

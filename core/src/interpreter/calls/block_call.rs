@@ -1,11 +1,11 @@
-//! Calls of the Huaxing lathes: subprograms in the same file, and blocks that run again.
+//! Subprograms in the same file and repeated blocks, as the Huaxing lathes call them.
 //!
 //! ```text
-//!   G20 N05 L3        the subprogram 05 three times: the blocks from G22 N05 to G24,
-//!   G20 N05.3         here or, where there is none, the program %P05
-//!   G25 N100.140.3    N100 to N140 three times, and on after N140
-//!   G26 N100.140.3    the same, and on after its own block
-//!   G27 N100          on at N100, endlessly
+//!   G20 N05 L3        the subprogram 05 three times: the blocks from G22 N05 to G24
+//!   G20 N05.3         in this file or, if they are missing, the program %P05
+//!   G25 N100.140.3    N100 to N140 three times, then the block after N140
+//!   G26 N100.140.3    the same, then the block after the G26
+//!   G27 N100          jumps to N100, endlessly
 //! ```
 
 use core::num::NonZeroU32;
@@ -20,10 +20,14 @@ use crate::interpreter::context::place::{Call, CallKind, Place};
 use crate::interpreter::context::words::Words;
 use crate::program::{Number, Program, Syntax};
 
-/// Levels of calls.
+/// Greatest depth of nested calls.
 const LEVELS: usize = 4;
 
-/// G20.
+/// Plans a G20: L (or P) runs of the subprogram N.
+///
+/// # Errors
+/// 076 without N, 043 for a wrong N, 077 for calls that are too deep, 078 for a missing
+/// subprogram.
 pub(crate) fn call(context: &Context<'_>, words: &Words) -> Result<Flow, Alarm> {
     let Some(name) = words.n else {
         return Err(Alarm::new(number::CALL_WITHOUT_P).because(say::block_call_without_n()));
@@ -42,7 +46,10 @@ pub(crate) fn call(context: &Context<'_>, words: &Words) -> Result<Flow, Alarm> 
     enter(context, program, (first, 0), runs, context.place.after())
 }
 
-/// G25 and G26.
+/// Plans a G25, or with `comes_back` a G26: L runs of the blocks N to P.
+///
+/// # Errors
+/// 076 without N, 077 for calls that are too deep, 078 for a missing or reversed range.
 pub(crate) fn repeat(
     context: &Context<'_>,
     words: &Words,
@@ -69,7 +76,10 @@ pub(crate) fn repeat(
     enter(context, program, (first, last - first + 1), runs, back)
 }
 
-/// G27.
+/// Plans a G27: a jump to the block N.
+///
+/// # Errors
+/// 076 without N, 078 for a missing block.
 pub(crate) fn endless(context: &Context<'_>, words: &Words) -> Result<Flow, Alarm> {
     let Some(n) = words.n else {
         return Err(Alarm::new(number::CALL_WITHOUT_P).because(say::block_call_without_n()));
@@ -121,14 +131,14 @@ fn block(context: &Context<'_>, n: i64) -> Result<u32, Alarm> {
     found.ok_or_else(|| Alarm::new(number::TARGET_MISSING).because(say::block_call_missing(n)))
 }
 
-/// The block `G22 Nnn`.
+/// The index of the block `G22 Nnn` that begins the subprogram `name`.
 fn definition(program: &Program, name: u32, context: &Context<'_>) -> Option<u32> {
     let syntax = Syntax {
         model: context.model.id(),
         ..Syntax::default()
     };
     (0..program.block_count()).find(|index| {
-        // Most blocks need not be read.
+        // Parsing is slow, and most texts lack the number 22.
         let text = program.block(*index);
         text.contains("22")
             && program.parse(*index, syntax).is_ok_and(|block| {

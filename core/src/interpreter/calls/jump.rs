@@ -1,8 +1,8 @@
-//! Jumps of G65 H80–H86 to a sequence number (manual I-3.7.3).
+//! Finds the target of a jump by its sequence number: G65 H80–H86 (manual I-3.7.3), GOTO.
 //!
 //! ```text
-//!   P n     forward from the block to the end, then from the beginning
-//!   P -n    backward from the block to the beginning, then forward
+//!   P n     searches forward from the block to the end, then from the beginning
+//!   P -n    searches backward from the block to the beginning, then forward
 //! ```
 
 use gsk_messages::say;
@@ -12,10 +12,10 @@ use crate::alarm::{Alarm, number};
 use crate::interpreter::context::place::Place;
 use crate::program::Program;
 
-/// Jumps remembered, so that a loop searches once.
+/// Number of jumps that are remembered, so that a loop searches its target once.
 const KNOWN: usize = 8;
 
-/// A jump that was made before.
+/// A remembered jump.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Known {
     from: Place,
@@ -23,7 +23,7 @@ struct Known {
     to: u32,
 }
 
-/// The targets of the last jumps.
+/// Finds targets of jumps and remembers the last ones.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Jumps {
     known: [Option<Known>; KNOWN],
@@ -31,7 +31,11 @@ pub(crate) struct Jumps {
 }
 
 impl Jumps {
-    /// The block that a jump leads to; alarm 128.
+    /// The index of the block that a jump with P `p` from `from` leads to. A negative `p`
+    /// searches backward first.
+    ///
+    /// # Errors
+    /// 128 if the number is out of range or missing in the program.
     pub(crate) fn target(&mut self, program: &Program, from: Place, p: i64) -> Result<u32, Alarm> {
         let number = u32::try_from(p.unsigned_abs()).ok();
         let Some(number) = number.filter(|number| *number <= 9999) else {
@@ -39,7 +43,7 @@ impl Jumps {
         };
         let known = self.known.iter().flatten();
         let mut known = known.filter(|known| known.from == from && known.p == p);
-        // The text may have changed since.
+        // The operator may have edited the text since.
         if let Some(known) = known.find(|known| program.sequence(known.to) == Some(number)) {
             return Ok(known.to);
         }

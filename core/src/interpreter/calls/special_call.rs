@@ -1,8 +1,8 @@
-//! M, S and T codes that the machine does not have call a subprogram, when
-//! 006.5 CM98 is on (manual I-3.3, III-11.1).
+//! Calls of subprograms by M, S and T codes without a function of their own on this machine,
+//! when 006.5 CM98 is on (manual I-3.3, III-11.1).
 //!
 //! ```text
-//!   M61  O9061      any M without a function of its own
+//!   M61  O9061      any M without a function
 //!   S21  O9121      S10–S99 of the stepped spindle (001.4 = 0)
 //!   T15  O9215      T10–T99 of two digits
 //! ```
@@ -15,26 +15,26 @@ use crate::interpreter::context::Context;
 use crate::interpreter::context::code_calls::PlainCall;
 use crate::interpreter::context::words::{OneShot, Words};
 
-/// What S and T of such calls may be.
+/// S and T codes that may call.
 const CODES: core::ops::RangeInclusive<i64> = 10..=99;
 
-/// A subprogram called by a word, and how the word reads.
+/// A subprogram call by an M, S or T word, with the word for messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SpecialCall {
     pub(crate) program: u16,
     pub(crate) address: char,
     pub(crate) code: i64,
-    /// How many times it runs.
+    /// Number of runs, at least 1.
     pub(crate) runs: u16,
-    /// The codes of macro B that call are ordinary ones in it.
+    /// Whether codes that call by parameters of macro B are ordinary codes in the subprogram.
     pub(crate) codes_ordinary: bool,
 }
 
-/// Most runs of a call by a code of macro B.
+/// Number of runs that L of a call by a parameter may give.
 const RUNS: core::ops::RangeInclusive<i64> = 1..=9999;
 
 impl SpecialCall {
-    /// The block without the calling word.
+    /// A copy of the words of the block without the calling word (and its L).
     pub(crate) const fn without(self, words: &Words) -> Words {
         let mut words = *words;
         match self.address {
@@ -51,7 +51,11 @@ impl SpecialCall {
     }
 }
 
-/// The call that a block makes by its M, S or T.
+/// The call that a block makes by its M, S or T word; `None` if it makes none.
+///
+/// # Errors
+/// 012 for two calls in a block, 043 for a wrong count of runs, or an alarm for a call from
+/// the MDI page.
 pub(crate) fn find(words: &Words, context: &Context<'_>) -> Result<Option<SpecialCall>, Alarm> {
     if let Some(calls) = context.code_calls
         && let Some(call) = calls.plain(words)
@@ -65,7 +69,7 @@ pub(crate) fn find(words: &Words, context: &Context<'_>) -> Result<Option<Specia
         .m
         .filter(|code| !miscellaneous::has_function(*code, context))
         .map(i64::from);
-    // The S of G50 is a limit.
+    // S of G50 is a speed limit.
     let steps = !context.parameters.analog_spindle()
         && words.one_shot != Some(OneShot::Coordinates)
         && words.s_digits <= 2;
@@ -93,7 +97,7 @@ pub(crate) fn find(words: &Words, context: &Context<'_>) -> Result<Option<Specia
     Ok(found)
 }
 
-/// A call by 240 to 243: L counts the runs of one by M.
+/// The call by the parameters 240 to 243. L is the number of runs of a call by M.
 fn by_parameter(call: PlainCall, words: &Words) -> Result<SpecialCall, Alarm> {
     let PlainCall {
         program,
@@ -117,7 +121,7 @@ fn by_parameter(call: PlainCall, words: &Words) -> Result<SpecialCall, Alarm> {
     })
 }
 
-/// Nothing is called from the MDI page.
+/// The alarm of a call from the MDI page, which may call nothing.
 fn in_mdi(m: Option<i64>, s: Option<i64>, t: Option<i64>) -> Option<Alarm> {
     let (number, name, code) = match (m, s, t) {
         (Some(m), ..) => (number::BAD_M, 'M', m),

@@ -1,9 +1,9 @@
-//! M98 and M99: calls, returns, repetition (manual I-2.3, I-3.3.1.3).
+//! M98 and M99: subprogram calls, returns and repetition (manual I-2.3, I-3.3.1.3).
 //!
 //! ```text
 //!   M98 P 0005 1002     main --> O1002 --> ... four levels
 //!         |    |             5 times
-//!         |    +- program    M99: back behind the call; M99 P n: to block N n
+//!         |    +- program    M99: to the block after the call; M99 P n: to block N n
 //!         +------ count      of the caller; in the main program: from the start
 //! ```
 
@@ -16,10 +16,13 @@ use crate::interpreter::context::Context;
 use crate::interpreter::context::flow::Flow;
 use crate::interpreter::context::place::{Call, CallKind, Place};
 
-/// Levels of calls.
+/// Greatest depth of nested calls.
 pub(crate) const LEVELS: usize = 4;
 
-/// M98.
+/// Plans an M98: P holds the count of runs (0 is one run) and the program number.
+///
+/// # Errors
+/// 076 without P, 077 for calls that are too deep, 078 for a missing program.
 pub(crate) fn call(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
     let Some(p) = p else {
         return Err(Alarm::new(number::CALL_WITHOUT_P).because(say::call_without_program()));
@@ -29,7 +32,10 @@ pub(crate) fn call(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm>
     enter(context, number, runs, &format_args!("M98 P{p}"))
 }
 
-/// A call by an M, S or T code (006.5 CM98).
+/// Plans a call by an M, S or T code (006.5 CM98, or parameters of macro B).
+///
+/// # Errors
+/// As for [`call`].
 pub(crate) fn call_special(context: &Context<'_>, call: SpecialCall) -> Result<Flow, Alarm> {
     let SpecialCall {
         program,
@@ -77,7 +83,12 @@ fn enter(
     }))
 }
 
-/// M99, or the end of a subprogram's text.
+/// Plans an M99, or the end of a subprogram's text: the next run of the innermost call, or the
+/// return from it. With P the return leads to the block N of the caller. Without a call the
+/// main program starts again.
+///
+/// # Errors
+/// 078 for a missing target.
 pub(crate) fn back(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
     let Some(call) = context.calls.last() else {
         return restart(context, p);
@@ -95,7 +106,7 @@ pub(crate) fn back(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm>
     }))
 }
 
-/// M99 of the main program.
+/// Plans an M99 of the main program: a jump to its first block, or to N of P.
 fn restart(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
     let program = context.place.program;
     if program == ProgramId::Dnc {
@@ -108,8 +119,8 @@ fn restart(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
     Ok(Flow::Jump(Place { program, block }))
 }
 
-/// Whether a jump begins the main program anew: it counts a part. A jump
-/// forward (M99 P) does not.
+/// Whether a jump restarts the main program, so that it counts a part. A jump forward (M99 P)
+/// does not.
 pub(crate) fn repeats(context: &Context<'_>, flow: &Flow) -> bool {
     match flow {
         Flow::Jump(place) => place.block <= context.place.block,

@@ -1,4 +1,4 @@
-//! G02 and G03: circular cuts (manual I-3.2.2.3).
+//! Finds the centre of a circular cut, G02 and G03 (manual I-3.2.2.3).
 //!
 //! ```text
 //!            X ^        G02 turns clockwise as drawn, G03 the other way.
@@ -12,8 +12,8 @@
 //!     ---------+-----------------> Z
 //! ```
 //!
-//! On the NC-B08 a negative R is that of an arc of 180° and more: the centre lies on the
-//! other side. A full circle needs I and K there.
+//! On the NC-B08 a negative R commands the arc of 180° and more, with the centre on the other
+//! side. A full circle needs I and K there.
 
 use gsk_messages::{Message, say};
 
@@ -23,25 +23,25 @@ use crate::interpreter::context::words::ArcWords;
 use crate::model::{GCode, Record};
 use crate::units::Point;
 
-/// Greatest distance of the end point from the circle about the programmed
-/// centre, in half units of [`Exact`] (0.002 mm).
+/// Greatest distance of the end point from the programmed circle that leaves the centre as
+/// programmed, in half units of [`Exact`] (0.002 mm).
 const FIT: f64 = 4000.0;
 
-/// Half units in a millimetre: X radii are whole numbers in them.
+/// Half units of [`Exact`] in a millimetre. X radii are whole numbers of half units.
 const HALF_UNITS: f64 = 2_000_000.0;
 
-/// How the tool turns, and how far it may by R.
+/// Direction of an arc, and what its R and I mean on a control model.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Turn {
     clockwise: bool,
-    /// A negative R is an arc of 180° and more.
+    /// Whether a negative R commands an arc of 180° and more.
     long: bool,
-    /// I is a difference of diameters.
+    /// Whether I is a difference of diameters instead of a radius.
     diameters: bool,
 }
 
 impl Turn {
-    /// The turn of a block in the programs of a model.
+    /// The direction and the meaning of R and I in programs of a model.
     pub(crate) fn of(record: &Record, clockwise: bool) -> Self {
         let code = record.g_code(2);
         let diameters = code == Some(GCode::DiameterArcClockwise);
@@ -53,8 +53,12 @@ impl Turn {
     }
 }
 
-/// The centre of the arc, in programmed coordinates; `None` when there is
-/// nothing to cut (R without a distance).
+/// The centre of an arc, in programmed coordinates (mm, X as a radius); `None` if it has no
+/// length (R and equal end points).
+///
+/// # Errors
+/// 013 without a centre or radius, or with a radius that is too small; 023 for a negative R
+/// and 433 for a full circle by R where the model excludes them.
 pub(crate) fn center(
     start: Exact,
     end: Exact,
@@ -68,7 +72,7 @@ pub(crate) fn center(
         return Err(fault(say::arc_radius_or_center_missing()));
     }
     let (i, k) = (words.i.unwrap_or(0), words.k.unwrap_or(0));
-    // Twice the vector: the half of a diameter need not be a whole number.
+    // Doubled, because half of a diameter need not be a whole number.
     let double_i = i128::from(i) * if turn.diameters { 1 } else { 2 };
     by_vector(start, end, double_i, 2 * i128::from(k)).map(Some)
 }
@@ -110,7 +114,7 @@ fn by_vector(start: Exact, end: Exact, x: i128, z: i128) -> Result<Point, Alarm>
     if (at_end - radius).abs() <= FIT {
         return Ok(programmed);
     }
-    // The radius is kept and the centre moved to fit both points.
+    // The programmed centre does not fit the end: keep the radius and move the centre.
     let chord = Chord::new(start, end);
     let Some(ratio) = chord.height_ratio(4 * square) else {
         return Err(too_far(&chord, radius));
@@ -120,7 +124,7 @@ fn by_vector(start: Exact, end: Exact, x: i128, z: i128) -> Result<Point, Alarm>
     Ok(if nearer { one } else { other })
 }
 
-/// The straight connection of start and end, in half units.
+/// The straight connection of start and end, in half units of [`Exact`].
 struct Chord {
     start_x: i128,
     start_z: i128,
@@ -145,8 +149,8 @@ impl Chord {
         }
     }
 
-    /// Distance of the centre from the chord, in chord lengths; `None` when
-    /// the chord is longer than the diameter.
+    /// Distance of the centre from the chord as a multiple of its length; `None` if the chord
+    /// is longer than the diameter.
     fn height_ratio(&self, diameter_square: i128) -> Option<f64> {
         let rest = diameter_square - self.square;
         if rest < 0 || self.square == 0 {
@@ -155,7 +159,7 @@ impl Chord {
         Some((float(rest) / float(4 * self.square)).sqrt())
     }
 
-    /// The point beside the middle, `ratio` chord lengths to the right.
+    /// The point at `ratio` chord lengths to the right of the chord's middle, mm.
     fn beside(&self, ratio: f64) -> Point {
         let middle_x = float(2 * self.start_x + self.dx) / 2.0;
         let middle_z = float(2 * self.start_z + self.dz) / 2.0;
@@ -166,9 +170,9 @@ impl Chord {
     }
 }
 
-/// The nearest number; those of 64 bits, and most are, are quick.
+/// The nearest floating-point number. Most values fit into 64 bits, whose conversion is fast.
 fn float(value: i128) -> f64 {
-    // On its own, lest the compiler takes it for all of them.
+    // A separate function, so that the compiler does not convert all values this way.
     #[cold]
     #[inline(never)]
     const fn wide(value: i128) -> f64 {

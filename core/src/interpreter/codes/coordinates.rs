@@ -1,15 +1,15 @@
-//! G50: the work coordinate system (manual I-3.2.1).
+//! G50: sets the work coordinate system (manual I-3.2.1).
 //!
 //! ```text
-//!   X ^           no motion: the point where the tool stands gets new names.
+//!   X ^           no motion: the current point gets new coordinates
 //!     |     o <-- X, Z: its new absolute coordinate
 //!     |     :     U, W: new minus old absolute coordinate
-//!     |     :     It becomes the program zero point.
+//!     |     :     The new coordinates define the program zero.
 //!     O'----+---> Z
 //! ```
 //!
-//! An offset that only shifts the coordinates so far (T without motion, or T
-//! in the same block) is subtracted: the value names the point before it.
+//! A tool offset that has only shifted the coordinates so far (T without motion, or T in the
+//! same block) is subtracted from the value.
 
 use gsk_messages::say;
 
@@ -19,7 +19,11 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisWords, Target, Words};
 use crate::units::Axis;
 
-/// Sets the coordinates of a G50 block. `None` when it only has S.
+/// Sets the work coordinates of a G50 block. Returns the new frame, or `None` for a block with
+/// S only. `relative_follows` sets the relative coordinates, too.
+///
+/// # Errors
+/// 014 for a G50 without a word.
 pub(crate) fn set(
     state: &mut State,
     words: &Words,

@@ -1,4 +1,4 @@
-//! Chamfers and corner arcs between two straight cuts along the axes.
+//! Chamfers and corner arcs between two straight cuts along different axes.
 //!
 //! ```text
 //!   G01 Z-20 I5 (chamfer)        G01 Z-20 R5 (corner arc)
@@ -11,9 +11,9 @@
 //!         corner as programmed
 //! ```
 //!
-//! I after a Z move, K after an X move, R after either: radius values, signed
-//! towards the next direction. The next block moves the other axis alone, in G01
-//! or, after a chamfer, in a thread code, and is long enough.
+//! I after a Z move, K after an X move and R after either are radius values, signed towards
+//! the next direction. The next block moves only the other axis, in G01 or, after a chamfer,
+//! in a thread code. It is at least as long as the chamfer or radius.
 
 use gsk_messages::{Message, say};
 
@@ -30,19 +30,19 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisWords, Target, Words};
 use crate::units::Axis;
 
-/// What joins the two cuts.
+/// The shape of a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Join {
     Chamfer,
     Arc,
 }
 
-/// Whether a block may be such a corner, so that the next one must be read.
+/// Whether a block may have a corner, so that the reader must read the next block.
 pub(crate) fn is_possible(words: &Words, modal: &Modal) -> bool {
     is_asked(words) && words.one_shot.is_none() && words.motion.unwrap_or(modal.motion) == 1
 }
 
-/// Whether a G01 block has the words of a corner.
+/// Whether a G01 block has a word of a corner (I, K or R) other than 0.
 pub(crate) fn is_asked(words: &Words) -> bool {
     [words.i, words.k, words.r]
         .into_iter()
@@ -50,8 +50,12 @@ pub(crate) fn is_asked(words: &Words) -> bool {
         .any(|size| size != 0)
 }
 
-/// A G01 block to a programmed corner; leaves the position behind the corner,
-/// while increments count from the corner.
+/// Plans a G01 block with a corner at `corner`: the cut, and the chamfer or arc. Leaves
+/// `state.position` at the end of the chamfer or arc; increments of the next block count from
+/// the corner.
+///
+/// # Errors
+/// 013 for a wrong sign or size, or a next block that does not fit.
 pub(crate) fn plan(
     state: &mut State,
     context: &Context<'_>,
@@ -106,7 +110,7 @@ pub(crate) fn plan(
     Ok(motion)
 }
 
-/// The word of the corner; exactly one fits.
+/// The shape and the signed size of the corner. Exactly one word fits.
 fn size(words: &Words, axis: Axis) -> Result<(Join, i64), Alarm> {
     let given = |size: Option<i64>| size.filter(|&size| size != 0);
     let chamfer = match axis {
@@ -120,7 +124,7 @@ fn size(words: &Words, axis: Axis) -> Result<(Join, i64), Alarm> {
     }
 }
 
-/// Where the next block ends on its axis.
+/// The coordinate that the next block commands on `axis`.
 fn next_end(
     context: &Context<'_>,
     state: &State,
@@ -150,7 +154,7 @@ fn next_end(
     }
 }
 
-/// The turn from a move along `axis` into the next direction.
+/// Whether the corner arc from a move of signed `length` along `axis` turns clockwise.
 const fn clockwise(axis: Axis, length: i64, size: i64) -> bool {
     // Seen with +Z to the right and +X up: from +Z to +X is counter-clockwise.
     match axis {

@@ -1,8 +1,8 @@
 //! G04: dwell and exact stop (manual I-3.2.3).
 //!
 //! ```text
-//!   G04 P1500   1500 ms      P before X before U; none of them: exact stop,
-//!   G04 X1.5    1.5 s        the next block begins when the axes stand
+//!   G04 P1500   1500 ms      P before X before U; without any, exact stop:
+//!   G04 X1.5    1.5 s        the next block begins when the axes are at rest
 //!   G04 U1.5    1.5 s
 //!
 //!   On the NC-B08 X comes before P, on the Huaxing lathes K (in seconds) before X
@@ -17,7 +17,10 @@ use crate::interpreter::context::exact::{PER_MM, mm};
 use crate::interpreter::context::words::Words;
 use crate::model::{GCode, Record};
 
-/// The wait of a G04 block; alarm 043 for a time below zero (manual I-2.2, table 2-1).
+/// The dwell of a G04 block, whole ms; 0 is an exact stop.
+///
+/// # Errors
+/// 043 for a negative time (manual I-2.2, table 2-1), or one outside the model's limits.
 pub(crate) fn dwell(words: &Words, record: &Record) -> Result<Action, Alarm> {
     let by_k = record.g_code(4) == Some(GCode::DwellByK);
     let k = words.k.filter(|_| by_k);
@@ -32,7 +35,7 @@ pub(crate) fn dwell(words: &Words, record: &Record) -> Result<Action, Alarm> {
         }
     }
     if let Some((least, most)) = record.dwell_limits {
-        // In millionths of a second.
+        // The values are in millionths of a second.
         const PER_MS: i64 = PER_MM / 1000;
         let range = least.saturating_mul(PER_MS)..=most.saturating_mul(PER_MS);
         let in_range = |letter: char, value: i64| match letter {

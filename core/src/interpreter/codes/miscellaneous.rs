@@ -1,4 +1,4 @@
-//! M functions (manual I-3.3), and those of other models.
+//! M functions of the GSK980TD (manual I-3.3) and of other models.
 
 use gsk_messages::{Message, say};
 
@@ -11,29 +11,32 @@ use crate::interpreter::context::exact::PER_MM;
 use crate::interpreter::context::words::Words;
 use crate::model::{MCode, MFunction, Record, hx31, ncb08};
 
-/// What an M code is for.
+/// What an M code commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Function {
-    /// M00.
+    /// M00: program stop.
     Stop,
-    /// M30.
+    /// M30: end of the program.
     End,
-    /// M98.
+    /// M98: subprogram call.
     Call,
-    /// M99.
+    /// M99: return.
     Return,
-    /// Given to the PLC.
+    /// The code that the PLC receives.
     Output(u8),
-    /// Outputs or an input of the control itself.
+    /// Switches outputs or waits for an input of the control, without the PLC.
     Interface,
 }
 
-/// Whether an M code has a function of its own, in the control or in the ladder.
+/// Whether the control or the machine's ladder has this M code.
 pub(crate) fn has_function(code: u8, context: &Context<'_>) -> bool {
     context.machine_codes.has(code) || context.model.record().m_function(code).is_some()
 }
 
-/// Sorts an M code; alarm 019 for one that the control does not have.
+/// What an M code commands.
+///
+/// # Errors
+/// 019 for a code that the control does not have, or not in MDI or without gears.
 pub(crate) fn function(code: u8, context: &Context<'_>) -> Result<Function, Alarm> {
     let Some(function) = context.model.record().m_function(code) else {
         if context.machine_codes.has(code) {
@@ -53,7 +56,8 @@ pub(crate) fn function(code: u8, context: &Context<'_>) -> Result<Function, Alar
         {
             Err(fault(say::m_needs_gear_change(code)))
         }
-        // Their relays have nothing on this lathe; the stop has no switch on its panel.
+        // This lathe has no relays for these codes, and its panel no switch for the optional
+        // stop.
         MCode::OptionalStop
         | MCode::SpindleClamp
         | MCode::SpindleRelease
@@ -77,8 +81,11 @@ pub(crate) fn function(code: u8, context: &Context<'_>) -> Result<Function, Alar
     }
 }
 
-/// What an M code does to the outputs and inputs that it names itself; none where it
-/// names none.
+/// The outputs that an M code switches, or the input that it waits for; `None` if it does
+/// neither.
+///
+/// # Errors
+/// 043 for a wrong output, relay or input number.
 pub(crate) fn interface(
     code: u8,
     words: &Words,
@@ -91,7 +98,7 @@ pub(crate) fn interface(
     let switched = |on, off, ms| Ok(Some(Action::Outputs { on, off, ms }));
     match does {
         MCode::InputWait => input_wait(words).map(Some),
-        // D: milliseconds, 0 for as long as nothing else is said.
+        // D is a time in ms; 0 leaves the output on until another code switches it.
         MCode::OutputOn => switched(1 << output(words)?, 0, milliseconds(words)),
         MCode::OutputOff => switched(0, 1 << output(words)?, 0),
         MCode::RelayOn => switched(1 << relay(words)?, 0, 0),
@@ -110,7 +117,7 @@ pub(crate) fn interface(
     }
 }
 
-/// Whether K names a relay or an offset: it says nothing about a motion then.
+/// Whether K of a block is a relay or offset number and so no word of its motion.
 pub(crate) fn takes_k(words: &Words, record: &Record) -> bool {
     let function = words.m.and_then(|code| record.m_function(code));
     function.is_some_and(|it| {
@@ -121,13 +128,13 @@ pub(crate) fn takes_k(words: &Words, record: &Record) -> bool {
     })
 }
 
-/// D of M10.
+/// D of M10: ms.
 fn milliseconds(words: &Words) -> u32 {
     let ms = words.d_exact.map_or(0, whole);
     u32::try_from(ms).unwrap_or(0)
 }
 
-/// P: outputs 0 to 15.
+/// P: output number, 0 to 15.
 fn output(words: &Words) -> Result<u8, Alarm> {
     match words.p.map(u8::try_from) {
         Some(Ok(number @ 0..=15)) => Ok(number),
@@ -136,7 +143,7 @@ fn output(words: &Words) -> Result<u8, Alarm> {
     }
 }
 
-/// K: relays 1 to 17, the outputs from 0 on.
+/// K: relay number, 1 to 17. Returns the output number, which counts from 0.
 fn relay(words: &Words) -> Result<u8, Alarm> {
     match words.k.map(whole).map(u8::try_from) {
         Some(Ok(number @ 1..=17)) => Ok(number - 1),
@@ -145,7 +152,10 @@ fn relay(words: &Words) -> Result<u8, Alarm> {
     }
 }
 
-/// M24 K: the offset number in force from now on.
+/// M24 K: puts an offset number into force; `None` for other M codes.
+///
+/// # Errors
+/// 043 for a wrong offset number.
 pub(crate) fn offset(words: &Words, context: &Context<'_>) -> Result<Option<ToolWord>, Alarm> {
     let function = words
         .m
@@ -159,12 +169,12 @@ pub(crate) fn offset(words: &Words, context: &Context<'_>) -> Result<Option<Tool
     }
 }
 
-/// The number of a word that is written like a length.
+/// The integer of a word that was read in millionths.
 const fn whole(millionths: i64) -> i64 {
     millionths / PER_MM
 }
 
-/// H or L: inputs 0 to 23, and the level that is waited for.
+/// Waits for an input, 0 to 23: H until it is on, L until it is off.
 fn input_wait(words: &Words) -> Result<Action, Alarm> {
     let (number, high) = match (words.h, words.l) {
         (Some(_), Some(_)) | (None, None) => return Err(out_of_range(say::input_level_unclear())),

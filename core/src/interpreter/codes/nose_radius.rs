@@ -1,5 +1,5 @@
-//! G40, G41, G42: what a block must not say while the compensation acts (manual II, C
-//! compensation).
+//! G40, G41, G42: checks what blocks may command while the nose radius compensation acts
+//! (manual II, C compensation).
 
 use gsk_messages::say;
 
@@ -12,7 +12,10 @@ use crate::interpreter::context::{Compensated, Context};
 use crate::memory::Parameters;
 use crate::units::Point;
 
-/// G41 and G42 are an option (002.1): alarm 010 without it.
+/// Checks that the control has the option of G41 and G42 (002.1).
+///
+/// # Errors
+/// 010 without it.
 pub(crate) fn check_option(words: &Words, parameters: &Parameters) -> Result<(), Alarm> {
     match words.nose {
         Some(code @ (41 | 42)) if !parameters.has_nose_compensation() => {
@@ -22,8 +25,8 @@ pub(crate) fn check_option(words: &Words, parameters: &Parameters) -> Result<(),
     }
 }
 
-/// Arcs start and cancel nothing (034, 056), and their data must be good (048,
-/// 051, 052).
+/// Checks an arc under nose radius compensation: arcs cannot start or cancel it (034, 056),
+/// and their data must fit (048, 051, 052).
 pub(crate) fn check_arc_block(
     state: &State,
     compensated: Compensated,
@@ -52,9 +55,11 @@ fn check_center(start: Exact, end: Exact, words: ArcWords) -> Result<(), Fault> 
     check_arc(center.length(), (to_end - center).length())
 }
 
-/// M98 in offset mode, and M99 that returns: alarm 036.
+/// Checks a call (M98) or a return (M99) under nose radius compensation. `contour` is whether
+/// the block moves along a contour, where it could cancel the compensation.
 ///
-/// `contour`: the block moves along a contour, where the compensation acts.
+/// # Errors
+/// 036 in offset mode.
 pub(crate) fn check_call(state: &State, context: &Context<'_>, contour: bool) -> Result<(), Alarm> {
     let on = match context.compensated {
         Compensated::Never => false,
@@ -64,7 +69,7 @@ pub(crate) fn check_call(state: &State, context: &Context<'_>, contour: bool) ->
     if on { Err(call_fault()) } else { Ok(()) }
 }
 
-/// The alarm of a call in compensation.
+/// Alarm 036: a call under nose radius compensation.
 pub(crate) fn call_fault() -> Alarm {
     Fault::Call.alarm()
 }

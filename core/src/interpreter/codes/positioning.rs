@@ -1,11 +1,11 @@
-//! G00 and G01: straight positioning and cutting (manual I-3.2.2.1, I-3.2.2.2).
+//! G00 and G01: rapid positioning and straight cuts (manual I-3.2.2.1, I-3.2.2.2).
 //!
 //! ```text
 //!   X ^            G00: both axes at their own rapid    G01: one straight line
 //!     |   B        rates, the shorter one stops first   at the resultant rate F
 //!     |   |\
 //!     |   | \____  the corner lies where the            Fx = dX/L * F
-//!     |   |      \ faster axis has arrived              Fz = dZ/L * F
+//!     |   |      \ faster axis arrives                  Fz = dZ/L * F
 //!     +---+-------A---> Z
 //! ```
 
@@ -25,7 +25,10 @@ pub(crate) fn rapid(state: &State, to: Exact) -> Action {
     }
 }
 
-/// The straight cut to a programmed point.
+/// The straight cut to a programmed point, at the feed in force.
+///
+/// # Errors
+/// 011 without a feed.
 pub(crate) fn line(state: &State, to: Exact) -> Result<Action, Alarm> {
     Ok(Action::Line {
         to: state.machine(to).point(),
@@ -33,7 +36,10 @@ pub(crate) fn line(state: &State, to: Exact) -> Result<Action, Alarm> {
     })
 }
 
-/// The feed in force, with its unit.
+/// The feed in force, mm/min or mm/rev.
+///
+/// # Errors
+/// 011 without a feed.
 pub(crate) fn feed(modal: &Modal) -> Result<Feed, Alarm> {
     if modal.feed <= 0.0 {
         return Err(Alarm::new(number::NO_FEED).because(say::feed_missing()));
@@ -44,7 +50,10 @@ pub(crate) fn feed(modal: &Modal) -> Result<Feed, Alarm> {
     Ok(Feed::PerMinute(modal.feed))
 }
 
-/// Refuses an end point outside the stroke of the control.
+/// Returns `end` if it lies within the stroke of the control.
+///
+/// # Errors
+/// 043 outside the stroke.
 pub(crate) fn within_stroke(end: Exact, reach: Reach<'_>) -> Result<Exact, Alarm> {
     let Some(axis) = end.beyond_stroke(reach) else {
         return Ok(end);

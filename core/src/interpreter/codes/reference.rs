@@ -1,4 +1,4 @@
-//! G28: return to the reference point (manual I-3.2.7).
+//! G28 and other returns to the reference point (manual I-3.2.7).
 //!
 //! ```text
 //!   A ----rapid----> I ----rapid----> R     I intermediate point (X Z U W),
@@ -6,13 +6,13 @@
 //!          single block stops         lamps light, tool offset cancelled
 //! ```
 //!
-//! An axis that has no reference point yet seeks it from I on as by hand (switch
-//! and zero signal); where it is, and with it the coordinates, is known only then:
-//! nothing is read until the return is finished.
+//! An axis without a reference point seeks it from I on like a manual return (switch and zero
+//! signal). Its coordinates are known only after that, so the reader waits until the return is
+//! finished.
 //!
-//! On the NC-B08 R is the reference point of its parameters P108 and P109, G27 goes
-//! there without I, and an axis without a reference is not sought. G74 of the Huaxing
-//! lathes goes straight to machine zero, in the axes named or in both.
+//! On the NC-B08 R is the reference point of its parameters P108 and P109. G27 moves there
+//! without I. An axis without a reference is not sought. G74 of the Huaxing lathes moves
+//! straight to machine zero, in the programmed axes or in both.
 
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
@@ -29,7 +29,8 @@ use crate::memory::parameter;
 use crate::model::{ControlModel, ncb08};
 use crate::units::{Axis, PerAxis, Point};
 
-/// Where the reference point of a model with parameters for it lies, machine coordinates.
+/// The reference point that the parameters of a model set, machine coordinates in units of
+/// [`Exact`].
 fn reference_point(model: &ControlModel, axis: Axis) -> i64 {
     let number = match axis {
         Axis::X => ncb08::REFERENCE_X,
@@ -39,26 +40,31 @@ fn reference_point(model: &ControlModel, axis: Axis) -> i64 {
 }
 
 impl Return {
-    /// Whether it leads to machine zero, which is sought where it is not known.
+    /// Whether the return leads to machine zero, so that an axis without a reference seeks it.
     const fn seeks(self) -> bool {
         matches!(self, Self::MachineZero | Self::Named)
     }
 }
 
-/// A return under way.
+/// A running return to the reference point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Reference {
     intermediate: Point,
     reference: Point,
     axes: PerAxis<bool>,
-    /// An axis has no reference point yet.
+    /// Whether an axis seeks its reference point.
+    #[serde(rename = "seeks")]
     seeks: bool,
     frame: Option<Action>,
     step: u8,
 }
 
 impl Reference {
-    /// Plans the return of the programmed axes; `None` without any.
+    /// Plans the return of the programmed axes; `None` if the block names no axis.
+    ///
+    /// # Errors
+    /// 012 for axis words that the code does not take, 043 for an I outside the stroke, 090 or
+    /// 093 for an axis without a reference that cannot seek it.
     pub(crate) fn plan(
         state: &mut State,
         context: &Context<'_>,
@@ -113,7 +119,7 @@ impl Reference {
             state.offset.set(axis, 0);
             *state.untravelled.get_mut(axis) = false;
             if way.seeks() && context.parameters.reference_sets_coordinates() {
-                // In 0.001 mm, or 0.0001 inch (004.0 SCW).
+                // The parameters count in 0.001 mm, or in 0.0001 inch (004.0 SCW).
                 let increment = if context.parameters.inch_machine() {
                     PER_MM * 254 / 100_000
                 } else {
@@ -126,7 +132,7 @@ impl Reference {
             }
         }
         if state.offset == Exact::default() {
-            // The nose stays: the compensation comes back with the next move.
+            // The nose radius stays in force: the compensation acts again with the next move.
             state.modal.offset = 0;
         }
         state.stand_at(reference);
@@ -169,7 +175,7 @@ impl Reference {
         }
     }
 
-    /// Whether the coordinates are known only when it is finished.
+    /// Whether the coordinates are known only when the return is finished.
     pub(crate) const fn seeks(&self) -> bool {
         self.seeks
     }

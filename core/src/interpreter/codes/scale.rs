@@ -1,15 +1,14 @@
-//! G31 and G30 of the Huaxing lathes: programmed lengths multiplied by L.
+//! G31 and G30 of the Huaxing lathes: scale programmed lengths by L.
 //!
 //! ```text
-//!   G31 L2                 from here on
-//!   G01 X40 Z-10 F100      goes to X80 Z-20; F is what it is
+//!   G31 L2                 scale the following blocks by 2
+//!   G01 X40 Z-10 F100      moves to X80 Z-20; F is not scaled
 //!   G02 X40 Z-20 I0 K-10   the centre is twice as far away, too
-//!   G30                    no more
+//!   G30                    scaling off
 //! ```
 //!
-//! What is a length in millimetres is multiplied: X, Z, U, W, R, I, J, K, D and a lead.
-//! What is no length is not: F, times, counts, threads an inch, numbers of relays and
-//! offsets. G92 gives the tip the coordinates that it says.
+//! X, Z, U, W, R, I, J, K, D and a lead are scaled. F, times, counts, threads per inch and the
+//! numbers of relays and offsets are not. G92 sets coordinates as written.
 
 use gsk_messages::say;
 
@@ -20,13 +19,13 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{LeadUnit, OneShot, Words};
 use crate::model::Record;
 
-/// Factors of L, in millionths.
+/// Range of L, in millionths.
 const FACTORS: core::ops::RangeInclusive<i64> = 1_000..=99_999_000;
 
-/// G31, or G30 where it is off.
+/// Applies a G31 (`on`) or a G30 to the state.
 ///
 /// # Errors
-/// 043 without a factor, or with one that is none.
+/// 043 for a missing or wrong L of G31.
 pub(crate) fn set(state: &mut State, words: &Words, on: bool) -> Result<(), Alarm> {
     if !on {
         state.scale = None;
@@ -43,7 +42,7 @@ pub(crate) fn set(state: &mut State, words: &Words, on: bool) -> Result<(), Alar
     Err(Alarm::new(number::OUT_OF_RANGE).because(say::dialect_decided(rule)))
 }
 
-/// The words of a block under a factor, if one is in force.
+/// The words of a block, scaled by the factor in force, if any.
 pub(crate) fn applied(words: &Words, scale: Option<i64>, record: &Record) -> Words {
     match scale {
         Some(factor) => scaled(words, factor, record),
@@ -51,7 +50,7 @@ pub(crate) fn applied(words: &Words, scale: Option<i64>, record: &Record) -> Wor
     }
 }
 
-/// The words of a block under a factor in millionths.
+/// The words of a block, scaled by `factor` millionths.
 pub(crate) fn scaled(words: &Words, factor: i64, record: &Record) -> Words {
     if matches!(
         words.one_shot,

@@ -1,4 +1,4 @@
-//! S with G96 and G97 (manual I-3.2.8, I-3.4).
+//! S with G96 and G97: spindle speed and constant surface speed (manual I-3.2.8, I-3.4).
 //!
 //! ```text
 //!   G97 S  r/min        n = 1000 v / (pi |X|)     X the programmed diameter
@@ -14,10 +14,13 @@ use crate::interpreter::context::exact::mm;
 use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::Words;
 
-/// Greatest S word.
+/// Greatest spindle speed, r/min.
 const GREATEST_SPEED: f64 = 9999.0;
 
-/// What the S, G96 and G97 of a block ask of the spindle.
+/// The spindle command of the S, G96 and G97 of a block; `None` without a change.
+///
+/// # Errors
+/// 002 for an unknown step of a stepped spindle.
 pub(crate) fn evaluate(
     state: &mut State,
     context: &Context<'_>,
@@ -37,7 +40,7 @@ pub(crate) fn evaluate(
         Some(speed) => SpindleCommand::Speed(speed),
         None if surface == was_surface => return Ok(None),
         None if surface => SpindleCommand::Surface(state.surface),
-        // G97 without S keeps the last speed of G96, as a whole number.
+        // G97 without S keeps the last speed of G96, rounded to a whole number.
         None => SpindleCommand::Speed(libm::round(speed_at(
             state.surface,
             mm(state.position.x),
@@ -51,7 +54,7 @@ pub(crate) fn evaluate(
     Ok(Some(command))
 }
 
-/// Four switching outputs: the last two digits choose one.
+/// The command for a stepped spindle: the last two digits of S choose one of four outputs.
 fn stepped(state: &mut State, s: Option<i64>) -> Result<Option<SpindleCommand>, Alarm> {
     let Some(s) = s else {
         return Ok(None);
@@ -66,7 +69,8 @@ fn stepped(state: &mut State, s: Option<i64>) -> Result<Option<SpindleCommand>, 
     Ok(Some(SpindleCommand::Step(step)))
 }
 
-/// The speed under G96 at a programmed diameter, r/min.
+/// Spindle speed of G96 at a programmed diameter, r/min. `surface` is m/min, `diameter` mm,
+/// `limit` (G50 S) and `lowest` (043) r/min.
 pub(crate) fn speed_at(surface: f64, diameter: f64, limit: Option<f64>, lowest: f64) -> f64 {
     let around = core::f64::consts::PI * diameter.abs();
     let wanted = if around > 0.0 {

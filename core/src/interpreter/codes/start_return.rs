@@ -1,8 +1,8 @@
-//! G75 and G76 of the Huaxing lathes: back to where the run began.
+//! G75 and G76 of the Huaxing lathes: return to the start of the run.
 //!
 //! ```text
-//!   cycle start      the tool stands at A: machine (a, b), work (x, z)
-//!   G92 X100 Z50     the work coordinates of the start are (100, 50) from here on
+//!   cycle start      the tool is at A: machine (a, b), work (x, z)
+//!   G92 X100 Z50     makes (100, 50) the work coordinates of the start
 //!   G75              rapid to machine (a, b), whatever the coordinates are now
 //!   G76              rapid to work (100, 50) in the coordinates in force
 //! ```
@@ -16,10 +16,10 @@ use crate::interpreter::context::Context;
 use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisWords, StartReturn};
 
-/// The rapid back.
+/// Plans the rapid back to the start of the run.
 ///
 /// # Errors
-/// 012 with axis words, 090 without a start or, for G75, without a reference point.
+/// 012 with axis words; 090 without a start or, for G75, without a reference point.
 pub(crate) fn plan(
     state: &mut State,
     context: &Context<'_>,

@@ -4,7 +4,7 @@
 //!   T 01 02      slide = programmed point + offset
 //!     |  |
 //!     |  +-- offset number 00-32, 00 cancels
-//!     +----- tool; left out: only the offset changes
+//!     +----- tool; if missing, only the offset changes
 //! ```
 
 use gsk_messages::say;
@@ -19,31 +19,34 @@ use crate::units::PerAxis;
 
 /// Greatest offset number.
 const LAST_OFFSET: u8 = 32;
-/// Greatest tool number of a post without a turret (084 = 0).
+/// Greatest tool number of a gang tool post (084 = 0).
 const LAST_TOOL: u8 = 32;
 
-/// How the offset of a T word comes into force in its block.
+/// How the offset of a T word takes effect in its block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Execution {
-    /// The coordinates shift; programmed axes travel in the new coordinates.
+    /// The coordinates shift, and programmed axes travel in the new coordinates.
     Shift,
-    /// The slide travels the change.
+    /// The slide travels the change of the offset.
     Travel,
-    /// Only the tool changes (G04, G02, G03).
+    /// The offset stays, only the tool changes (G04, G02, G03).
     Not,
 }
 
-/// The parts of a T word.
+/// Tool and offset number of a T word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ToolWord {
-    /// `None`: the tool stays.
+    /// `None` keeps the tool.
     pub(crate) tool: Option<u8>,
     pub(crate) offset: u8,
 }
 
 impl ToolWord {
-    /// The T word of a block. On the Huaxing lathes it has one digit, tool and offset
-    /// of the same number, or one for each.
+    /// Decodes the T word of a block by the model's rule. On the Huaxing lathes T has one
+    /// digit, the same number for tool and offset, or one digit for each.
+    ///
+    /// # Errors
+    /// 032 or 029 for a wrong tool, 030 for a wrong offset.
     pub(crate) fn of_block(value: i64, context: &Context<'_>) -> Result<Self, Alarm> {
         let stations = context.parameters.stations().into();
         if context.model.record().tool_digits == 4 {
@@ -56,7 +59,11 @@ impl ToolWord {
         }
     }
 
-    /// Splits and checks a T word.
+    /// Decodes and checks a T word of four digits. `stations` is the number of stations of the
+    /// turret, 0 for a gang tool post.
+    ///
+    /// # Errors
+    /// 032 or 029 for a wrong tool, 030 for a wrong offset.
     pub(crate) fn read(value: i64, stations: i32) -> Result<Self, Alarm> {
         let (tool, offset) = (value / 100, value % 100);
         let gang = stations == 0;
@@ -92,7 +99,8 @@ impl ToolWord {
     }
 }
 
-/// Puts a T word into force and queues its actions.
+/// Puts a T word into force: changes the state, and appends the tool change and a new frame to
+/// `actions`.
 pub(crate) fn select(
     state: &mut State,
     context: &Context<'_>,

@@ -1,10 +1,10 @@
-//! Zero offsets of the Huaxing lathes, G54 to G57.
+//! G54 to G57 of the Huaxing lathes: zero offsets.
 //!
 //! ```text
-//!   G92 X100 Z50   the tip reads (100, 50): the G92 system
+//!   G92 X100 Z50   the tip is at (100, 50): the G92 system
 //!   G55 X20 Z10    its zero is moved by (20, 10): (80, 40)
 //!   G56 X5 Z5      and by (5, 5) more: (75, 35)
-//!   G57            the tip is the zero: (0, 0); with X, Z it gets these values
+//!   G57            the tip is at the zero: (0, 0); X, Z set other values
 //!   G54            the G92 system again: (100, 50)
 //! ```
 
@@ -14,7 +14,7 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisWords, Target, ZeroOffset};
 use crate::units::Axis;
 
-/// Moves the zero of programs; nothing else moves.
+/// Moves the program zero by a zero offset. Returns the new frame; the axes do not move.
 pub(crate) fn set(state: &mut State, code: ZeroOffset, axes: &AxisWords) -> Action {
     for axis in [Axis::X, Axis::Z] {
         let (before, here) = (state.zero_offset.get(axis), state.position.get(axis));
@@ -44,7 +44,7 @@ pub(crate) fn set(state: &mut State, code: ZeroOffset, axes: &AxisWords) -> Acti
     }
 }
 
-/// G92 names the point where the tool stands: no offset is left.
+/// Forgets the zero offset: G92 defines the coordinates anew.
 pub(crate) fn forget(state: &mut State) {
     state.zero_offset = Exact::default();
 }

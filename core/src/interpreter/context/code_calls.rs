@@ -1,4 +1,4 @@
-//! Codes of macro B that call a program, by parameters (manual of macro B, 9).
+//! Parameters of macro B that make codes call a program (manual of macro B, 9).
 //!
 //! ```text
 //!   220–229   a G code    O9010–O9019   with arguments, as G65
@@ -7,8 +7,8 @@
 //!   243       every T     O9000         as M98, T in #149 (of the mill 040.5)
 //! ```
 //!
-//! In a program that a G code calls, and in one that an M or a T calls as M98 does, such
-//! codes are ordinary ones.
+//! These codes are ordinary ones in a program that a G code calls, and in one that an M or a T
+//! calls as M98 does.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,12 +17,12 @@ use crate::interpreter::context::words::Words;
 use crate::model::code_calls::{OF_G, OF_M, OF_PLAIN_M, OF_T};
 use crate::model::{ControlModel, code_calls};
 
-/// Where T stands when it calls.
+/// Macro variable that holds T when T calls a program.
 pub const T_VARIABLE: u16 = 149;
-/// The calls of macro B itself.
+/// G codes of macro B that always call.
 const CALLS: core::ops::RangeInclusive<u16> = 65..=67;
 
-/// The codes that call.
+/// The codes that call a program.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct CodeCalls {
     g: [u16; 10],
@@ -31,19 +31,19 @@ pub(crate) struct CodeCalls {
     t: bool,
 }
 
-/// A program that a word calls as M98 does.
+/// A subprogram call by an M or T word, as M98 does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlainCall {
-    /// Its number.
+    /// Program number.
     pub program: u16,
-    /// The letter that calls: M or T.
+    /// The letter of the word that calls: M or T.
     pub address: char,
-    /// The number after it.
+    /// The number of the word that calls.
     pub code: i64,
 }
 
 impl CodeCalls {
-    /// Those of a model; none where no code calls.
+    /// Reads the codes from the parameters of a model; `None` if no code calls.
     pub(crate) fn of(model: &ControlModel) -> Option<Box<Self>> {
         let codes = |first: u16, to: &mut [u16]| {
             for (number, code) in (first..).zip(to) {
@@ -58,7 +58,7 @@ impl CodeCalls {
         (calls != Self::default()).then(|| Box::new(calls))
     }
 
-    /// The macro that a G or M code calls.
+    /// The number of the macro that a G or M code calls with arguments.
     pub(crate) fn called(&self, letter: char, code: u16) -> Option<u16> {
         let (codes, first) = match letter {
             'G' if CALLS.contains(&code) => return None,
@@ -68,12 +68,12 @@ impl CodeCalls {
         nth(codes, code, first)
     }
 
-    /// The subprogram that a word of a block calls: an M, or the T.
+    /// The subprogram that a word of a block calls: its M, else its T.
     pub(crate) fn plain(&self, words: &Words) -> Option<PlainCall> {
         self.plain_by(words.m.map(u16::from), words.t)
     }
 
-    /// The same by their numbers.
+    /// The subprogram that the numbers of an M or T call.
     pub(crate) fn plain_by(&self, m: Option<u16>, t: Option<i64>) -> Option<PlainCall> {
         let m = m.and_then(|code| {
             let program = nth(&self.plain_m, code, OF_PLAIN_M)?;
@@ -94,12 +94,12 @@ impl CodeCalls {
 }
 
 fn nth(codes: &[u16], code: u16, first: u16) -> Option<u16> {
-    // 0: no call.
+    // A parameter of 0 sets no call.
     let place = (first..).zip(codes).find(|(_, it)| **it == code)?;
     (code != 0).then_some(place.0)
 }
 
-/// Whether codes call nothing, because of the calls under way.
+/// Whether the running calls make the codes ordinary ones.
 pub(crate) fn are_ordinary(calls: &[Call]) -> bool {
     calls.iter().any(|call| call.codes_ordinary)
 }

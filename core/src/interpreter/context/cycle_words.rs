@@ -5,42 +5,42 @@ use serde::{Deserialize, Serialize};
 use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::words::{AxisWords, Words};
 
-/// Stored words; an increment is stored as the absolute point it led to.
+/// Stored words. An increment is stored as its absolute end point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct CycleWords {
     x: Option<i64>,
     z: Option<i64>,
     r: i64,
-    /// Run-out of G92: height and length.
+    /// Run-out of G92, height and length, in units of [`Exact`].
     j: Option<i64>,
     k: Option<i64>,
-    /// Thread starts of G92.
+    /// Number of thread starts of G92.
     l: Option<i64>,
 }
 
-/// What a cycle block amounts to after the stored words are added.
+/// The data of a cycle block, stored words included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct CycleData {
-    /// Cutting end point C.
+    /// C, the end point of the cut.
     pub(crate) end: Exact,
-    /// R in millionths of a millimetre; a radius when it is along X.
+    /// R in millionths of a millimetre; a radius if it is along X.
     pub(crate) r: i64,
-    /// J of G92, if ever given.
+    /// J of G92, the height of the run-out; `None` if no block gave it.
     pub(crate) j: Option<i64>,
-    /// K of G92, if ever given.
+    /// K of G92, the length of the run-out; `None` if no block gave it.
     pub(crate) k: Option<i64>,
-    /// L of G92.
+    /// L of G92, the number of thread starts.
     pub(crate) starts: i64,
 }
 
 impl CycleWords {
-    /// Forgets everything.
+    /// Forgets all words.
     pub(crate) fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// Forgets the end point and R, as a code of group 00 other than G04 and a
-    /// code of group 01 that is no cycle do; J, K and L stay.
+    /// Forgets the end point and R, but keeps J, K and L. A code of group 00 other than G04
+    /// does this, and a code of group 01 that is no cycle.
     pub(crate) fn clear_end(&mut self) {
         *self = Self {
             j: self.j,
@@ -50,12 +50,13 @@ impl CycleWords {
         };
     }
 
-    /// Whether a repetition has anything to repeat.
+    /// Whether an end point is stored, so that a block can repeat the cycle.
     pub(crate) const fn is_set(&self) -> bool {
         self.x.is_some() || self.z.is_some()
     }
 
-    /// Takes over the words of a block of G92: those of G90 and G94, and J, K and L.
+    /// Stores the words of a G92 block (those of G90 and G94, and J, K and L) and returns the
+    /// data of the cycle. `at` is the current position.
     pub(crate) fn take_thread(&mut self, words: &Words, axes: &AxisWords, at: Exact) -> CycleData {
         self.j = words.j.or(self.j);
         self.k = words.k.or(self.k);
@@ -63,8 +64,8 @@ impl CycleWords {
         self.take(words, axes, at)
     }
 
-    /// Takes over the words of a block of G90 or G94. An axis never given ends where the
-    /// tool stands.
+    /// Stores the words of a G90 or G94 block and returns the data of the cycle. An axis that
+    /// no block gave ends at the current position `at`.
     pub(crate) fn take(&mut self, words: &Words, axes: &AxisWords, at: Exact) -> CycleData {
         if let Some(x) = axes.x.target(axes.base.x) {
             self.x = Some(x);

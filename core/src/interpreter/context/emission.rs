@@ -1,17 +1,17 @@
-//! What a block gives out at a time.
+//! The actions of a block, one at a time.
 
 use crate::command::Action;
 
-/// One action of a block.
+/// An action of a block, with its stop of single block.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Emission {
     pub(crate) action: Action,
-    /// Single block stops after it, even inside the block.
+    /// Whether single block stops after the action, even inside the block.
     pub(crate) stops: bool,
 }
 
 impl Emission {
-    /// An action after which single block stops.
+    /// An action with a stop of single block after it.
     pub(crate) const fn stopping(action: Action) -> Self {
         Self {
             action,
@@ -19,7 +19,7 @@ impl Emission {
         }
     }
 
-    /// An action inside its block.
+    /// An action without a stop of single block after it.
     pub(crate) const fn passing(action: Action) -> Self {
         Self {
             action,

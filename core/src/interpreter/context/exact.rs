@@ -5,32 +5,32 @@ use serde::{Deserialize, Serialize};
 use crate::model::Record;
 use crate::units::{Axis, Point};
 
-/// Units in a millimetre.
+/// Units of [`Exact`] in a millimetre.
 pub(crate) const PER_MM: i64 = 1_000_000;
 
-/// The least of the strokes, `9999.999` mm: that of the GSK980TD (manual I-2.2.3).
+/// The smallest stroke of all models, `9999.999` mm: that of the GSK980TD (manual I-2.2.3).
 const STROKE: i64 = 9_999_999 * (PER_MM / 1000);
 
-/// How far the coordinates of a program may reach.
+/// The range of the coordinates of a program.
 #[derive(Clone, Copy)]
 pub(crate) struct Reach<'a> {
-    /// 2 under radius programming (001.2), else 1.
+    /// Diameters per programmed X: 2 under radius programming (001.2), else 1.
     pub(crate) x_factor: i64,
-    /// Whose program it is.
+    /// The model that the program is for.
     pub(crate) record: &'a Record,
 }
 
 impl Reach<'_> {
-    /// The greatest coordinate.
+    /// The greatest coordinate, units of [`Exact`].
     pub(crate) fn stroke(self) -> i64 {
         self.record.greatest_coordinate * (PER_MM / 1000)
     }
 }
 
-/// A point or displacement, in millionths of a millimetre; X as a *diameter*.
+/// A point or displacement in millionths of a millimetre, X as a *diameter*.
 ///
-/// Whatever a program can say is a whole number here, and so is its radius in
-/// half units: end points are what the words say, bit for bit.
+/// Every number that a program can contain is an integer here, and its radius an integer in
+/// half units. So end points are exactly the programmed ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Exact {
     pub(crate) x: i64,
@@ -42,7 +42,7 @@ impl Exact {
         Self { x, z }
     }
 
-    /// The nearest exact point.
+    /// The nearest exact point of a point in mm, X as a radius.
     pub(crate) fn from_point(point: Point) -> Self {
         Self::new(
             to_units(point.x * (2 * PER_MM) as f64),
@@ -72,8 +72,7 @@ impl Exact {
         }
     }
 
-    /// The first axis whose coordinate, as it is programmed, leaves the stroke
-    /// of the control.
+    /// The first axis whose programmed coordinate is outside the stroke of the control.
     pub(crate) fn beyond_stroke(self, reach: Reach<'_>) -> Option<Axis> {
         let beyond = |stroke: i64| {
             if self.x.abs() > stroke * reach.x_factor {
@@ -81,7 +80,7 @@ impl Exact {
             }
             (self.z.abs() > stroke).then_some(Axis::Z)
         };
-        // Few ends lie farther than any control reaches.
+        // Almost every end point lies within the smallest stroke.
         beyond(STROKE).and_then(|_| beyond(reach.stroke()))
     }
 }
@@ -106,7 +105,7 @@ impl core::ops::Sub for Exact {
     }
 }
 
-/// `value * numerator / denominator`, rounded half away from zero.
+/// `value * numerator / denominator`, rounded half away from zero; 0 for a denominator of 0.
 pub(crate) fn scaled(value: i64, numerator: i64, denominator: i64) -> i64 {
     if denominator == 0 {
         return 0;
@@ -119,17 +118,18 @@ pub(crate) fn scaled(value: i64, numerator: i64, denominator: i64) -> i64 {
     i64::try_from((product + half) / by).unwrap_or(i64::MAX)
 }
 
-/// Rounds half away from zero; what is no number becomes zero.
+/// Rounds half away from zero; NaN becomes 0.
 pub(crate) fn to_units(value: f64) -> i64 {
     libm::round(value) as i64
 }
 
-/// Millimetres of a length in units, for messages.
+/// A length in units of [`Exact`] as millimetres.
 pub(crate) fn mm(units: i64) -> f64 {
     units as f64 / PER_MM as f64
 }
 
-/// A length along an axis in the units of [`Exact`]: X takes radii.
+/// A length as a displacement along an axis in units of [`Exact`]: a length along X is a
+/// radius and counts twice.
 pub(crate) const fn along(axis: Axis, length: i64) -> i64 {
     match axis {
         Axis::X => length.saturating_mul(2),

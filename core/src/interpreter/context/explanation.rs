@@ -1,4 +1,4 @@
-//! What a teacher would write on the board about a pass of a cycle.
+//! Explains each pass of a cycle to a learner: depth, formula and words.
 
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
@@ -6,47 +6,48 @@ use serde::{Deserialize, Serialize};
 use crate::interpreter::context::exact::{Exact, mm};
 use crate::units::Axis;
 
-/// Why a pass of a cycle is where it is.
+/// Why a pass of a cycle is at its depth or position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
     /// G code of the cycle.
     pub code: u8,
-    /// The pass, column or start, from 1.
+    /// Number of the pass, column or start, from 1.
     pub pass: u64,
-    /// How many there are, when that is fixed beforehand.
+    /// Number of passes; `None` if only the cutting decides it.
     pub passes: Option<u64>,
-    /// Where it cuts: programmed X (diameter) or Z of a level or column.
+    /// X (diameter) or Z of the level or column, programmed coordinates in mm; `None` for
+    /// passes that follow a contour.
     pub level: Option<f64>,
     /// Depth reached, mm; a radius in X.
     pub depth: f64,
-    /// What is left for the passes after it, mm; a radius in X.
+    /// Depth left for the following passes, mm; a radius in X.
     pub remaining: f64,
-    /// The formula with its numbers.
+    /// The formula of the depth or position, with its numbers.
     pub formula: Message,
-    /// The words and parameters that made it.
+    /// The words and parameters that the formula reads.
     pub words: &'static str,
 }
 
-/// How G76 found the depth of a pass.
+/// The rule by which G76 finds the depth of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum DepthRule {
     /// √n·Δd.
     Root,
-    /// The depth before plus Δdmin.
+    /// The previous depth plus Δdmin.
     Least,
     /// k - d: the last roughing pass.
     Last,
-    /// k.
+    /// k: a finishing pass.
     Finish,
 }
 
-/// The numbers behind an explanation, kept with each move. Lengths are units of
-/// [`Exact`], diameters in X unless said otherwise.
+/// The numbers of an explanation, stored with each move. Lengths are in units of [`Exact`],
+/// diameters in X if not stated otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Note {
-    /// Nothing to say.
+    /// A move without an explanation.
     None,
-    /// A box of G90 (levels in X) or G94 (levels in Z), from A round B and C.
+    /// A box of G90 (levels in X) or G94 (levels in Z), from A through B and C.
     Box {
         axis: Axis,
         a: Exact,
@@ -54,7 +55,7 @@ pub(crate) enum Note {
         /// R, a radius in X.
         taper: i64,
     },
-    /// A start of G92, from A by B and C.
+    /// A start of G92, from A through B and C.
     Thread {
         start: u32,
         starts: u32,
@@ -70,7 +71,7 @@ pub(crate) enum Note {
         starts: u32,
         a: i64,
         bottom: i64,
-        /// Its G code; 0 stands for G33.
+        /// Its G code; 0 is G33.
         #[serde(default)]
         code: u8,
     },
@@ -91,7 +92,7 @@ pub(crate) enum Note {
         levels: i64,
         /// Level of the start, allowance included.
         from: i64,
-        /// Signed step from level to level.
+        /// Signed step from one level to the next.
         step: i64,
         /// Level of the deepest point, allowance included.
         last: i64,
@@ -120,7 +121,7 @@ pub(crate) enum Note {
         at: i64,
         from: i64,
         step: i64,
-        /// Peck under way and how many there are; 0 outside pecks.
+        /// Number of the current peck, 0 outside pecks, and number of pecks.
         peck: i64,
         pecks: i64,
         /// Peck depth, signed.
@@ -137,7 +138,7 @@ pub(crate) enum Note {
         passes: i64,
         /// Level of the start.
         a: i64,
-        /// From there: of this box with its sign, and of the last one.
+        /// Signed distance of this box from the start, and distance of the last box.
         depth: i64,
         whole: i64,
         step: i64,
@@ -158,14 +159,14 @@ pub(crate) enum Note {
         /// Counted from 0.
         start: u32,
         starts: u32,
-        /// X of the start.
+        /// X of the start, which is the crest of the thread.
         crest: i64,
         depth: i64,
         whole: i64,
     },
 }
 
-/// A length on an axis as a depth: X as a radius.
+/// A length in units of [`Exact`] as a depth in mm, a radius along X.
 fn depth_on(axis: Axis, units: i64) -> f64 {
     match axis {
         Axis::X => mm(units) / 2.0,
@@ -388,7 +389,7 @@ impl Note {
         }
     }
 
-    /// A box of G81 or G82.
+    /// Explains a box of G81 or G82.
     fn stepped(self) -> Option<Explanation> {
         let Self::Stepped {
             axis,
@@ -434,7 +435,7 @@ impl Note {
         })
     }
 
-    /// A thread of the Huaxing lathes.
+    /// Explains a thread of the Huaxing lathes.
     fn thread_of_words(self) -> Option<Explanation> {
         match self {
             Self::SinglePass {
@@ -488,7 +489,7 @@ impl Note {
     }
 }
 
-/// The box of G90 or G94.
+/// Explains the box of G90 or G94.
 fn box_of(axis: Axis, a: Exact, c: Exact, taper: i64) -> Explanation {
     let (code, words) = match axis {
         Axis::X => (90, "X(U), Z(W), R: a radius"),
@@ -506,7 +507,7 @@ fn box_of(axis: Axis, a: Exact, c: Exact, taper: i64) -> Explanation {
     }
 }
 
-/// Where a single cycle begins to cut: `X_B = X_C + 2R` or `Z_B = Z_C + R`.
+/// The formula of B, the first corner of the cut: `X_B = X_C + 2R` or `Z_B = Z_C + R`.
 fn corner_b(axis: Axis, c: Exact, taper: i64) -> String {
     let (c, factor, by) = match axis {
         Axis::X => (c.x, "2·", 2 * taper),
@@ -521,7 +522,7 @@ fn corner_b(axis: Axis, c: Exact, taper: i64) -> String {
     )
 }
 
-/// What sets the starts of a multi-start thread apart.
+/// Adds the start angle of a multi-start thread to a formula.
 fn with_start_angle(formula: Message, start: u32, starts: u32) -> Message {
     if starts <= 1 {
         return formula;

@@ -1,4 +1,4 @@
-//! Where reading goes on after a block.
+//! Which block the reader reads after a block.
 
 use std::collections::BTreeMap;
 
@@ -8,49 +8,52 @@ use crate::command::Source;
 use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::place::{Call, Place};
 
-/// What follows a block.
+/// The flow of a run after a block.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Flow {
-    /// The next line.
+    /// Reads the next block.
     #[default]
     Next,
-    /// Another place; calls stay as they are.
+    /// Jumps to another block; the running calls stay.
     Jump(Place),
-    /// G70: the blocks of its profile, and back.
+    /// Runs the profile of a G70, then returns.
+    #[serde(rename = "Finish")]
     Finish(Box<Finishing>),
-    /// The next run of the innermost call.
+    /// Starts the next run of the innermost call.
+    #[serde(rename = "Again")]
     Again,
-    /// M98.
+    /// Calls a subprogram (M98).
     Call(Call),
-    /// G65, and a move under G66.
+    /// Calls a macro: G65, or a move under G66.
     MacroCall(Box<MacroEntry>),
-    /// The end of the innermost call, going on here.
+    /// Ends the innermost call and continues at this block.
     Return(Place),
-    /// The end of the run.
+    /// Ends the run.
     End,
 }
 
-/// A macro being called.
+/// A call of a macro with its arguments.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MacroEntry {
     pub(crate) call: Call,
-    /// Its local variables, by number.
+    /// Arguments: local variables by number.
     pub(crate) arguments: BTreeMap<u8, f64>,
 }
 
-/// A profile being finished.
+/// A G70 that runs its profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Finishing {
-    /// Its first block.
+    /// The first block of the profile.
     pub(crate) first: Place,
-    /// Index of its last block.
+    /// Index of the last block of the profile.
     pub(crate) last: u32,
-    /// The block after the cycle.
+    /// The block after the G70.
+    #[serde(rename = "back")]
     pub(crate) back: Place,
-    /// Programmed start of the cycle.
+    /// Programmed position at the start of the G70.
     pub(crate) start: Exact,
-    /// The block of the cycle.
+    /// Source position of the G70.
     pub(crate) source: Source,
-    /// Lines of its first and its last block.
+    /// Lines of the first and the last block of the profile.
     pub(crate) lines: (u32, u32),
 }

@@ -1,77 +1,79 @@
-//! What the interpreter needs to know of the world, and what it answers.
+//! The interface between the interpreter and its host: the data it reads and the answers it
+//! gives.
 
 use crate::command::Command;
 use crate::memory::{Counters, Offsets, Parameters, Registers, Settings, Variables};
 use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
 
-/// The world as the interpreter sees it; implemented by the control and by the
-/// dry run of the preview, so that both run one interpreter.
+/// The data of a machine that the interpreter reads and writes. The control and the dry run of
+/// the preview implement it, so both run one interpreter.
 pub trait Host {
-    /// Parameters, to be read.
+    /// The parameters.
     fn parameters(&self) -> &Parameters;
-    /// Parameters, to be written back by cycles (051–060).
+    /// The parameters, mutable: cycles write 051–060.
     fn parameters_mut(&mut self) -> &mut Parameters;
-    /// Tool offsets.
+    /// The tool offsets.
     fn offsets(&self) -> &Offsets;
-    /// Tool offsets, to be written by macro B.
+    /// The tool offsets, mutable: macro B writes them.
     fn offsets_mut(&mut self) -> &mut Offsets;
-    /// Macro variables, to be read.
+    /// The macro variables.
     fn variables(&self) -> &Variables;
-    /// Macro variables, to be written by G65.
+    /// The macro variables, mutable: G65 and macro B write them.
     fn variables_mut(&mut self) -> &mut Variables;
-    /// Timer, date and what programs have switched off, for macro B.
+    /// Timer, date and the stops that programs have switched off, for macro B.
     fn registers(&self) -> &Registers;
-    /// The same, to be written.
+    /// Timer, date and switched-off stops, mutable.
     fn registers_mut(&mut self) -> &mut Registers;
-    /// Part counter and times. Meaningful when [`Host::settled`].
+    /// Part counter and times. Valid while [`Host::settled`] holds.
     fn counters(&self) -> &Counters;
-    /// The same, to be written.
+    /// Part counter and times, mutable.
     fn counters_mut(&mut self) -> &mut Counters;
-    /// Time with cycle start on, ms. Meaningful when [`Host::settled`].
+    /// Total time with cycle start on, ms. Valid while [`Host::settled`] holds.
     fn started_ms(&self) -> u64 {
         self.counters().started_ms
     }
-    /// Sets it.
+    /// Sets the total time with cycle start on, ms.
     fn set_started_ms(&mut self, ms: u64) {
         self.counters_mut().started_ms = ms;
     }
     /// The rows of the setting page.
     fn settings(&self) -> &Settings;
-    /// The same, to be written.
+    /// The rows of the setting page, mutable.
     fn settings_mut(&mut self) -> &mut Settings;
-    /// Milliseconds since power-on. Meaningful when [`Host::settled`].
+    /// Time since power-on, ms. Valid while [`Host::settled`] holds.
     fn now_ms(&self) -> u64;
-    /// What the ladder gives to macros, G54 and G55: #1000 in bit 0. Meaningful
-    /// when [`Host::settled`].
+    /// Signals from the ladder to macros, G54 and G55: #1000 in bit 0. Valid while
+    /// [`Host::settled`] holds.
     fn interface_inputs(&self) -> u16;
-    /// What macros give to the ladder: F54 in the lowest byte to F59.
+    /// Signals from macros to the ladder, F54 (lowest byte) to F59.
     fn interface_outputs(&self) -> u64;
-    /// Switches the outputs F54 to F59.
+    /// Sets the signals F54 to F59.
     fn set_interface_outputs(&mut self, outputs: u64);
-    /// Stored programs and the external one.
+    /// The stored programs and the external one.
     fn programs(&self) -> &ProgramMemory;
-    /// Commanded machine position; meaningful when [`Host::settled`].
+    /// Commanded machine position, mm, X as a radius. Valid while [`Host::settled`] holds.
     fn machine_position(&self) -> Point;
-    /// Which axes have a reference.
+    /// Whether each axis has a reference.
     fn referenced(&self) -> PerAxis<bool>;
     /// Whether block skip is on (F4.0).
     fn block_skip(&self) -> bool;
     /// Whether every earlier command is finished, FIN included.
     fn settled(&self) -> bool;
-    /// Whether besides the slides stand where they were commanded to.
+    /// Whether every earlier command is finished and the slides are at their commanded
+    /// position.
     fn slides_stand(&self) -> bool {
         self.settled()
     }
 }
 
-/// One answer of the interpreter.
+/// An answer of the interpreter to a query for the next command.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
-    /// A command to carry out.
+    /// The next command.
     Command(Box<Command>),
-    /// Nothing can be read until [`Host::settled`].
+    /// The reader needs a finished machine: query again when [`Host::settled`] holds.
     Wait,
-    /// The program has ended; nothing more comes.
+    /// The run has ended; no command follows.
     Ended,
 }

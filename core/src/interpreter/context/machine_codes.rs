@@ -1,13 +1,14 @@
-//! The M codes of the machine.
+//! The M codes of the machine builder's ladder.
 
 use serde::{Deserialize, Serialize};
 
-/// M codes that the machine's ladder carries out beside the control's own.
+/// A set of M codes, 0 to 127, that the machine's ladder carries out besides the control's
+/// codes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MachineCodes([u64; 2]);
 
 impl MachineCodes {
-    /// Those that a ladder declares.
+    /// The set of the codes that a ladder declares.
     pub fn of(declared: &[gsk_plc::MCode]) -> Self {
         let mut codes = Self::default();
         for m in declared {

@@ -1,4 +1,4 @@
-//! What a block finds when it is read.
+//! The data that the evaluation of a block reads: state, words, machine and calls.
 
 pub(super) mod code_calls;
 pub(super) mod cycle_words;
@@ -26,38 +26,39 @@ use crate::model::ControlModel;
 use crate::program::ProgramMemory;
 use crate::units::PerAxis;
 
-/// What a block may look at.
+/// What the evaluation of a block reads besides its words and the state.
 pub(crate) struct Context<'a> {
     pub(crate) parameters: &'a Parameters,
-    /// Whose program it is.
+    /// The model that the program is for.
     pub(crate) model: &'a ControlModel,
     pub(crate) offsets: &'a Offsets,
     pub(crate) programs: &'a ProgramMemory,
     pub(crate) referenced: PerAxis<bool>,
-    /// Calls under way, the innermost last.
+    /// The running calls, the innermost last.
     pub(crate) calls: &'a [Call],
     pub(crate) source: Source,
-    /// Where the block stands.
+    /// The program and index of the block.
     pub(crate) place: Place,
-    /// Whether the block was keyed in.
+    /// Whether the block is from the MDI page.
     pub(crate) mdi: bool,
     /// M codes of the machine's ladder.
     pub(crate) machine_codes: MachineCodes,
-    /// Codes of macro B that call here; none where they are ordinary ones.
+    /// Codes that call a program by parameters of macro B; `None` if they are ordinary codes
+    /// in this program.
     pub(crate) code_calls: Option<&'a CodeCalls>,
-    /// 2 under radius programming (001.2), else 1.
+    /// Diameters per programmed X: 2 under radius programming (001.2), else 1.
     pub(crate) x_factor: i64,
-    /// The nose radius compensation before the block.
+    /// The mode of the nose radius compensation before the block.
     pub(crate) compensated: Compensated,
-    /// The words of any block of the program the block stands in, by its index
-    /// and the code of group 01 before it; `None` for a skipped one.
+    /// Reads the words of a block of this program, by its index and the code of group 01
+    /// before it; `None` for a skipped block.
     pub(crate) read: &'a dyn Fn(u32, u8) -> Result<Option<Words>, Alarm>,
-    /// The words of the block that follows, for a block that needs them.
+    /// The words of the next block, if the block needs them for its corner.
     pub(crate) next: Option<&'a Words>,
 }
 
 impl Context<'_> {
-    /// How far the coordinates of the block may reach.
+    /// The range of the coordinates of the block.
     pub(crate) fn reach(&self) -> Reach<'_> {
         Reach {
             x_factor: self.x_factor,
@@ -66,10 +67,10 @@ impl Context<'_> {
     }
 }
 
-/// The compensation as a block finds it.
+/// The mode of the nose radius compensation before a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Compensated {
-    /// It takes no part: MDI, and the profile of a roughing cycle.
+    /// The compensation does not act: MDI, and the profile of a roughing cycle.
     Never,
     /// Cancel mode.
     Off,

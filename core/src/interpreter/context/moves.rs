@@ -1,4 +1,4 @@
-//! Moves that codes and cycles make, in machine coordinates.
+//! Moves of codes and cycles, in machine coordinates.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,28 +9,27 @@ use crate::interpreter::context::explanation::Note;
 use crate::interpreter::context::state::State;
 use crate::units::{Feed, Point};
 
-/// From programmed coordinates to machine coordinates. Whatever a cycle does,
-/// the frame does not change in it.
+/// Converts programmed to machine coordinates. It stays the same during a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Shift(Exact);
 
 impl Shift {
-    /// The frame in force.
+    /// The conversion of the frame in force.
     pub(crate) fn of(state: &State) -> Self {
         Self(state.zero + state.offset)
     }
 
-    /// The same with everything moved by a programmed distance.
+    /// The conversion with all points moved by a programmed distance.
     pub(crate) fn moved(self, by: Exact) -> Self {
         Self(self.0 + by)
     }
 
-    /// Machine coordinates of a programmed point.
+    /// Machine coordinates of a programmed point, mm.
     pub(crate) fn machine(self, program: Exact) -> Point {
         (program + self.0).point()
     }
 
-    /// Machine coordinates of a programmed centre.
+    /// Machine coordinates of a programmed centre, mm.
     pub(crate) fn center(self, program: Point) -> Point {
         program + self.0.point()
     }
@@ -40,17 +39,17 @@ impl Shift {
         Exact::from_point(machine) - self.0
     }
 
-    /// The programmed centre of machine coordinates.
+    /// The programmed centre of machine coordinates, mm.
     pub(crate) fn program_center(self, machine: Point) -> Point {
         machine - self.0.point()
     }
 }
 
-/// One move of a cycle, with what it belongs to.
+/// A move of a cycle, with the data of its explanation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Move {
     pub(crate) action: Action,
-    /// Single block stops after it.
+    /// Whether single block stops after it.
     pub(crate) stops: bool,
     pub(crate) note: Note,
 }
@@ -64,7 +63,7 @@ impl Move {
         Self::of(Action::Line { to, feed }, note)
     }
 
-    /// Any action after which single block stops.
+    /// An action with a stop of single block after it.
     pub(crate) const fn of(action: Action, note: Note) -> Self {
         Self {
             action,
@@ -74,8 +73,7 @@ impl Move {
     }
 }
 
-/// The moves of one block, two at most: a cut, and the chamfer, corner arc or run-out
-/// at its end.
+/// One or two moves of a block: a cut, and the chamfer, corner arc or run-out at its end.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Two {
     pub(crate) first: Option<Action>,
@@ -83,7 +81,7 @@ pub(crate) struct Two {
 }
 
 impl Two {
-    /// The next one.
+    /// Takes the next move.
     pub(crate) fn next(&mut self) -> Option<Emission> {
         let action = self.first.take().or_else(|| self.second.take());
         action.map(Emission::passing)

@@ -1,4 +1,4 @@
-//! Places in programs, and the calls that lead back to one.
+//! Positions of blocks in programs, and the calls that return to them.
 
 use core::num::NonZeroU32;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::command::ProgramId;
 
-/// Where the next block is read.
+/// The position of a block: its program and index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Place {
     pub(crate) program: ProgramId,
@@ -15,7 +15,7 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    /// The block that follows.
+    /// The position of the next block.
     pub(crate) const fn after(self) -> Self {
         Self {
             block: self.block.saturating_add(1),
@@ -24,31 +24,35 @@ impl Place {
     }
 }
 
-/// A call under way.
+/// A running call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Call {
-    /// The program called.
+    /// The called program.
     pub(crate) program: ProgramId,
-    /// How many runs are left, the present one included.
+    /// Number of runs left, the current one included.
+    #[serde(rename = "runs")]
     pub(crate) runs: u16,
     /// The block after the call.
+    #[serde(rename = "back")]
     pub(crate) back: Place,
-    /// What it has of its own.
+    /// Which variables the call has.
     #[serde(default, skip_serializing_if = "CallKind::is_subprogram")]
     pub(crate) kind: CallKind,
-    /// The block that each run begins with.
+    /// Index of the first block of each run.
     #[serde(default)]
+    #[serde(rename = "first")]
     pub(crate) first: u32,
-    /// How many blocks each run has; none: up to the one that ends it.
+    /// Number of blocks of each run; `None` if M99 or the end of the text ends it.
     #[serde(default)]
+    #[serde(rename = "blocks")]
     pub(crate) blocks: Option<NonZeroU32>,
-    /// Codes that call a program by parameters are ordinary ones in it.
+    /// Whether codes that call by parameters are ordinary codes in the called program.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     pub(crate) codes_ordinary: bool,
 }
 
 impl Call {
-    /// Where a run begins.
+    /// The position of the first block of each run.
     pub(crate) const fn begin(&self) -> Place {
         Place {
             program: self.program,
@@ -56,7 +60,7 @@ impl Call {
         }
     }
 
-    /// Whether a block is beyond the last one of a run.
+    /// Whether a position is after the last block of a run.
     pub(crate) fn is_over(&self, place: Place) -> bool {
         self.blocks.is_some_and(|count| {
             place.program == self.program && place.block >= self.first.saturating_add(count.get())
@@ -64,20 +68,20 @@ impl Call {
     }
 }
 
-/// How a program was called.
+/// How a program was called, which decides its local variables.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum CallKind {
-    /// M98: the variables of its caller.
+    /// By M98: shares the variables of its caller.
     #[default]
     Subprogram,
-    /// G65: variables of its own.
+    /// By G65: has separate variables.
     Macro,
-    /// After a move, by the G66 of this index: variables that it keeps.
+    /// By a move under the G66 of this index: keeps its variables from call to call.
     Modal(u8),
 }
 
 impl CallKind {
-    /// Whether it is an M98.
+    /// Whether the call shares the variables of its caller.
     pub(crate) const fn is_subprogram(&self) -> bool {
         matches!(self, Self::Subprogram)
     }

@@ -1,4 +1,4 @@
-//! What the blocks read so far have left behind.
+//! The state of the interpreter after the blocks read so far.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,53 +10,56 @@ use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::words::{AxisWords, Target};
 use crate::units::{Axis, PerAxis};
 
-/// Small and `Copy`: it is put back as it was when a block raises an alarm.
+/// Small and `Copy`, so that the reader can restore it when a block raises an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct State {
     pub(crate) modal: Modal,
-    /// Programmed position, where the motion read so far will end.
+    /// Programmed position at the end of the motion read so far.
     pub(crate) position: Exact,
-    /// Machine coordinate of the work origin.
+    /// Machine coordinates of the program zero.
     pub(crate) zero: Exact,
     /// Tool offset in force.
     pub(crate) offset: Exact,
-    /// Axes whose offset shifts the coordinates but was not travelled yet.
+    /// Axes whose offset shifts the coordinates and has not been travelled yet.
     pub(crate) untravelled: PerAxis<bool>,
-    /// The nose of the tool, taken from the offset table by the last T.
+    /// The tool nose of the last T, from the offset table.
     pub(crate) nose: Nose,
-    /// Words kept for G90, G92 and G94.
+    /// The stored words of G90, G92 and G94.
     pub(crate) cycle: CycleWords,
-    /// Programmed end point minus position: increments count from the
-    /// programmed corner after a chamfer, a corner arc and a run-out.
+    /// Programmed end point minus position: after a chamfer, a corner arc or a run-out,
+    /// increments count from the programmed corner.
+    #[serde(rename = "ahead")]
     pub(crate) ahead: Exact,
-    /// Thread lead in force, mm; zero = none yet. F and I of threads set it.
+    /// Thread lead in force, mm; 0 if unset. F and I of threads set it.
     pub(crate) lead: f64,
-    /// The block before was a G32 or G34.
+    /// Whether the previous block was a G32 or G34.
+    #[serde(rename = "threading")]
     pub(crate) threading: bool,
     /// Last surface speed of G96, m/min.
     pub(crate) surface: f64,
-    /// Highest speed under G96 (G50 S), r/min.
+    /// Greatest speed under G96 (G50 S), r/min; `None` for no limit.
     pub(crate) spindle_limit: Option<f64>,
-    /// G91: words are increments.
+    /// Whether G91 is in force: axis words are increments.
     #[serde(default)]
     pub(crate) incremental: bool,
-    /// How far G55 to G57 have moved the zero; a part of `zero`.
+    /// Offset of the zero by G55 to G57, included in `zero`.
     #[serde(default)]
     pub(crate) zero_offset: Exact,
-    /// The factor of G31, in millionths.
+    /// Scale factor of G31, in millionths; `None` while scaling is off.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) scale: Option<i64>,
-    /// Where the run began, for a model that returns there.
+    /// Position at cycle start, for a model that can return there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "begun")]
     pub(crate) begun: Option<Begun>,
 }
 
-/// Where the tool stood at cycle start.
+/// Position of the tool at cycle start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Begun {
-    /// In machine coordinates.
+    /// Machine coordinates.
     pub(crate) machine: Exact,
-    /// In work coordinates; G92 names them anew.
+    /// Work coordinates. G92 redefines them.
     pub(crate) work: Exact,
 }
 
@@ -91,20 +94,20 @@ impl State {
         }
     }
 
-    /// Machine coordinate of a programmed point.
+    /// Machine coordinates of a programmed point.
     pub(crate) fn machine(&self, program: Exact) -> Exact {
         program + self.zero + self.offset
     }
 
-    /// Takes the programmed position from a machine position.
+    /// Sets the programmed position to that of a machine position.
     pub(crate) fn stand_at(&mut self, machine: Exact) {
         self.position = machine - self.zero - self.offset;
         self.ahead = Exact::default();
         self.threading = false;
     }
 
-    /// The motion will end at a point; its axes have travelled their offset and
-    /// count from there.
+    /// Sets the position to the end of a motion. The programmed axes have travelled their
+    /// offset, and their increments count from the end.
     pub(crate) fn arrive(&mut self, axes: &AxisWords, end: Exact) {
         self.position = end;
         for axis in [Axis::X, Axis::Z] {
@@ -115,24 +118,24 @@ impl State {
         }
     }
 
-    /// The tool will stand where it stands after moves of both axes.
+    /// Records that moves of both axes end at the current position.
     pub(crate) fn return_here(&mut self) {
         self.untravelled = PerAxis::new(false, false);
         self.ahead = Exact::default();
     }
 
-    /// Nothing is left of the tool offset: its number is 00.
+    /// Sets the offset number to 00.
     pub(crate) fn cancel_offset_number(&mut self) {
         self.modal.offset = 0;
         self.nose = Nose::default();
     }
 
-    /// Whether G41 or G42 acts on the next move.
+    /// Whether nose radius compensation is in force for the next move.
     pub(crate) const fn compensates(&self) -> bool {
         self.modal.nose_compensation != 40 && self.modal.offset != 0
     }
 
-    /// Another offset without motion: the coordinates shift.
+    /// Sets another offset without motion: the coordinates shift.
     pub(crate) fn shift_offset(&mut self, offset: Exact) {
         self.position = self.position + self.offset - offset;
         self.offset = offset;

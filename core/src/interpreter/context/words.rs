@@ -1,4 +1,4 @@
-//! The words of one block, sorted by what they mean.
+//! The words of a block, sorted by meaning.
 
 use gsk_messages::say;
 
@@ -9,65 +9,65 @@ use crate::model::{GCode, Record};
 use crate::program::Block;
 use crate::units::Axis;
 
-/// Group 00: acts in its own block only.
+/// Codes of group 00, which act in their block only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OneShot {
-    /// G04.
+    /// G04: dwell.
     Dwell,
-    /// G28, and the G27 of the NC-B08.
+    /// G28, and G27 of the NC-B08: return to the reference point.
     Reference(Return),
-    /// G50, and G92 of others.
+    /// G50, and G92 of other models: work coordinates.
     Coordinates,
     /// G54 to G57 of the Huaxing lathes.
     ZeroOffset(ZeroOffset),
     /// G31, and G30, which ends it.
     Scale {
-        /// Whether values are scaled from here on.
+        /// Whether the code switches scaling on.
         on: bool,
     },
     /// G75 and G76 of the Huaxing lathes.
     StartReturn(StartReturn),
-    /// G33 and G34 of the Huaxing lathes.
+    /// G33 and G34 of the Huaxing lathes: one pass of a thread.
     ThreadPass(LeadUnit),
-    /// G86 and G87.
+    /// G86 and G87: a thread in L passes.
     CountedThread(LeadUnit),
-    /// G84 and G85.
+    /// G84 and G85: rigid tapping.
     RigidTap(LeadUnit),
     /// G81 (levels in X) and G82 (levels in Z) of the Huaxing lathes.
     Stepped(Axis),
-    /// G83 of the Huaxing lathes.
+    /// G83 of the Huaxing lathes: a deep hole.
     DeepHole,
-    /// G20 of the Huaxing lathes.
+    /// G20 of the Huaxing lathes: a call of blocks in the same file.
     BlockCall,
-    /// G22.
+    /// G22: begin of a subprogram in the file.
     SubprogramBegin,
-    /// G24.
+    /// G24: end of a subprogram in the file.
     SubprogramEnd,
-    /// G25, and G26, which comes back.
+    /// G25, and G26, which comes back: repeat blocks.
     Repeat {
-        /// The run goes on after its own block.
+        /// Whether the run continues after the code's block.
         comes_back: bool,
     },
-    /// G27 of the Huaxing lathes.
+    /// G27 of the Huaxing lathes: jump.
     EndlessLoop,
-    /// G70.
+    /// G70: finish a profile.
     Finishing,
-    /// G71 of blocks by P and Q, or of the next N.
+    /// G71: rough a profile by turning.
     TurningRough(Contour),
-    /// G72, likewise.
+    /// G72: rough a profile by facing.
     FacingRough(Contour),
-    /// G73, likewise.
+    /// G73: repeat a profile.
     Pattern(Contour),
-    /// G74.
+    /// G74: peck along Z.
     FacePecking,
-    /// G75.
+    /// G75: peck along X.
     Grooving,
-    /// G76.
+    /// G76: cut a thread in passes.
     CompoundThread,
 }
 
 impl OneShot {
-    /// Whether it is one of G70 to G76.
+    /// Whether the code is one of G70 to G76 (`compound`).
     pub(crate) const fn is_compound(self) -> bool {
         matches!(
             self,
@@ -82,77 +82,78 @@ impl OneShot {
     }
 }
 
-/// Which blocks a cycle cuts.
+/// Which blocks form the contour of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Contour {
-    /// Those from P to Q.
+    /// The blocks from P to Q.
     Named,
-    /// The next N.
+    /// The next N blocks.
     Counted,
 }
 
-/// What becomes of the zero offset.
+/// What a code does with the zero offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ZeroOffset {
-    /// G54.
+    /// G54: no offset.
     Off,
-    /// G55.
+    /// G55: sets it.
     Absolute,
-    /// G56.
+    /// G56: adds to it.
     Added,
-    /// G57.
+    /// G57: sets it so that the current position becomes zero or the values of X and Z.
     Here,
 }
 
-/// How the lead of a thread is given.
+/// Unit of a thread lead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LeadUnit {
-    /// mm a revolution.
+    /// mm per revolution.
     Millimetres,
-    /// Threads an inch.
+    /// Threads per inch.
     PerInch,
 }
 
-/// By which coordinates the tool goes back to where the run began.
+/// Which coordinates a return to the start of the run uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StartReturn {
-    /// G75: those of the machine.
+    /// G75: machine coordinates.
     Machine,
-    /// G76: those of the work, as they were then or G92 has named them.
+    /// G76: work coordinates, as they were at the start or as G92 redefined them.
     Work,
 }
 
-/// Which way back to the reference point.
+/// The route and the target of a return to the reference point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Return {
-    /// Through a point to machine zero.
+    /// Through an intermediate point to machine zero.
     MachineZero,
-    /// Through a point to the reference point of the model's parameters.
+    /// Through an intermediate point to the reference point of the model's parameters.
     Parameters,
-    /// Straight there.
+    /// Straight to the reference point of the model's parameters.
     Direct,
-    /// Straight to machine zero, in the axes named or in both (G74 of the Huaxing lathes).
+    /// Straight to machine zero, in the programmed axes or in both (G74 of the Huaxing
+    /// lathes).
     Named,
 }
 
-/// A block's words. Lengths are millionths of a millimetre, `x` and `u` as
-/// written (diameter or radius).
+/// The words of a block. Lengths are in millionths of a millimetre, `x` and `u` as written
+/// (diameter or radius).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Words {
     /// Group 00.
     pub(crate) one_shot: Option<OneShot>,
-    /// Group 01, by number.
+    /// Group 01, by code number.
     pub(crate) motion: Option<u8>,
-    /// Group 04: G40, G41 or G42, by number.
+    /// Group 04: G40, G41 or G42, by code number.
     pub(crate) nose: Option<u8>,
-    /// Group 02: G96 or G97.
+    /// Group 02: true for G96, false for G97.
     pub(crate) surface: Option<bool>,
-    /// Group 03: G99 or G98.
+    /// Group 03: true for G99, false for G98.
     pub(crate) per_revolution: Option<bool>,
     pub(crate) m: Option<u8>,
     pub(crate) s: Option<i64>,
     pub(crate) t: Option<i64>,
-    /// Digits written for S and T; 0 when a variable gave the number.
+    /// Number of digits written for S and T; 0 if a variable gave the number.
     pub(crate) s_digits: u8,
     pub(crate) t_digits: u8,
     pub(crate) f: Option<f64>,
@@ -168,31 +169,37 @@ pub(crate) struct Words {
     pub(crate) q: Option<i64>,
     pub(crate) l: Option<i64>,
     pub(crate) h: Option<u8>,
-    /// L, P and D as they are written, in millionths: a factor, a lead, a length.
+    /// L, P and D in millionths as written: a factor, a lead, a length.
     pub(crate) l_exact: Option<i64>,
     pub(crate) p_exact: Option<i64>,
     pub(crate) d_exact: Option<i64>,
     /// N after a code of calls or cycles (Huaxing).
     pub(crate) n: Option<u32>,
-    /// G90 or G91 where they say so.
+    /// True for G91, false for G90.
     pub(crate) incremental: Option<bool>,
     /// G09.
     pub(crate) exact_stop: bool,
     /// Whether R was written with a decimal point (G76 R(d)).
     pub(crate) r_has_point: bool,
-    /// How many words besides O and N there are.
+    /// Number of words besides O and N.
     pub(crate) count: u8,
 }
 
 impl Words {
-    /// Sorts the words of a block; alarms 010 and 024.
+    /// Sorts the words of a block.
+    ///
+    /// # Errors
+    /// 010 for an unknown G code, 024 for codes of two groups that exclude each other.
     pub(crate) fn of(block: &Block, record: &Record) -> Result<Self, Alarm> {
         let mut words = Self::default();
         words.take(block, record)?;
         Ok(words)
     }
 
-    /// The same into empty ones, in their place: they are large to be moved.
+    /// Sorts the words of a block into empty ones, in place, because they are large to move.
+    ///
+    /// # Errors
+    /// As for [`Self::of`].
     pub(crate) fn take(&mut self, block: &Block, record: &Record) -> Result<(), Alarm> {
         let words = self;
         for word in block.words() {
@@ -334,14 +341,14 @@ impl Words {
             GCode::SpindleSpeed => self.surface = Some(false),
             GCode::FeedPerMinute => self.per_revolution = Some(false),
             GCode::FeedPerRevolution => self.per_revolution = Some(true),
-            // Of models whose programs are not carried out, and G65, which has a way of
-            // its own.
+            // Codes of models whose programs are not carried out, and G65, which the reader
+            // handles separately.
             _ => return Err(not_carried_out(code)),
         }
         Ok(())
     }
 
-    /// Whether the block must wait until everything before it is finished.
+    /// Whether the block must wait until every earlier command is finished.
     pub(crate) fn waits(&self) -> bool {
         self.one_shot.is_some()
             || self.s.is_some()
@@ -349,14 +356,14 @@ impl Words {
             || self.surface.is_some()
             || match self.m {
                 None => false,
-                // A bare call or return has no effect on the machine.
+                // A call or return without motion has no effect on the machine.
                 Some(98 | 99) => self.has_axis_words(),
                 Some(_) => true,
             }
     }
 
-    /// Only what says where the tool goes, without F, S, T, M and the codes of
-    /// feed and spindle.
+    /// A copy with only the words of the path, without F, S, T, M and the codes of feed and
+    /// spindle.
     pub(crate) fn path_only(&self) -> Self {
         Self {
             surface: None,
@@ -374,13 +381,13 @@ impl Words {
         self.x.is_some() || self.u.is_some() || self.z.is_some() || self.w.is_some()
     }
 
-    /// Whether the block has nothing besides O, N and the words of a bare
-    /// M98 or M99: such blocks are no stop of single block.
+    /// Whether the block has nothing besides O, N and the words of a lone M98 or M99. Such a
+    /// block is no stop of single block.
     pub(crate) fn bare_call(&self) -> bool {
         matches!(self.m, Some(98 | 99)) && self.count == 1 + u8::from(self.p.is_some())
     }
 
-    /// What they say about an arc.
+    /// The words of an arc.
     pub(crate) const fn arc(&self) -> ArcWords {
         ArcWords {
             r: self.r,
@@ -389,8 +396,8 @@ impl Words {
         }
     }
 
-    /// The axis words: X before U, Z before W. X values are multiplied by
-    /// `x_factor`, 2 under radius programming. Increments count from `base`.
+    /// The axis words: X before U, Z before W. X values are multiplied by `x_factor`, 2 under
+    /// radius programming. Increments count from `base`.
     pub(crate) fn axes(&self, x_factor: i64, base: Exact) -> AxisWords {
         AxisWords {
             x: Target::of(self.x, self.u, x_factor),
@@ -400,7 +407,7 @@ impl Words {
     }
 }
 
-/// What a block says about an arc, millionths of a millimetre.
+/// The words of an arc, millionths of a millimetre.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ArcWords {
     /// R: the radius.
@@ -422,20 +429,21 @@ fn unknown(code: i64) -> Alarm {
     Alarm::new(number::BAD_G).because(detail)
 }
 
-/// What a block says about one axis.
+/// The programmed target of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Target {
     /// Not programmed.
     #[default]
     None,
-    /// An end point.
+    /// An end point, units of [`Exact`].
     Absolute(i64),
-    /// A distance.
+    /// A distance, units of [`Exact`].
     Increment(i64),
 }
 
 impl Target {
-    /// From its words, as they are written.
+    /// The target of an absolute and an incremental word as written; the absolute word wins.
+    /// `factor` multiplies the value.
     pub(crate) fn of(absolute: Option<i64>, increment: Option<i64>, factor: i64) -> Self {
         match (absolute, increment) {
             (Some(value), _) => Self::Absolute(value * factor),
@@ -451,7 +459,7 @@ impl Target {
         }
     }
 
-    /// The end point, with increments counted from `base`.
+    /// The end point, with increments counted from `base`; `None` if not programmed.
     pub(crate) const fn target(self, base: i64) -> Option<i64> {
         match self {
             Self::None => None,
@@ -461,12 +469,12 @@ impl Target {
     }
 }
 
-/// What a block says about both axes; X as a diameter.
+/// The programmed targets of both axes, X as a diameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct AxisWords {
     pub(crate) x: Target,
     pub(crate) z: Target,
-    /// What increments count from.
+    /// The point from which increments count.
     pub(crate) base: Exact,
 }
 
@@ -483,7 +491,7 @@ impl AxisWords {
         }
     }
 
-    /// Under G91 all words are increments.
+    /// The targets under G91 (`incremental`), where all words are increments.
     pub(crate) const fn under(self, incremental: bool) -> Self {
         match incremental {
             true => Self {
@@ -495,7 +503,7 @@ impl AxisWords {
         }
     }
 
-    /// The end point: an axis that is not programmed stays at `rest`.
+    /// The end point. An axis that is not programmed stays at `rest`.
     pub(crate) fn target(&self, rest: Exact) -> Exact {
         Exact::new(
             self.x.target(self.base.x).unwrap_or(rest.x),

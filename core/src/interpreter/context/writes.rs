@@ -1,22 +1,22 @@
-//! Parameters that a cycle writes.
+//! Parameters that a cycle block writes.
 
 use serde::{Deserialize, Serialize};
 
 use crate::interpreter::context::exact::scaled;
 use crate::memory::{ParameterError, Parameters};
 
-/// Parameters to be written when the block is carried out.
+/// Numbers and values of parameters to write when the reader accepts the block.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Writes(Vec<(u16, i32)>);
 
 impl Writes {
-    /// A whole number.
+    /// Adds a parameter and its value.
     pub(crate) fn push(&mut self, number: u16, value: i64) {
         let value = i32::try_from(value).unwrap_or(if value < 0 { i32::MIN } else { i32::MAX });
         self.0.push((number, value));
     }
 
-    /// A length in millionths, as thousandths.
+    /// Adds a parameter for a length: millionths of a millimetre are stored as thousandths.
     pub(crate) fn push_length(&mut self, number: u16, length: i64) {
         self.push(number, scaled(length, 1, 1000));
     }
@@ -27,7 +27,10 @@ impl Writes {
         written.map_or_else(|| parameters.value(number), |(_, value)| *value)
     }
 
-    /// Carries the writes out.
+    /// Writes the parameters and empties the list.
+    ///
+    /// # Errors
+    /// A value that the parameter does not take.
     #[inline]
     pub(crate) fn apply(&mut self, parameters: &mut Parameters) -> Result<(), ParameterError> {
         if self.0.is_empty() {

@@ -1,5 +1,4 @@
-//! What G90 and G94 have in common: rapid, cut, cut, rapid round a box and
-//! back to the start (manual I-3.2.5).
+//! The box of G90 and G94: a rapid, two cuts, and a rapid back to the start (manual I-3.2.5).
 
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
@@ -14,7 +13,7 @@ use crate::interpreter::context::explanation::Note;
 use crate::interpreter::context::state::State;
 use crate::units::{Feed, Point};
 
-/// A box being cut. Single block stops after each move.
+/// A running box. Single block stops after each move.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct BoxCycle {
     /// B, C, D, A in machine coordinates.
@@ -25,7 +24,10 @@ pub(crate) struct BoxCycle {
 }
 
 impl BoxCycle {
-    /// The box over the programmed corners B, C, D and the start A.
+    /// A box through the programmed corners B, C and D and back to the start A.
+    ///
+    /// # Errors
+    /// 043 for a corner outside the stroke, 011 without a feed.
     pub(crate) fn over(
         state: &State,
         corners: [Exact; 4],
@@ -43,8 +45,8 @@ impl BoxCycle {
         })
     }
 
-    /// Moves the legs for the nose, under G41 and G42. The box begins and ends
-    /// at the machine point `start`.
+    /// Shifts the legs for the tool nose under G41 and G42. The box begins and ends at the
+    /// machine point `start`.
     pub(crate) fn follow_nose(&mut self, start: Point, nose: Nose) {
         self.corners = box_corners(start, self.corners, nose);
     }
@@ -68,14 +70,18 @@ impl BoxCycle {
         self.step >= 4
     }
 
-    /// Why the move taken last is where it is.
+    /// The explanation data of the move taken last.
     pub(crate) fn note(&self) -> Option<Note> {
         (self.step > 0).then_some(self.note)
     }
 }
 
-/// The taper must not reach behind the start: R against the sign of the
-/// infeed is at most as long as the infeed.
+/// Checks that the taper R does not reach beyond the start: against the infeed, R is at most
+/// as long as the infeed. Both are in units of [`Exact`]. `names` are the cycle's code and its
+/// infeed word, for the message.
+///
+/// # Errors
+/// 015.
 pub(crate) fn check_taper(r: i64, infeed: i64, names: (&str, &str)) -> Result<(), Alarm> {
     let against = r != 0 && r.signum() != infeed.signum();
     if !against || (infeed != 0 && r.abs() <= infeed.abs()) {

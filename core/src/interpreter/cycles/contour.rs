@@ -1,4 +1,4 @@
-//! The geometry of roughing: a contour seen along its direction of cut.
+//! The geometry of roughing: the contour in the plane of depth and cutting direction.
 //!
 //! ```text
 //!   G71: depth = X, along = Z         depth ^  C______
@@ -20,18 +20,18 @@ use crate::units::{Axis, Point};
 /// Half units of [`Exact`] in a millimetre.
 const PER_MM_HALF: i64 = 2 * PER_MM;
 
-/// How far an arc may turn back before it counts as a reversal, mm: the least
-/// increment, to which its end points are rounded.
+/// How far an arc may turn back before it counts as a reversal, mm: the least increment, to
+/// which its end points are rounded.
 const ROUNDING: f64 = 0.001;
 
-/// A point in the plane of the cut.
+/// A point in the plane of the cut, in half units of [`Exact`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Flat {
     pub(crate) depth: i64,
     pub(crate) along: i64,
 }
 
-/// Which way the cycle looks at the plane.
+/// Which axis is the depth of a roughing cycle and which is along the cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum View {
     /// G71: levels in X, cuts along Z.
@@ -64,8 +64,7 @@ impl View {
         }
     }
 
-    /// The least increment of the axis along which it cuts: Z 0.001 mm, X 0.001
-    /// mm of diameter.
+    /// The least increment along the cut in half units: Z 0.001 mm, X 0.001 mm of diameter.
     const fn grid(self) -> i64 {
         match self {
             Self::Turning => PER_MM_HALF / 1000,
@@ -73,7 +72,7 @@ impl View {
         }
     }
 
-    /// A centre as depth and along, in half units.
+    /// Depth and position along the cut of a centre, in half units.
     fn center(self, center: Point) -> (f64, f64) {
         let (x, z) = (center.x * PER_MM_HALF as f64, center.z * PER_MM_HALF as f64);
         match self {
@@ -83,18 +82,21 @@ impl View {
     }
 }
 
-/// Signs of a cut: towards which depth it goes, and which way along.
+/// Directions of a cut as signs, 1 or -1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Signs {
-    /// From A to B.
+    /// From A to B, along the depth.
     pub(crate) depth: i64,
-    /// From B to C.
+    /// From B to C, along the cut.
     pub(crate) along: i64,
 }
 
 impl Signs {
-    /// The signs of a profile, every step of which must keep to them: from B on
-    /// back in depth and on along, each without reversal. Alarm 065.
+    /// The directions of a profile. From B on each of its steps must go back in depth and on
+    /// along the cut, without reversal.
+    ///
+    /// # Errors
+    /// 065 for a step that does not.
     pub(crate) fn of(view: View, profile: &Profile) -> Result<Self, Alarm> {
         let (a, b, c) = (
             view.flat(profile.start),
@@ -138,7 +140,7 @@ impl Signs {
     }
 }
 
-/// Whether an arc keeps its direction in both axes: within one quadrant.
+/// Whether an arc keeps its direction in both axes, that is, stays within a quadrant.
 fn one_way(from: Exact, to: Exact, center: Point, clockwise: bool) -> bool {
     let (start, end) = (from.point() - center, to.point() - center);
     let cross = start.z * end.x - start.x * end.z;
@@ -148,16 +150,16 @@ fn one_way(from: Exact, to: Exact, center: Point, clockwise: bool) -> bool {
         return false;
     }
     let radius = start.length();
-    // The extreme of one axis is passed where the other coordinate changes sign.
+    // An arc passes the extreme of one axis where the other coordinate changes its sign.
     let passes = |a: f64, b: f64, reach_a: f64, reach_b: f64| {
         a * b < 0.0 && radius - reach_a.abs().max(reach_b.abs()) > ROUNDING
     };
     !passes(start.x, end.x, start.z, end.z) && !passes(start.z, end.z, start.x, end.x)
 }
 
-/// Where the cut of a level ends: at the first point of the contour that is at
-/// or beyond the level, as seen in the direction of cut; on the end of the
-/// contour when the level is beyond it.
+/// The end of the cut of a level, along the cut: the first point of the contour at or beyond
+/// the level, seen in the direction of the cut. If the level is beyond the contour, it is the
+/// end of the contour. All values are in half units.
 pub(crate) fn end_of_cut(
     view: View,
     signs: Signs,
@@ -193,7 +195,7 @@ fn on_line(start: Flat, end: Flat, level: i64) -> i64 {
         )
 }
 
-/// The point of a one-way arc at a level.
+/// The point of an arc without reversal at a level.
 fn on_arc(view: View, start: Flat, end: Flat, center: Point, level: i64) -> i64 {
     let (depth, along) = view.center(center);
     let (a, b) = (start.depth as f64 - depth, start.along as f64 - along);
@@ -209,7 +211,7 @@ fn on_arc(view: View, start: Flat, end: Flat, center: Point, level: i64) -> i64 
     }
 }
 
-/// Rounded to the least increment, within the step.
+/// Rounds to the least increment, within the step.
 fn on_grid(value: i64, grid: i64, one: i64, other: i64) -> i64 {
     let rounded = scaled(value, 1, grid).saturating_mul(grid);
     rounded.clamp(one.min(other), one.max(other))

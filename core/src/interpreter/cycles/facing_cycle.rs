@@ -17,7 +17,10 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::cycles::box_cycle::{BoxCycle, check_taper};
 use crate::units::Axis;
 
-/// The cycle from the programmed position to the data's end point and back.
+/// Plans the cycle from the current position to the end point of `data` and back.
+///
+/// # Errors
+/// 015 for the taper, 043 for a corner outside the stroke, 011 without a feed.
 pub(crate) fn plan(state: &State, data: CycleData, reach: Reach<'_>) -> Result<BoxCycle, Alarm> {
     let (start, end) = (state.position, data.end);
     check_taper(data.r, end.z - start.z, ("G94", "W"))?;

@@ -18,7 +18,10 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::Words;
 use crate::interpreter::profile::{self, Range};
 
-/// A G70 block: the run goes on in the profile.
+/// Plans a G70: the flow continues in the profile.
+///
+/// # Errors
+/// The alarm of the profile.
 pub(crate) fn plan(state: &State, context: &Context<'_>, words: &Words) -> Result<Flow, Alarm> {
     let range: Range = profile::locate(context, words)?;
     profile::check(state, context, range)?;
@@ -40,12 +43,12 @@ pub(crate) fn plan(state: &State, context: &Context<'_>, words: &Words) -> Resul
 }
 
 impl Finishing {
-    /// Whether a run at this place has left the profile at its end.
+    /// Whether a position is after the last block of the profile.
     pub(crate) fn is_over(&self, place: Place) -> bool {
         place.program == self.first.program && place.block > self.last
     }
 
-    /// What is said of the profile, with its first block.
+    /// The explanation of the profile, while its first block runs; `None` in other blocks.
     pub(crate) fn explanation(&self, block: Source) -> Option<Explanation> {
         if block.line != self.lines.0 || block.program != self.first.program {
             return None;

@@ -1,7 +1,7 @@
-//! G73: the whole contour again and again, nearer each time (manual I-3.2.6.3).
+//! G73: the whole contour several times, nearer to the part each time (manual I-3.2.6.3).
 //!
 //! ```text
-//!   X ^   ______ A_1        pass n of d is moved by
+//!   X ^   ______ A_1        pass n of d is shifted by
 //!     |  _______\__ A_2       X  Δu + 2Δi·(d-n)/(d-1)
 //!     |         \ \  A_3      Z  Δw +  Δk·(d-n)/(d-1)
 //!     |          \_\__
@@ -28,7 +28,7 @@ use crate::units::Feed;
 /// Units of [`Exact`] in a thousandth of a millimetre.
 const PER_MICRON: i64 = PER_MM / 1000;
 
-/// The passes of a G73.
+/// A running G73.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Pattern {
     start: Exact,
@@ -41,13 +41,16 @@ pub(crate) struct Pattern {
     feed: Feed,
     pass: i64,
     passes: i64,
-    /// Into how many parts the relief is divided.
+    /// Number of parts into which the relief is divided.
     gaps: i64,
-    /// 0 the way to A_n, 1 the entry, then the steps.
+    /// 0 the move to A_n, 1 the entry, then the steps.
     step: usize,
 }
 
-/// G73 without P and Q: Δi, Δk and d into parameters 053, 054 and 055.
+/// Stores the data of a G73 without P and Q: Δi, Δk and d into parameters 053, 054 and 055.
+///
+/// # Errors
+/// 062 for a wrong number of passes.
 pub(crate) fn store(words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
     if let Some(relief) = words.u {
         writes.push_length(parameter::PATTERN_RELIEF_X, relief);
@@ -58,7 +61,7 @@ pub(crate) fn store(words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
     store_passes(words, writes)
 }
 
-/// R(d), which may stand in either block.
+/// Stores R(d), which either block of the cycle may hold.
 fn store_passes(words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
     if let Some(passes) = words.r {
         if passes < PER_MM {
@@ -69,7 +72,11 @@ fn store_passes(words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
     Ok(())
 }
 
-/// The cycle over a profile.
+/// Plans the cycle over a profile.
+///
+/// # Errors
+/// 062 for a wrong number of passes, 043 for a point outside the stroke, and the alarms of the
+/// profile.
 pub(crate) fn plan(
     state: &State,
     context: &Context<'_>,
@@ -83,7 +90,7 @@ pub(crate) fn plan(
     if passes <= 0 {
         return Err(fault(say::cycle_passes_missing()));
     }
-    // One pass is carried out as two.
+    // The control carries out one pass as two.
     let passes = passes.max(2);
     let repetition = Repetition {
         allowance: Exact::new(
@@ -100,7 +107,11 @@ pub(crate) fn plan(
     over(state, context, range, &repetition)
 }
 
-/// The cycle of the Huaxing lathes: cut p of L is moved by I·(1 - p/L), I a diameter.
+/// Plans the cycle of the Huaxing lathes over the next blocks. Cut p of L is shifted by I·(1 -
+/// p/L), where I is a diameter.
+///
+/// # Errors
+/// As for [`plan`].
 pub(crate) fn counted(
     state: &State,
     context: &Context<'_>,
@@ -117,7 +128,7 @@ pub(crate) fn counted(
     over(state, context, range, &repetition)
 }
 
-/// How often a contour is cut, and how far from itself.
+/// How often the contour is cut, and how far apart.
 struct Repetition {
     allowance: Exact,
     relief: Exact,
@@ -159,7 +170,7 @@ fn over(
 }
 
 impl Pattern {
-    /// How far the pass under way is moved.
+    /// The shift of the current pass.
     fn shift(&self) -> Exact {
         let (left, gaps) = (self.passes - self.pass, self.gaps);
         self.allowance

@@ -1,5 +1,5 @@
-//! G74 and G75: pecking along Z or along X, column by column (manual I-3.2.6.5,
-//! I-3.2.6.6); G83 of the Huaxing lathes, a single hole.
+//! G74 and G75: pecking along Z or along X, column by column (manual I-3.2.6.5, I-3.2.6.6).
+//! G83 of the Huaxing lathes pecks a single hole.
 //!
 //! ```text
 //!   X ^                     A_1 = A   G74: 1 feed Δk, 2 rapid back e, …, to Z_Bf
@@ -30,7 +30,7 @@ use crate::units::{Axis, Feed, Point};
 /// Units of [`Exact`] in a thousandth of a millimetre.
 const PER_MICRON: i64 = PER_MM / 1000;
 
-/// Where a pecking cycle is.
+/// The next move of a pecking cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
     Feed,
@@ -42,34 +42,37 @@ enum Phase {
     Done,
 }
 
-/// The columns of G74 or G75. Lengths are units of [`Exact`].
+/// A running G74, G75 or G83. Lengths are in units of [`Exact`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Pecking {
-    /// The axis that pecks: Z for G74, X for G75.
+    /// The axis of the pecks: Z for G74, X for G75.
     axis: Axis,
     shift: Shift,
     start: Exact,
     end: Exact,
     feed: Feed,
-    /// Depth of a peck, retract, step between columns, relief: signed along the
-    /// way to the end point, the last two on the other axis.
+    /// Peck depth, retract, step between columns and relief, signed towards the end point.
+    /// Step and relief are on the other axis.
     peck: i64,
     retract: i64,
     step: i64,
     relief: i64,
-    /// Counted from 1.
+    /// Number of the current column, from 1.
     column: i64,
     columns: i64,
     pecked: i64,
     pecks: i64,
     phase: Phase,
-    /// G83 of the Huaxing lathes.
+    /// Whether the cycle is a G83 of the Huaxing lathes.
     #[serde(default)]
     deep_hole: bool,
 }
 
-/// A G74 (`axis` Z) or G75 (`axis` X) block: with axes, P or Q the cycle,
-/// without them its retract.
+/// Plans a G74 (`axis` Z) or G75 (`axis` X) block. With axis words, P or Q it is the cycle.
+/// Without them it stores the retract, and the result is `None`.
+///
+/// # Errors
+/// 062 for wrong data, 043 for an end outside the stroke, 011 without a feed.
 pub(crate) fn plan(
     axis: Axis,
     state: &State,
@@ -91,8 +94,12 @@ pub(crate) fn plan(
     Pecking::new(axis, state, context.parameters, words, axes, end).map(Some)
 }
 
-/// G83 of the Huaxing lathes: one hole along Z, I a peck, K back after each but not
-/// beyond the start, and out. The signs of I and K say nothing.
+/// Plans a G83 of the Huaxing lathes: one hole along Z. The tool pecks by I, retracts by K
+/// after each peck but not beyond the start, and leaves the hole. The signs of I and K have no
+/// effect.
+///
+/// # Errors
+/// 062 for wrong data, 043 for an end outside the stroke, 011 without a feed.
 pub(crate) fn deep_hole(
     state: &State,
     context: &Context<'_>,
@@ -147,7 +154,7 @@ impl Pecking {
         let side = axis.other();
         let start = state.position;
         let (p, q) = (amount(axis, 'P', words.p)?, amount(axis, 'Q', words.q)?);
-        // P is a step in X, Q one in Z.
+        // P is the step along X, Q the step along Z.
         let (peck, step, peck_name, step_name) = match axis {
             Axis::Z => (q, p, "Q(Δk)", "P(Δi)"),
             Axis::X => (p, q, "P(Δi)", "Q(Δk)"),
@@ -197,7 +204,7 @@ impl Pecking {
         })
     }
 
-    /// Coordinate of the column under way.
+    /// Coordinate of the current column on the other axis.
     fn column_at(&self) -> i64 {
         let side = self.axis.other();
         if self.column >= self.columns {
@@ -206,7 +213,7 @@ impl Pecking {
         self.start.get(side) + self.step * (self.column - 1)
     }
 
-    /// Coordinate that a peck reaches.
+    /// Coordinate of the end of a peck.
     fn peck_end(&self, peck: i64) -> i64 {
         if peck >= self.pecks {
             return self.end.get(self.axis);
@@ -214,7 +221,7 @@ impl Pecking {
         self.start.get(self.axis) + self.peck * peck
     }
 
-    /// Where the tool goes after a peck.
+    /// Coordinate of the retract after a peck.
     fn back_from(&self, peck: i64) -> i64 {
         let back = self.peck_end(peck) - self.retract;
         let top = self.start.get(self.axis);
@@ -289,12 +296,12 @@ impl Pecking {
     }
 }
 
-/// How many steps a distance takes.
+/// Number of steps in a distance, rounded up.
 fn whole(distance: i64, step: i64) -> i64 {
     (distance.abs() + step - 1) / step
 }
 
-/// P or Q, in units of [`Exact`].
+/// P or Q in units of [`Exact`]; 0 if missing.
 fn amount(axis: Axis, address: char, value: Option<i64>) -> Result<i64, Alarm> {
     match value {
         None => Ok(0),

@@ -28,10 +28,10 @@ use crate::interpreter::profile::{self, Profile, Range, Shape, Step, bad_start};
 use crate::memory::parameter;
 use crate::units::{Axis, Feed, Point};
 
-/// Half units in a thousandth of a millimetre.
+/// Half units of [`Exact`] in a thousandth of a millimetre.
 const PER_MICRON: i64 = 2 * PER_MM / 1000;
 
-/// Where a roughing cycle is.
+/// The next move of a roughing cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
     Approach,
@@ -44,35 +44,44 @@ enum Phase {
     Done,
 }
 
-/// The passes of G71 or G72.
+/// A running G71 or G72.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Roughing {
+    #[serde(rename = "view")]
     view: View,
+    #[serde(rename = "signs")]
     signs: Signs,
     /// A and B.
     start: Exact,
     begin: Exact,
-    /// Where the tool goes back to, without the allowances.
+    /// Where the tool returns to: A without the allowances.
+    #[serde(rename = "rest")]
     rest: Exact,
-    /// From B to C.
+    /// The contour from B to C.
     steps: Vec<Step>,
-    /// Frame for A, and the same with the allowances.
+    /// The conversion of the frame, and the same with the allowances.
+    #[serde(rename = "home")]
     home: Shift,
+    #[serde(rename = "shift")]
     shift: Shift,
     allowance: Exact,
     /// Whether ns is a rapid.
+    #[serde(rename = "rapid")]
     rapid: bool,
     feed: Feed,
     /// Δd and e, half units.
     cut: i64,
     escape: i64,
-    /// The level under way, from 1, and the number of the contour pass.
+    /// Number of the current level, from 1, and number of the contour pass.
     level: i64,
     levels: i64,
     phase: Phase,
 }
 
-/// G71 or G72 without P and Q: Δd and e into parameters 051 and 052.
+/// Stores the data of a G71 or G72 without P and Q: Δd and e into parameters 051 and 052.
+///
+/// # Errors
+/// 062 for a depth that is not positive or a negative retract.
 pub(crate) fn store(view: View, words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
     let (depth, name) = match view {
         View::Turning => (words.u, "U(Δd)"),
@@ -87,7 +96,7 @@ pub(crate) fn store(view: View, words: &Words, writes: &mut Writes) -> Result<()
     store_retract(words, writes)
 }
 
-/// R(e), which may stand in either block.
+/// Stores R(e), which either block of the cycle may hold.
 fn store_retract(words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
     if let Some(retract) = words.r {
         if retract < 0 {
@@ -98,7 +107,10 @@ fn store_retract(words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
     Ok(())
 }
 
-/// The cycle over a profile.
+/// Plans the cycle over a profile.
+///
+/// # Errors
+/// 062 for a missing depth, 043 for a point outside the stroke, and the alarms of the profile.
 pub(crate) fn plan(
     view: View,
     state: &State,
@@ -126,8 +138,12 @@ pub(crate) fn plan(
     over(view, state, context, range, &levels)
 }
 
-/// The cycle of the Huaxing lathes: its levels count from where the tool stands, not
-/// from there and the allowances. I is a diameter in G71, K a retract of the slide.
+/// Plans the cycle of the Huaxing lathes over the next blocks. Its levels count from the
+/// current position, without the allowances. I is a diameter in G71, K the retract of the
+/// slide.
+///
+/// # Errors
+/// As for [`plan`].
 pub(crate) fn counted(
     view: View,
     state: &State,
@@ -150,17 +166,17 @@ pub(crate) fn counted(
     over(view, state, context, range, &levels)
 }
 
-/// How a contour is roughed.
+/// Depth and start of the levels of a roughing cycle.
 struct Levels {
     /// Δd and e, half units.
     cut: i64,
     escape: i64,
     allowance: Exact,
-    /// The level 0, as seen from A, without the allowances.
+    /// Level 0 relative to A, without the allowances.
     from: Exact,
 }
 
-/// The passes over a profile.
+/// The cycle over a range of blocks.
 fn over(
     view: View,
     state: &State,
@@ -209,7 +225,7 @@ fn over(
     Ok(roughing)
 }
 
-/// ns moves the axis of the levels only; alarm 065.
+/// Checks that ns moves only the axis of the levels; alarm 065.
 fn check_entry(view: View, profile: &Profile) -> Result<(), Alarm> {
     let (a, b) = (view.flat(profile.start), view.flat(profile.begin()));
     if a.along == b.along {
@@ -221,7 +237,7 @@ fn check_entry(view: View, profile: &Profile) -> Result<(), Alarm> {
     }))
 }
 
-/// From B on a contour of the Huaxing lathes has no G00.
+/// Checks that a contour of the Huaxing lathes has no G00 from B on.
 fn check_cuts(profile: &Profile) -> Result<(), Alarm> {
     let mut steps = profile.steps.iter();
     match steps.find(|step| step.shape == Shape::Straight { rapid: true }) {
@@ -244,12 +260,12 @@ impl Roughing {
         Ok(())
     }
 
-    /// Depth of the level under way, without the allowance.
+    /// Depth of the current level, without the allowance.
     fn depth(&self) -> i64 {
         self.view.flat(self.start).depth + self.signs.depth * self.cut * self.level
     }
 
-    /// Depth after the escape from the level under way.
+    /// Depth after the escape from the current level.
     fn escaped(&self) -> i64 {
         self.depth() - self.signs.depth * self.escape
     }
@@ -263,7 +279,7 @@ impl Roughing {
                 allowance: self.allowance,
             };
         }
-        // Half units: diameters of X, halves of Z.
+        // Half units are diameters of X and halves of Z.
         let shown = |depth: i64| match axis {
             Axis::X => depth,
             Axis::Z => depth / 2,
@@ -283,7 +299,7 @@ impl Roughing {
         self.shift.machine(self.view.exact(Flat { depth, along }))
     }
 
-    /// What follows a level.
+    /// The move after a level.
     fn next_level(&self) -> Phase {
         if self.level < self.levels {
             Phase::Infeed
@@ -312,7 +328,7 @@ impl Roughing {
             }
             Phase::Escape { along } => {
                 let back = along - self.signs.along * self.escape;
-                // Not beyond Z_A'.
+                // Never beyond Z_A'.
                 let back = match self.signs.along {
                     1 => back.max(start.along),
                     _ => back.min(start.along),
@@ -341,7 +357,7 @@ impl Roughing {
         Some(made)
     }
 
-    /// Infeeds go as ns does.
+    /// An infeed: a rapid if ns is one.
     fn infeed(&self, to: Point, note: Note) -> Move {
         if self.rapid {
             Move::rapid(to, note)
@@ -351,7 +367,7 @@ impl Roughing {
     }
 }
 
-/// One step of a shifted contour, at the feed of the cycle.
+/// The move of one step of a shifted contour, at the feed of the cycle.
 pub(crate) fn follow(step: &Step, shift: Shift, feed: Feed, note: Note) -> Move {
     let to = shift.machine(step.to);
     match step.shape {

@@ -1,9 +1,9 @@
 //! G81 and G82 of the Huaxing lathes: turning and facing in steps.
 //!
 //! ```text
-//!   X ^    D <-----------4------------ A    G81: boxes like that of G90, each I (a
-//!     |    ^                           |    difference of diameters) on from A, up to K
-//!     |    3                           1    before the end point, the last one at it
+//!   X ^    D <-----------4------------ A    G81: boxes like that of G90, each deeper by I
+//!     |    ^                           |    (a difference of diameters) up to K before
+//!     |    3                           1    the end point, the last one at the end point
 //!     |    |                           v
 //!     |    C <___________2____________ B    R: diameter at B of the last box; all
 //!     +---------------------------------> Z cuts are parallel, and none reaches
@@ -24,10 +24,10 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisWords, Words};
 use crate::units::{Axis, Feed};
 
-/// The boxes of a G81 or G82 block. Lengths are units of [`Exact`], along X diameters.
+/// A running G81 or G82. Lengths are in units of [`Exact`], diameters along X.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Stepped {
-    /// The axis of the levels: X for G81.
+    /// The axis of the levels: X for G81, Z for G82.
     axis: Axis,
     shift: Shift,
     a: Exact,
@@ -35,19 +35,25 @@ pub(crate) struct Stepped {
     b: Exact,
     c: Exact,
     feed: Feed,
-    /// Which way the levels go.
+    /// Direction of the levels, 1 or -1.
+    #[serde(rename = "way")]
     way: i64,
-    /// From A to the deeper one of B and C; what I and K take of it a pass.
+    /// Distance from A to the deeper one of B and C; depths per pass by I and K.
+    #[serde(rename = "whole")]
     whole: i64,
     step: i64,
     finish: i64,
-    /// Counted from 1.
+    /// Number of the current pass, from 1.
     pass: i64,
     passes: i64,
+    #[serde(rename = "leg")]
     leg: u8,
 }
 
-/// A G81 (`axis` X) or G82 (`axis` Z) block. The tool ends where it began.
+/// Plans a G81 (`axis` X) or G82 (`axis` Z) block. The tool ends at its start.
+///
+/// # Errors
+/// 062 for wrong data, 043 for a corner outside the stroke, 011 without a feed.
 pub(crate) fn plan(
     axis: Axis,
     state: &State,
@@ -67,7 +73,7 @@ pub(crate) fn plan(
     }
     let (at_b, at_c) = (b.get(axis) - a.get(axis), c.get(axis) - a.get(axis));
     let (step, finish) = (words.i.unwrap_or(0), words.k.unwrap_or(0));
-    // With a taper one of the two may lie on the other side of A.
+    // With a taper one of the two may be on the other side of A.
     let deeper = match if step == 0 { finish } else { step }.signum() {
         0 if at_b.abs() > at_c.abs() => at_b,
         0 => at_c,
@@ -114,7 +120,7 @@ pub(crate) fn plan(
 }
 
 impl Stepped {
-    /// How far a pass goes from A.
+    /// Depth of the current pass from A.
     const fn depth(&self) -> i64 {
         let roughed = self.whole - self.finish;
         let stepped = self.step.saturating_mul(self.pass);
@@ -127,7 +133,7 @@ impl Stepped {
         }
     }
 
-    /// B and C of the pass, cut off where they would lie beyond A.
+    /// B and C of the current pass, cut off at the level of A.
     fn corners(&self) -> (Exact, Exact) {
         let axis = self.axis;
         let left = self.way.saturating_mul(self.whole - self.depth());
@@ -140,7 +146,7 @@ impl Stepped {
         (self.cut_off(b, c), self.cut_off(c, b))
     }
 
-    /// A corner, or where the cut to it comes to the level of A.
+    /// A corner or, if it is beyond the level of A, the point of the cut at that level.
     fn cut_off(&self, corner: Exact, other: Exact) -> Exact {
         let (axis, along) = (self.axis, self.axis.other());
         let level = self.a.get(axis);

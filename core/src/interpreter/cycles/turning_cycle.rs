@@ -17,10 +17,13 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::cycles::box_cycle::{BoxCycle, check_taper};
 use crate::units::Axis;
 
-/// The cycle from the programmed position to the data's end point and back.
+/// Plans the cycle from the current position to the end point of `data` and back.
+///
+/// # Errors
+/// 015 for the taper, 043 for a corner outside the stroke, 011 without a feed.
 pub(crate) fn plan(state: &State, data: CycleData, reach: Reach<'_>) -> Result<BoxCycle, Alarm> {
     let (start, end) = (state.position, data.end);
-    // U as a radius: R is one.
+    // U counts here as a radius, because R is one.
     check_taper(data.r, (end.x - start.x) / 2, ("G90", "U/2"))?;
     let b = Exact::new(end.x + 2 * data.r, start.z);
     let d = Exact::new(start.x, end.z);

@@ -1,14 +1,13 @@
-//! The operations of G65 (manual I-3.7.3): whole numbers in, whole numbers out,
-//! fractions dropped toward zero.
+//! The operations of G65 (manual I-3.7.3) on whole numbers; fractions are dropped toward zero.
 
 use gsk_messages::{Message, say};
 
 use crate::alarm::number;
 
-/// What an operation works on.
+/// The operands of an operation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Operands {
-    /// The result variable before the operation.
+    /// The value of the result variable before the operation.
     pub(crate) i: i64,
     /// Q.
     pub(crate) j: i64,
@@ -16,7 +15,7 @@ pub(crate) struct Operands {
     pub(crate) k: i64,
 }
 
-/// Why there is no result.
+/// Why an operation has no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fault {
     DivisionByZero,
@@ -55,16 +54,16 @@ impl Fault {
 /// What an H code does.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Operation {
-    /// Result into P.
+    /// Stores the result into the variable P.
     Value(fn(Operands) -> Result<i128, Fault>),
-    /// Jump to N of P when true of Q and R.
+    /// Jumps to N of P if the condition of Q and R holds.
     Jump(fn(i64, i64) -> bool),
-    /// Alarm 500 and P.
+    /// Raises the alarm 500 + P.
     Alarm,
 }
 
 impl Operation {
-    /// The operation of an H code.
+    /// The operation of an H code; `None` for an unknown code.
     pub(crate) fn of(h: i64) -> Option<Self> {
         use Operation::{Alarm, Jump, Value};
         Some(match h {
@@ -99,7 +98,7 @@ impl Operation {
         })
     }
 
-    /// Which of Q and R an operation does not read.
+    /// The letters of Q and R that an operation does not read.
     pub(crate) const fn unread_words(h: i64) -> &'static [u8] {
         match h {
             1 | 21 | 22 | 24 | 25 => b"R",
@@ -108,7 +107,7 @@ impl Operation {
         }
     }
 
-    /// Whether the result depends on the old value of P.
+    /// Whether the result depends on the previous value of P.
     pub(crate) const fn reads_result(h: i64) -> bool {
         h == 26
     }
@@ -138,7 +137,7 @@ fn hypotenuse(j: i64, k: i64) -> i128 {
     square(j).saturating_add(square(k)).isqrt() as i128
 }
 
-/// Four bits a decimal digit to a number.
+/// The number of a binary-coded decimal, four bits per digit.
 fn from_decimal_code(code: i64) -> Result<i128, Fault> {
     let mut rest = u64::try_from(code).map_err(|_| Fault::NegativeCode)?;
     let (mut value, mut weight) = (0, 1);
@@ -154,7 +153,7 @@ fn from_decimal_code(code: i64) -> Result<i128, Fault> {
     Ok(value)
 }
 
-/// A number to four bits a decimal digit.
+/// The binary-coded decimal of a number, four bits per digit.
 fn to_decimal_code(value: i64) -> Result<i128, Fault> {
     let mut rest = u64::try_from(value).map_err(|_| Fault::NegativeCode)?;
     let (mut code, mut shift) = (0, 0);
@@ -174,7 +173,7 @@ fn radians(thousandths: i64) -> f64 {
     (thousandths as f64 / 1000.0).to_radians()
 }
 
-/// Drops the fraction, after the noise of the last bits: 1000 · sin 30° is 500.
+/// Drops the fraction, after rounding off the error of the last bits: 1000 · sin 30° is 500.
 fn whole(value: f64) -> i128 {
     const NOISE: f64 = 1e6;
     libm::trunc(libm::round(value * NOISE) / NOISE) as i128
@@ -183,7 +182,7 @@ fn whole(value: f64) -> i128 {
 fn times_sine(factor: i64, angle: i128) -> i128 {
     let angle = angle.rem_euclid(TURN.into()) as i64;
     let factor = i128::from(factor);
-    // Exact where the sine is.
+    // Exact at the angles with an exact sine.
     match angle {
         0 | 180_000 => 0,
         30_000 | 150_000 => factor / 2,
@@ -219,7 +218,10 @@ fn angle(j: i64, k: i64) -> Result<i128, Fault> {
     Ok(whole(degrees * 1000.0).rem_euclid(TURN.into()))
 }
 
-/// Works out a value; alarm 111 beyond what a variable holds.
+/// Computes the result of an operation.
+///
+/// # Errors
+/// The fault of the operation, or alarm 111 outside the range of a variable.
 pub(crate) fn work_out(
     function: fn(Operands) -> Result<i128, Fault>,
     operands: Operands,

@@ -1,5 +1,5 @@
-//! What formulas of macro B give: degrees, real numbers, and the null of a variable that
-//! was never given a value.
+//! Evaluates formulas of macro B: real numbers, angles in degrees, and null for a variable
+//! without a value.
 
 use gsk_messages::say;
 
@@ -8,20 +8,20 @@ use crate::interpreter::macros::variable::NotNow;
 use crate::memory::Variables;
 use crate::program::{Block, Condition, Expression, Function, Operator, Relation, Step, Syntax};
 
-/// A number, or null.
+/// A number; `None` is null.
 pub(crate) type Value = Option<f64>;
 
-/// What formulas are worked out with.
+/// What the evaluation of a formula reads.
 #[derive(Clone, Copy)]
 pub(crate) struct Read<'a> {
     /// Reads a variable by its number.
     pub(crate) variable: &'a dyn Fn(u32) -> Result<Value, NotNow>,
-    /// `ASIN` and `ATAN` give −90 to 90 and −180 to 180 degrees; else no negative angle.
+    /// Whether `ASIN` and `ATAN` give −90 to 90 and −180 to 180 degrees instead of 0 to 360.
     pub(crate) signed_angles: bool,
 }
 
 impl<'a> Read<'a> {
-    /// With angles from 0 to 360 degrees.
+    /// A context with angles from 0 to 360 degrees.
     pub(crate) const fn of(variable: &'a dyn Fn(u32) -> Result<Value, NotNow>) -> Self {
         Self {
             variable,
@@ -38,12 +38,12 @@ impl<'a> Read<'a> {
     }
 }
 
-/// Sizes that a value other than 0 may have.
+/// Least and greatest absolute value, besides 0.
 const LEAST: f64 = 1e-29;
 const GREATEST: f64 = Variables::GREATEST_REAL;
 
-/// Works a formula out. `ROUND` gives a multiple of `unit`: 1, or the least increment of
-/// the word it stands in.
+/// Evaluates a formula. `ROUND` rounds to a multiple of `unit`: 1, or the least increment of
+/// the word that contains the formula.
 ///
 /// # Errors
 /// 111, 112, 115 or 119; or a variable that cannot be read yet.
@@ -53,7 +53,7 @@ pub(crate) fn evaluate(
     read: Read<'_>,
 ) -> Result<Value, NotNow> {
     let mut stack: Vec<Value> = Vec::with_capacity(8);
-    // A formula was read to its end: its steps find what they need.
+    // The parser has read the formula to its end, so each step finds its operands.
     let operand = |stack: &mut Vec<Value>| stack.pop().flatten().unwrap_or(0.0);
     for step in expression.steps() {
         let result = match *step {
@@ -83,7 +83,7 @@ pub(crate) fn evaluate(
     Ok(stack.pop().flatten())
 }
 
-/// A block with values in the place of the formulas of its words.
+/// A copy of a block with values in place of the formulas of its words.
 pub(crate) fn in_words(
     block: &Block,
     formulas: &[Expression],
@@ -104,7 +104,7 @@ pub(crate) fn in_words(
     Ok(block.with_values(&values, syntax)?)
 }
 
-/// Whether a condition holds. Null equals null alone; as more or less it counts as 0.
+/// Whether a condition holds. Null equals only null; for greater and less it counts as 0.
 pub(crate) fn holds(condition: &Condition, read: Read<'_>) -> Result<bool, NotNow> {
     let left = evaluate(&condition.left, 1.0, read)?;
     let right = evaluate(&condition.right, 1.0, read)?;
@@ -119,7 +119,7 @@ pub(crate) fn holds(condition: &Condition, read: Read<'_>) -> Result<bool, NotNo
     })
 }
 
-/// A value as a variable keeps it: eight significant digits, halves away from zero.
+/// Rounds a value as a variable stores it: eight significant digits, halves away from zero.
 pub(crate) fn kept(value: f64) -> f64 {
     const DIGITS: i32 = 8;
     if value == 0.0 {
@@ -127,7 +127,7 @@ pub(crate) fn kept(value: f64) -> f64 {
     }
     let size = value.abs();
     let mut exponent = libm::floor(libm::log10(size)) as i32;
-    // The logarithm may be one off beside a power of ten.
+    // The logarithm may be off by one near a power of ten.
     if power_of_ten(exponent + 1) <= size {
         exponent += 1;
     }
@@ -153,16 +153,20 @@ fn power_of_ten(exponent: i32) -> f64 {
     })
 }
 
-/// What the last bits of a calculation may be off, of its size.
+/// Relative error of the last bits of a calculation.
 const NOISE: f64 = 1e-10;
 
-/// A whole number, halves away from zero; 20.4 * 43.75 is a half.
+/// Rounds to a whole number, halves away from zero. A value below a half by the error of the
+/// last bits counts as a half: 20.4 * 43.75.
 pub(crate) fn rounded(value: f64) -> f64 {
     let size = value.abs();
     libm::floor(size + 0.5 + NOISE * size.max(1.0)).copysign(value)
 }
 
-/// The number of the variable that a formula names.
+/// The number of the variable that a formula commands.
+///
+/// # Errors
+/// 115 outside 0 to 99999.
 pub(crate) fn variable_number(value: f64) -> Result<u32, NotNow> {
     let whole = rounded(value);
     if (0.0..=99_999.0).contains(&whole) {
@@ -185,7 +189,7 @@ fn divided_by_zero(detail: gsk_messages::Message) -> NotNow {
     Alarm::new(number::DIVISION_BY_ZERO).because(detail).into()
 }
 
-/// A value that a function does not take.
+/// The alarm for a value that a function does not take.
 fn refused(function: &'static str, value: f64) -> NotNow {
     Alarm::new(number::NEGATIVE_ARGUMENT)
         .because(say::formula_argument_refused(function, value))
@@ -206,7 +210,7 @@ fn operate(operator: Operator, left: f64, right: f64) -> Result<f64, NotNow> {
             if right == 0.0 {
                 return Err(divided_by_zero(say::macro_division_by_zero()));
             }
-            // The sign of the dividend; exact.
+            // The result has the sign of the dividend and is exact.
             left % right
         }
         Operator::And => f64::from(bits("AND", left)? & bits("AND", right)?),
@@ -225,7 +229,7 @@ fn bits(name: &'static str, value: f64) -> Result<u32, NotNow> {
 }
 
 fn apply(function: Function, value: f64, unit: f64, read: Read<'_>) -> Result<f64, NotNow> {
-    /// Most that decimal code holds.
+    /// Greatest number of a binary-coded decimal.
     const CODED: f64 = 99_999_999.0;
     Ok(match function {
         Function::Sine => sine(value),
@@ -238,7 +242,7 @@ fn apply(function: Function, value: f64, unit: f64, read: Read<'_>) -> Result<f6
         Function::Root if value < 0.0 => return Err(refused("SQRT", value)),
         Function::Root => libm::sqrt(value),
         Function::Absolute => value.abs(),
-        // Divided by a whole number: 1.235 and not 1.2350000000000001.
+        // A division by a whole number gives 1.235 and not 1.2350000000000001.
         Function::Round => rounded(value / unit) / rounded(1.0 / unit),
         Function::Fix => libm::trunc(without_noise(value)),
         Function::Up => libm::ceil(without_noise(value).abs()).copysign(value),
@@ -271,7 +275,7 @@ fn apply(function: Function, value: f64, unit: f64, read: Read<'_>) -> Result<f6
     })
 }
 
-/// A whole number that the last bits of a calculation miss: 37.8 - 25.8 is 12.
+/// Removes the error of the last bits from a whole number: 37.8 - 25.8 is 12.
 fn without_noise(value: f64) -> f64 {
     let whole = rounded(value);
     if (value - whole).abs() <= NOISE * value.abs().max(1.0) {
@@ -281,7 +285,7 @@ fn without_noise(value: f64) -> f64 {
     }
 }
 
-/// Exact where the sine is.
+/// Exact at the angles with an exact sine.
 fn sine(degrees: f64) -> f64 {
     let turned = degrees.rem_euclid(360.0);
     if turned == 0.0 || turned == 180.0 {
@@ -315,16 +319,16 @@ fn tangent(degrees: f64) -> Result<f64, NotNow> {
     })
 }
 
-/// −180 to 180 degrees.
+/// The angle of (`up`, `across`), −180 to 180 degrees.
 fn arc_tangent(up: f64, across: f64) -> Result<f64, NotNow> {
     if up == 0.0 && across == 0.0 {
         return Err(divided_by_zero(say::macro_angle_of_nothing()));
     }
-    // No negative zero: half a turn is 180.
+    // Adding 0 removes the sign of a negative zero: half a turn is 180.
     Ok(libm::atan2(up + 0.0, across).to_degrees())
 }
 
-/// An angle from 0 up to 360.
+/// An angle from 0 up to 360 degrees.
 fn turned(degrees: f64) -> f64 {
     let turned = if degrees < 0.0 {
         degrees + 360.0

@@ -1,9 +1,9 @@
-//! Variables of macro calls, their loops and the modal call.
+//! Local variables of macro calls, loops, and modal calls (G66).
 //!
 //! ```text
 //!   level 0  main program    #1–#33
-//!   level 1  G65 P9010       #1–#33 of its own, filled by its arguments
-//!   ...      four levels; M98 stays on the level it is called from
+//!   level 1  G65 P9010       separate #1–#33, filled by its arguments
+//!   ...      four levels; M98 stays on the level of its caller
 //! ```
 
 use std::collections::BTreeMap;
@@ -14,46 +14,49 @@ use crate::command::ProgramId;
 use crate::interpreter::context::place::{Call, CallKind};
 use crate::interpreter::macros::formula::Value;
 
-/// Highest number of a local variable.
+/// Greatest number of a local variable.
 pub(crate) const LOCALS: u32 = 33;
 
-/// Local variables that hold a number.
+/// Local variables with a value, by number.
 pub(crate) type Locals = BTreeMap<u8, f64>;
 
-/// What a run over programs keeps for macros.
+/// Variables, loops and modal calls of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Levels {
-    /// The main program's.
+    /// Variables of the main program.
     main: Locals,
-    /// Those of the calls under way.
+    /// Variables of the running macro calls, the innermost last.
     called: Vec<Level>,
-    /// Loops under way, the innermost last.
+    /// Running loops, the innermost last.
     loops: Vec<Loop>,
-    /// Programs that moves call, the last commanded last.
+    /// Modal calls, the last commanded last.
     modal: Vec<Modal>,
 }
 
-/// The variables of one call.
+/// The local variables of one call.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Level {
-    /// What they are at the start of each run.
+    /// Their values at the start of each run.
     arguments: Locals,
     values: Locals,
 }
 
-/// A loop under way.
+/// A running loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Loop {
-    /// Calls under way where it stands.
+    /// Number of running calls at the loop.
+    #[serde(rename = "depth")]
     pub(crate) depth: usize,
-    /// DO m.
+    /// m of DO m, 1 to 3.
     pub(crate) number: u8,
-    /// The blocks of DO and END.
+    /// Index of the blocks of DO and END.
+    #[serde(rename = "first")]
     pub(crate) first: u32,
+    #[serde(rename = "last")]
     pub(crate) last: u32,
 }
 
-/// G66.
+/// A modal call by G66: each move calls its program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Modal {
     pub(crate) program: ProgramId,
@@ -62,7 +65,7 @@ pub(crate) struct Modal {
 }
 
 impl Levels {
-    /// Those of a run that begins.
+    /// The levels of a new run, without variables and calls.
     pub(crate) const fn new() -> Self {
         Self {
             main: Locals::new(),
@@ -72,13 +75,13 @@ impl Levels {
         }
     }
 
-    /// A local variable of the innermost level.
+    /// The value of a local variable of the innermost level; `None` is null.
     pub(crate) fn get(&self, number: u8) -> Value {
         let values = self.called.last().map_or(&self.main, |level| &level.values);
         values.get(&number).copied()
     }
 
-    /// Gives it a value, or none.
+    /// Sets a local variable of the innermost level; `None` makes it null.
     pub(crate) fn set(&mut self, number: u8, value: Value) {
         let values = match self.called.last_mut() {
             Some(level) => &mut level.values,
@@ -90,13 +93,14 @@ impl Levels {
         };
     }
 
-    /// Another level begins with these arguments.
+    /// Adds a level for a macro call with these arguments.
     pub(crate) fn enter(&mut self, arguments: Locals) {
         let values = arguments.clone();
         self.called.push(Level { arguments, values });
     }
 
-    /// The innermost call is run again: with its arguments anew, but for a modal one.
+    /// Prepares the next run of the innermost of `depth` calls: ends its loops, and restores
+    /// its arguments unless it is modal.
     pub(crate) fn run_again(&mut self, call: &Call, depth: usize) {
         self.loops.retain(|it| it.depth < depth);
         if let (CallKind::Macro, Some(level)) = (call.kind, self.called.last_mut()) {
@@ -104,7 +108,8 @@ impl Levels {
         }
     }
 
-    /// A call is over, so many are left. A modal one keeps its variables for the next.
+    /// Removes the level of a call; `depth` calls are left. A modal call keeps its variables
+    /// for the next move.
     pub(crate) fn leave(&mut self, call: &Call, depth: usize) {
         self.loops.retain(|it| it.depth <= depth);
         let level = match call.kind {
@@ -118,25 +123,25 @@ impl Levels {
         }
     }
 
-    /// The run goes on at another block on the same level: loops around it stay.
+    /// Ends the loops that a jump to `block` leaves, on the same level; loops around it stay.
     pub(crate) fn jump(&mut self, depth: usize, block: u32) {
         let around = |it: &Loop| (it.first..=it.last).contains(&block);
         self.loops.retain(|it| it.depth < depth || around(it));
     }
 
-    /// The loop that stands innermost among so many calls.
+    /// The innermost loop, if it is on the level of `depth` calls.
     pub(crate) fn innermost(&self, depth: usize) -> Option<Loop> {
         self.loops.last().copied().filter(|it| it.depth == depth)
     }
 
-    /// A loop is entered, or gone through once more.
+    /// Adds a loop, unless it is running already.
     pub(crate) fn enter_loop(&mut self, entered: Loop) {
         if self.innermost(entered.depth) != Some(entered) {
             self.loops.push(entered);
         }
     }
 
-    /// G66; whether there was room for it.
+    /// Adds a modal call (G66). Returns false if `most` calls exist already.
     pub(crate) fn add_modal(&mut self, modal: Modal, most: usize) -> bool {
         let room = self.modal.len() < most;
         if room {
@@ -145,13 +150,12 @@ impl Levels {
         room
     }
 
-    /// G67: the last G66 is over.
+    /// Cancels the last modal call (G67).
     pub(crate) fn cancel_modal(&mut self) {
         self.modal.pop();
     }
 
-    /// The modal call that a move makes now, with its index: the last one that is not
-    /// itself under way.
+    /// The modal call that a move makes, with its index: the last one that is not running.
     pub(crate) fn modal(&self, calls: &[Call]) -> Option<(u8, &Modal)> {
         let under_way = |index| {
             let kind = CallKind::Modal(index);
@@ -167,7 +171,7 @@ impl Levels {
         !self.modal.is_empty()
     }
 
-    /// Nothing is kept.
+    /// Whether there are no variables, loops and modal calls.
     pub(crate) fn is_empty(&self) -> bool {
         *self == Self::default()
     }

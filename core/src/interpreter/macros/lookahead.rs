@@ -1,5 +1,4 @@
-//! Blocks that are read before their turn: the profile of a cycle, and the block
-//! behind a chamfer.
+//! Reads blocks ahead of their turn: the profile of a cycle, and the block after a chamfer.
 
 use gsk_messages::say;
 
@@ -11,7 +10,7 @@ use crate::interpreter::macros::system::Known;
 use crate::interpreter::macros::variable::{self, NotNow};
 use crate::program::{Block, Program, Syntax};
 
-/// Blocks that are looked through for one that is not skipped.
+/// Greatest number of blocks to search for one that is not skipped.
 const REACH: u32 = 16;
 
 /// What reading ahead needs.
@@ -21,12 +20,12 @@ pub(crate) struct Reading<'a, H> {
     /// Whether blocks marked `/` are skipped.
     pub(crate) skipping: bool,
     pub(crate) host: &'a H,
-    /// What formulas of macro B are worked out from.
+    /// The sources of variables for formulas of macro B.
     pub(crate) known: Option<&'a Known<'a>>,
 }
 
-/// What a block read ahead of its turn raises. Cycles are planned when everything
-/// before them is finished: their blocks need not wait.
+/// The alarm of a block read ahead. The planner of a cycle waits until everything before it is
+/// finished, so its blocks never need to wait.
 pub(crate) fn alarm(reason: NotNow) -> Alarm {
     match reason {
         NotNow::Fault(alarm) => alarm,
@@ -35,8 +34,11 @@ pub(crate) fn alarm(reason: NotNow) -> Alarm {
 }
 
 impl<H: Host> Reading<'_, H> {
-    /// The words of a block; `None` for one that is skipped. `motion` is the code
-    /// of group 01 in force before it.
+    /// The words of a block; `None` for a skipped one. `motion` is the code of group 01 in
+    /// force before it.
+    ///
+    /// # Errors
+    /// The alarm of the block, or a variable that cannot be read yet.
     pub(crate) fn words_at(&self, index: u32, motion: u8) -> Result<Option<Words>, NotNow> {
         let mut block = Block::default();
         if let Err(error) = self.program.read(index, self.syntax, &mut block) {
@@ -72,7 +74,7 @@ impl<H: Host> Reading<'_, H> {
             .map_err(NotNow::Fault)
     }
 
-    /// Whether a block that is not skipped stands behind this one, good or bad.
+    /// Whether another block follows that is not skipped, with or without errors.
     pub(crate) fn has_next(&self, index: u32) -> bool {
         let next = index.saturating_add(1);
         let end = self.program.block_count().min(next.saturating_add(REACH));
@@ -80,8 +82,8 @@ impl<H: Host> Reading<'_, H> {
             || (next..end).any(|index| !matches!(self.words_at(index, 1), Ok(None)))
     }
 
-    /// The words of the block after this one; none at the end of the text, and
-    /// none when they make an alarm, which is raised at its turn.
+    /// The words of the next block; `None` at the end of the text and for a block with an
+    /// alarm, which is raised at its turn.
     pub(crate) fn words_after(&self, index: u32, motion: u8) -> Result<Option<Words>, NotNow> {
         let next = index.saturating_add(1);
         let end = self.program.block_count().min(next.saturating_add(REACH));

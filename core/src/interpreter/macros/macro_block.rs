@@ -1,9 +1,9 @@
-//! G65: one operation on variables, a jump, or an alarm (manual I-3.7.3).
+//! Evaluates a G65 H block: an operation on variables, a jump, or an alarm (manual I-3.7.3).
 //!
 //! ```text
 //!   G65 Hm P#i Q#j R#k    #i = #j m #k        H01–H34
 //!   G65 Hm P n Q#j R#k    to N n if #j m #k   H80–H86; P negative: backward first
-//!   G65 H99 P n           alarm 500 + n
+//!   G65 H99 P n           raises the alarm 500 + n
 //! ```
 
 use gsk_messages::say;
@@ -15,21 +15,24 @@ use crate::interpreter::macros::variable::{NotNow, Slot, value};
 use crate::memory::Variables;
 use crate::program::{Block, Number};
 
-/// Alarms of H99 begin here.
+/// Greatest P of H99.
 const LAST_USER_ALARM: i64 = 99;
 
-/// What a G65 block leads to.
+/// What a G65 block does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
-    /// A value for a variable.
+    /// Sets a variable to a value.
     Value(Slot, i64),
-    /// A jump to this sequence number; negative: backward first.
+    /// Jumps to a sequence number; if negative, searches backward first.
     Jump(i64),
-    /// The next block.
+    /// Continues with the next block.
     Nothing,
 }
 
-/// Works a G65 block out; nothing is changed yet.
+/// Evaluates a G65 block without changing anything.
+///
+/// # Errors
+/// 111 to 116, 119, 125, the alarm of H99, or a variable that cannot be read yet.
 pub(crate) fn evaluate(block: &Block, host: &impl Host) -> Result<Outcome, NotNow> {
     let Some(h) = block.number(b'H') else {
         return Err(without_h(block).into());
@@ -84,7 +87,7 @@ fn without_h(block: &Block) -> Alarm {
     Alarm::new(number::BAD_OPERATION).because(say::macro_operation_missing())
 }
 
-/// A constant or the value of a variable; zero when it is left out.
+/// A constant, or the value of a variable; 0 if the word is missing.
 fn operand(number: Option<Number>, host: &impl Host) -> Result<i64, NotNow> {
     let Some(number) = number else {
         return Ok(0);

@@ -1,5 +1,5 @@
-//! Macros: operations of G65 H on whole numbers (macro A), statements and formulas of
-//! macro B, their variables, and reading ahead past them.
+//! Macros: operations of G65 H on whole numbers (macro A), statements and formulas of macro B,
+//! their variables, and reading ahead past them.
 //!
 //! ```text
 //!   macro A   macro_block --> arithmetic          variable (#200 …, signals)

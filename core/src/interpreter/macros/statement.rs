@@ -1,4 +1,4 @@
-//! Macro statements carried out: values, jumps, loops, calls.
+//! Evaluates statements of macro B: values, jumps, loops and calls.
 
 use gsk_messages::say;
 
@@ -13,41 +13,41 @@ use crate::program::{
     Then,
 };
 
-/// Macro calls in each other.
+/// Greatest depth of nested macro calls.
 pub(crate) const MACRO_LEVELS: usize = 4;
-/// Alarms of programs begin here.
+/// The variable that raises an alarm.
 const FIRST_ALARM: u32 = 3000;
 /// Greatest number of an alarm of a program.
 const LAST_ALARM: f64 = 99.0;
-/// Characters of its text.
+/// Greatest number of characters of an alarm text.
 const ALARM_TEXT: usize = 26;
-/// Groups of I, J and K in a call.
+/// Greatest number of groups of I, J and K in a call.
 const GROUPS: u8 = 10;
 
-/// What a statement leads to. Nothing is changed yet.
+/// What a statement does. The caller carries it out.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Outcome {
-    /// A value for a variable.
+    /// Sets a variable to a value, or to null.
     Assign(u32, Option<f64>),
-    /// To a sequence number.
+    /// Jumps to a sequence number.
     Goto(i64),
-    /// Into a loop, or through it once more.
+    /// Enters a loop, or repeats it.
     Enter(Loop),
-    /// From END to its DO.
+    /// Jumps from END back to its DO, at this block.
     Repeat(u32),
-    /// To the block after an END.
+    /// Jumps to the block after this END.
     Leave(u32),
-    /// G65.
+    /// Calls a macro with arguments (G65).
     Call(Call, Locals),
-    /// G66.
+    /// Starts a modal call (G66).
     Modal(Modal),
-    /// G67.
+    /// Cancels a modal call (G67).
     CancelModal,
-    /// The next block.
+    /// Continues with the next block.
     Nothing,
 }
 
-/// Where a statement stands.
+/// The position of a statement: program, block and calls.
 pub(crate) struct Here<'a> {
     pub(crate) program: &'a Program,
     pub(crate) programs: &'a ProgramMemory,
@@ -58,7 +58,10 @@ pub(crate) struct Here<'a> {
     pub(crate) within: Option<Loop>,
 }
 
-/// Works a statement out.
+/// Evaluates a statement. Nothing changes.
+///
+/// # Errors
+/// The alarm of the statement or of a formula, or a variable that cannot be read yet.
 pub(crate) fn carry_out(
     statement: &Statement,
     here: &Here<'_>,
@@ -109,17 +112,17 @@ pub(crate) fn carry_out(
             arguments: arguments(call, read)?,
         })),
         Statement::CancelModalCall => Ok(Outcome::CancelModal),
-        // Words are no statement: they are read with their values.
+        // A block of words is no statement; the reader evaluates its words.
         Statement::Words(_) => Ok(Outcome::Nothing),
     }
 }
 
-/// What calls a macro.
+/// The code that calls a macro, and the limits of the call.
 struct By<'a> {
     name: &'a str,
-    /// Most runs.
+    /// Greatest number of runs.
     most: i64,
-    /// Codes that call are ordinary ones in it.
+    /// Whether codes that call by parameters are ordinary codes in the macro.
     codes_ordinary: bool,
 }
 
@@ -149,7 +152,10 @@ fn macro_call(
     Ok(Outcome::Call(call_of, arguments(call, read)?))
 }
 
-/// Works the call out that a G or M code makes by a parameter.
+/// Evaluates the call that a G or M code makes by a parameter.
+///
+/// # Errors
+/// As for [`carry_out`].
 pub(crate) fn carry_out_code_call(
     code_call: &CodeCall,
     here: &Here<'_>,
@@ -179,7 +185,7 @@ fn assign(assignment: &Assignment, read: Read<'_>) -> Result<Outcome, NotNow> {
     Ok(Outcome::Assign(variable, value))
 }
 
-/// `#3000=n (text)`.
+/// The alarm of `#3000=n (text)`.
 fn program_alarm(value: Option<f64>, text: &str) -> Alarm {
     let value = formula::rounded(value.unwrap_or(0.0));
     if !(0.0..=LAST_ALARM).contains(&value) {
@@ -216,10 +222,10 @@ fn runs(call: &MacroCall, most: i64, read: Read<'_>) -> Result<u16, NotNow> {
     Err(Alarm::new(number::OUT_OF_RANGE).because(detail).into())
 }
 
-/// The local variables that the words of a call fill.
+/// The local variables that the arguments of a call set.
 ///
-/// I, J and K count in groups: one that does not follow the last of them in the alphabet
-/// begins the next group. So both ways of writing arguments are read by one rule.
+/// I, J and K count in groups. One that does not follow the last of them in the alphabet
+/// begins the next group, so one rule reads both argument lists of the manual.
 fn arguments(call: &MacroCall, read: Read<'_>) -> Result<Locals, NotNow> {
     let arguments = call.arguments.iter().map(|(address, value)| {
         let value = evaluate(value, 0.001, read)?;
@@ -228,7 +234,10 @@ fn arguments(call: &MacroCall, read: Read<'_>) -> Result<Locals, NotNow> {
     arguments_of(arguments)
 }
 
-/// The same, their values worked out.
+/// The local variables of arguments whose values are known.
+///
+/// # Errors
+/// 129 for a letter that is no argument, or too many groups.
 pub(crate) fn arguments_of(
     arguments: impl Iterator<Item = Result<(u8, Option<f64>), NotNow>>,
 ) -> Result<Locals, NotNow> {
@@ -285,7 +294,8 @@ impl Here<'_> {
         })
     }
 
-    /// The END of the loop that begins here; loops between the two stand in it whole.
+    /// The loop that begins at this block, with the index of its END. Loops in between must
+    /// lie inside it as a whole.
     fn find_loop(&self, number: u8) -> Result<Loop, NotNow> {
         let first = self.place.block;
         let mut open = vec![number];

@@ -1,4 +1,4 @@
-//! Variables of macro B by their numbers.
+//! Reads and writes the variables of macro B by their numbers.
 //!
 //! ```text
 //!   #0                    null
@@ -36,18 +36,21 @@ use crate::interpreter::macros::variable::{NotNow, Slot};
 use crate::memory::{Counters, Registers, SwitchedOff, Variables};
 use crate::program::{Block, Expression, Program, Syntax};
 
-/// What variables are read from, besides the host.
+/// The sources of variables besides the host.
 pub(crate) struct Known<'a> {
     pub(crate) levels: &'a Levels,
-    /// After the block before.
+    /// The state after the previous block.
     pub(crate) state: State,
     pub(crate) source: Source,
-    /// The variables are those of the Huaxing lathes.
+    /// Whether the variables are those of the Huaxing lathes, #1 to #99.
     pub(crate) counted: bool,
 }
 
 impl Known<'_> {
-    /// The value of a variable.
+    /// The value of a variable; `None` is null.
+    ///
+    /// # Errors
+    /// 115 for an unknown number, or a variable that cannot be read yet.
     pub(crate) fn read(&self, number: u32, host: &impl Host) -> Result<Value, NotNow> {
         if self.counted {
             return match u16::try_from(number) {
@@ -74,7 +77,7 @@ impl Known<'_> {
         }
     }
 
-    /// A block with values in the place of its formulas.
+    /// A copy of a block with values in place of its formulas.
     pub(crate) fn words(
         &self,
         block: &Block,
@@ -149,24 +152,24 @@ impl Known<'_> {
     }
 }
 
-/// The number of a variable that all programs have.
+/// Checks that a number is a variable common to all programs.
 fn common(number: u32) -> Result<u16, NotNow> {
     let common = u16::try_from(number).ok();
     let common = common.filter(|it| Variables::has_real(*it));
     common.ok_or_else(|| unknown(number))
 }
 
-/// No variable of the Huaxing lathes.
+/// The alarm for a number that the Huaxing lathes do not have.
 pub(crate) fn unknown_there(number: u32) -> NotNow {
     Alarm::new(number::BAD_VARIABLE)
         .because(say::variable_of_huaxing_unknown(number))
         .into()
 }
 
-/// Gives a variable of the Huaxing lathes its value.
+/// Sets a variable of the Huaxing lathes.
 ///
 /// # Errors
-/// 115 for a number that is none, 116 for #0.
+/// 115 for an unknown number, 116 for #0.
 pub(crate) fn write_counted(number: u32, value: Value, host: &mut impl Host) -> Result<(), NotNow> {
     match u16::try_from(number) {
         Ok(0) => {
@@ -188,11 +191,12 @@ fn unknown(number: u32) -> NotNow {
         .into()
 }
 
-/// Gives a variable its value.
+/// Sets a variable; a null `value` clears it.
 ///
 /// # Errors
-/// 111 for a value that it cannot hold, 115 for a number that is none, 116 for one that is
-/// only read; or an output of the ladder before everything is finished.
+/// 111 for a value that the variable cannot hold, 115 for an unknown number, 116 for one that
+/// is read-only; or a wait, for an output of the ladder before every earlier command is
+/// finished.
 pub(crate) fn write(
     number: u32,
     value: Value,
@@ -219,7 +223,7 @@ pub(crate) fn write(
     Ok(())
 }
 
-/// A value of the offset table.
+/// A column of the offset table.
 #[derive(Clone, Copy)]
 enum OffsetValue {
     X,
@@ -228,7 +232,7 @@ enum OffsetValue {
     T,
 }
 
-/// Row and column of the offset table that a variable names.
+/// Row and column of the offset table that a variable reads.
 fn offset_place(number: u32, host: &impl Host) -> Result<(u8, OffsetValue), NotNow> {
     let place = match (number / 100, number % 100) {
         (20, row @ 1..=32) => (row as u8, OffsetValue::X),
@@ -242,7 +246,7 @@ fn offset_place(number: u32, host: &impl Host) -> Result<(u8, OffsetValue), NotN
     Ok(place)
 }
 
-/// As the offset page shows it, mm.
+/// The value as on the offset page, mm.
 fn offset(number: u32, host: &impl Host) -> Result<f64, NotNow> {
     let (row, value) = offset_place(number, host)?;
     let offset = host.offsets().get(row);
@@ -254,7 +258,7 @@ fn offset(number: u32, host: &impl Host) -> Result<f64, NotNow> {
     })
 }
 
-/// It acts with the next T that names its row.
+/// Sets a value of the offset table. It takes effect with the next T of its row.
 fn write_offset(number: u32, value: Value, host: &mut impl Host) -> Result<(), NotNow> {
     let (row, place) = offset_place(number, host)?;
     when_settled(host)?;
@@ -273,9 +277,9 @@ fn write_offset(number: u32, value: Value, host: &mut impl Host) -> Result<(), N
     Ok(())
 }
 
-/// The rows of the setting page.
+/// Variable of the rows of the setting page.
 pub(crate) const SETTINGS: u32 = 3005;
-/// Milliseconds of an hour.
+/// Milliseconds in an hour.
 const HOUR_MS: f64 = 3.6e6;
 /// Rows of the setting page as bits of #3005.
 const PARITY: u8 = 2;
@@ -368,7 +372,8 @@ fn write_machine(number: u32, value: Value, host: &mut impl Host) -> Result<(), 
     Ok(())
 }
 
-/// What the machine does meanwhile counts when its block comes, and not when it is read.
+/// Waits until the machine is idle: a variable of the machine counts when its block runs, not
+/// when the reader reads it ahead.
 fn when_settled(host: &impl Host) -> Result<(), NotNow> {
     match host.settled() {
         true => Ok(()),
@@ -376,7 +381,7 @@ fn when_settled(host: &impl Host) -> Result<(), NotNow> {
     }
 }
 
-/// A whole number from 0 to the greatest; alarm 111.
+/// A whole number from 0 to `greatest`; alarm 111 outside.
 fn whole(number: u32, value: f64, greatest: i64) -> Result<i64, NotNow> {
     let whole = formula::rounded(value) as i64;
     if (0..=greatest).contains(&whole) {

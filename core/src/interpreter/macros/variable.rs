@@ -1,11 +1,11 @@
-//! References to variables: what `#i` means when its block is read.
+//! References to variables: finds what `#i` refers to when the reader reads its block.
 //!
 //! ```text
 //!   #200–#231 #500–#515   common, read and written at once
-//!   #9nnn                 the variable whose number stands in #nnn
-//!   #1000–#1015 #1032     G54, G55 of the ladder   | only when everything
-//!   #1100–#1115 #1132     F54, F55 to the ladder   | before is finished
-//!   #1133                 F56–F59 to the ladder    |
+//!   #9nnn                 the variable whose number is in #nnn
+//!   #1000–#1015 #1032     G54, G55 of the ladder   | wait until every
+//!   #1100–#1115 #1132     F54, F55 to the ladder   | earlier command
+//!   #1133                 F56–F59 to the ladder    | is finished
 //! ```
 
 use gsk_messages::{Message, say};
@@ -18,9 +18,9 @@ use crate::program::{Block, BlockError, Syntax, Variable};
 /// Why a block cannot be read now.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum NotNow {
-    /// Only when everything before it is finished.
+    /// It must wait until every earlier command is finished.
     Wait,
-    /// Not at all.
+    /// It raises an alarm.
     Fault(Alarm),
 }
 
@@ -36,7 +36,7 @@ impl From<BlockError> for NotNow {
     }
 }
 
-/// A variable that exists.
+/// An existing variable of G65.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Slot {
     /// #200–#231, #500–#515.
@@ -53,13 +53,16 @@ pub(crate) enum Slot {
     MoreOutputs,
 }
 
-/// Bits of the outputs that #1133 holds.
+/// First bit of #1133 in the outputs.
 const MORE: u32 = 16;
 const LOW_16: u64 = 0xFFFF;
 const LOW_32: u64 = 0xFFFF_FFFF;
 
 impl Slot {
-    /// The variable of a number, indirection followed. Alarm 115.
+    /// The variable of a number, also by indirection through #9nnn.
+    ///
+    /// # Errors
+    /// 115 for an unknown number.
     pub(crate) fn find(number: u16, host: &impl Host) -> Result<Self, Alarm> {
         if !(9000..=9999).contains(&number) {
             return Self::direct(number).ok_or_else(|| illegal(say::variable_unknown(number)));
@@ -84,8 +87,8 @@ impl Slot {
         }
     }
 
-    /// Its value. Signals of the ladder only when
-    /// everything before is finished.
+    /// The value of the variable. Signals of the ladder wait until every earlier command is
+    /// finished.
     pub(crate) fn read(self, host: &impl Host) -> Result<i64, NotNow> {
         if let Self::Common(number) = self {
             return Ok(host.variables().get(number).unwrap_or(0));
@@ -104,8 +107,12 @@ impl Slot {
         Ok(word as i64)
     }
 
-    /// Checks that it can take a value now: 116 for inputs, 111 for a value
-    /// that it cannot hold. Every value but zero switches an output on.
+    /// Checks that the variable can take a value now. Every value but zero switches an output
+    /// on.
+    ///
+    /// # Errors
+    /// 116 for inputs, 111 for a value that the variable cannot hold; or a wait for an earlier
+    /// command.
     pub(crate) fn check(self, value: i64, host: &impl Host) -> Result<(), NotNow> {
         let greatest = match self {
             Self::Input(_) | Self::Inputs => {
@@ -131,7 +138,7 @@ impl Slot {
         }
     }
 
-    /// Puts a checked value in.
+    /// Sets the variable to a checked value.
     pub(crate) fn write(self, value: i64, host: &mut impl Host) -> Result<(), Alarm> {
         let outputs = host.interface_outputs();
         let changed = match self {
@@ -150,12 +157,12 @@ fn illegal(detail: Message) -> Alarm {
     Alarm::new(number::BAD_VARIABLE).because(detail)
 }
 
-/// The value that a reference stands for; the sign is the caller's.
+/// The value of the referenced variable, without the sign of the reference.
 pub(crate) fn value(variable: Variable, host: &impl Host) -> Result<i64, NotNow> {
     Slot::find(variable.number, host)?.read(host)
 }
 
-/// A block with numbers in the place of its references.
+/// A copy of a block with numbers in place of its references to variables.
 pub(crate) fn resolve(block: Block, syntax: Syntax, host: &impl Host) -> Result<Block, NotNow> {
     let block = block.resolve(syntax, |variable| value(variable, host))?;
     if block.has_g(65) {

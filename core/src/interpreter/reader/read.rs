@@ -1,27 +1,27 @@
-//! What comes of reading a block.
+//! The result of reading a block.
 
 use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::command::{Command, ProgramId};
 
-/// What reading one block led to.
+/// The result of reading one block.
 pub(super) enum Read {
-    /// Its plan stands in the run.
+    /// Its plan is stored in the run.
     Planned,
-    /// It is this command, and nothing else.
+    /// It only moves: this is its command.
     Moves(Command),
-    /// It must not be read yet.
+    /// It must wait until every earlier command is finished.
     Wait,
-    /// It has not come through the line yet.
+    /// It has not arrived through the serial line yet.
     Starved,
-    /// There is nothing in it.
+    /// It is skipped or has no words.
     Skipped,
-    /// The text is over.
+    /// The text has ended.
     Ended,
 }
 
-/// The program of a place is not there.
+/// Alarm 031 for a missing program.
 pub(super) fn missing(program: ProgramId) -> Alarm {
     Alarm::new(number::PROGRAM_MISSING).because(say::program_not_there(format_args!("{program:?}")))
 }

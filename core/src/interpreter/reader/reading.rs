@@ -1,4 +1,4 @@
-//! Reading: block by block, as far as it may.
+//! Reads blocks, as far as the host and the compensation allow.
 
 use gsk_messages::{Message, say};
 
@@ -37,11 +37,14 @@ use super::read::{Read, missing};
 use super::statements::{refused_by_huaxing, resolve};
 use super::{Advance, Interpreter};
 
-/// Blocks without any command that one call goes through.
+/// Greatest number of blocks without a command in one call.
 const SILENT_BLOCKS: u32 = 16;
 
 impl Interpreter {
-    /// The next command as it is programmed, without the compensation.
+    /// The next command as programmed, without the nose radius compensation.
+    ///
+    /// # Errors
+    /// The alarm of the block. It has no effect then.
     pub(in crate::interpreter) fn step<H: Host>(&mut self, host: &mut H) -> Result<Advance, Alarm> {
         for _ in 0..SILENT_BLOCKS {
             let run = self.run_mut();
@@ -70,7 +73,7 @@ impl Interpreter {
         self.nothing_yet()
     }
 
-    /// Many silent blocks in a row: the control gets a turn.
+    /// A command without action after many silent blocks, which gives the control a turn.
     fn nothing_yet(&self) -> Result<Advance, Alarm> {
         let Some(source) = self.run().source else {
             return Ok(Advance::Wait);
@@ -87,7 +90,7 @@ impl Interpreter {
     }
 
     fn read<H: Host>(&mut self, host: &mut H) -> Result<Read, Alarm> {
-        // Beside the interpreter, which changes while a block is looked at.
+        // Taken out of `self`, which changes while the block is borrowed.
         let mut recent = core::mem::take(&mut self.recent);
         let read = self.read_block(&mut recent, host);
         self.recent = recent;
@@ -99,7 +102,7 @@ impl Interpreter {
         }
     }
 
-    /// An alarm for a foreign code, with the other ones of its block.
+    /// Adds the other foreign words of the block to the alarm of a foreign code.
     #[cold]
     fn with_foreign_words<H: Host>(&self, mut alarm: Alarm, host: &H) -> Alarm {
         let place = self.run().place;
@@ -115,7 +118,7 @@ impl Interpreter {
         alarm
     }
 
-    /// The foreign words of a block besides the first one.
+    /// Messages about the foreign words of a block after the first one.
     #[cold]
     fn further_foreign(&self, program: &Program, block: u32) -> Vec<Message> {
         let record = self.record();
@@ -135,7 +138,7 @@ impl Interpreter {
                 .ok_or_else(|| missing(place.program))?,
         };
         if let Some(finishing) = run.finishing.filter(|profile| profile.is_over(place)) {
-            // The last block of the profile ends square to itself.
+            // The last block of the profile ends square to its direction.
             self.compensation.flush();
             let mut plan = Plan::after_profile(&finishing, &mut self.state);
             plan.whole = true;
@@ -250,12 +253,12 @@ impl Interpreter {
             };
             let from = self.state.machine(self.state.position);
             let action = plain.action(&mut self.state, under);
-            // An arc of no length is a block without motion.
+            // A block of an arc of no length has no motion.
             if let Some(action) = action.map_err(|alarm| alarm.at(source))? {
                 return Ok(self.plain_move(action, from, source));
             }
         }
-        // The state is large: it is copied for formulas only.
+        // The state is large: copy it only for formulas.
         let known = match syntax.macro_b {
             true => Some(Known {
                 levels: &run.levels,
@@ -310,8 +313,8 @@ impl Interpreter {
             known: known.as_ref(),
         };
         let corner = corner::is_possible(&words, &self.state.modal);
-        // How a corner or a thread ends depends on the block behind it, and not on
-        // when that comes through the line.
+        // A corner or the end of a thread depends on the next block, and not on the time of
+        // its arrival through the serial line.
         let coming = mdi.is_none() && host.programs().may_bring_another(place.program);
         if coming
             && (corner || is_thread(&words, &self.state.modal))
@@ -385,7 +388,7 @@ impl Interpreter {
         Ok(self.planned(plan))
     }
 
-    /// A move from a machine position that is all of its block: it needs no plan.
+    /// The command of a block that only moves, from machine position `from`, without a plan.
     #[inline]
     fn plain_move(&mut self, action: Action, from: Exact, source: Source) -> Read {
         if self.state.modal.nose_compensation != 40 && !self.compensation.is_on() {
@@ -405,7 +408,7 @@ impl Interpreter {
         })
     }
 
-    /// The text is over without M30 or M99.
+    /// Handles the end of the text without M30 or M99.
     fn end_of_text<H: Host>(&mut self, last_line: u32, host: &H) -> Result<Read, Alarm> {
         if self.mdi.is_some() {
             return Ok(Read::Ended);
@@ -450,8 +453,8 @@ impl Interpreter {
         Ok(self.planned(plan))
     }
 
-    /// After M00, M30 and a G28 that seeks the reference point nothing is read
-    /// before they are finished.
+    /// Stores a plan in the run. After M00, M30 and a G28 that seeks the reference point the
+    /// reader pauses until they are finished.
     pub(super) fn planned(&mut self, mut plan: Plan) -> Read {
         let run = self.run_mut();
         plan.whole |= run.finishing.is_some();
@@ -468,7 +471,7 @@ impl Interpreter {
     }
 }
 
-/// A rule with what else is wrong in its block.
+/// The message of a rule, with the other errors of its block.
 fn with_further(rule: Message, further: Vec<Message>) -> Message {
     match further.is_empty() {
         true => rule,
@@ -484,7 +487,7 @@ const fn has_rivals(block: &Block) -> bool {
         || block.has_two_codes()
 }
 
-/// The codes that call a program where a run stands; none where they are ordinary.
+/// The codes that call a program at the position of a run; `None` if they are ordinary.
 #[inline]
 fn calls_by_codes<'a>(
     calls: Option<&'a CodeCalls>,
@@ -495,7 +498,7 @@ fn calls_by_codes<'a>(
     calls.filter(|_| stored && !code_calls::are_ordinary(&run.calls))
 }
 
-/// Under G66 a move calls its macro: not in the profile of a cycle.
+/// Plans the macro call that G66 makes after a move, outside the profile of a cycle.
 #[inline]
 fn call_after_move(
     run: &Run,
@@ -514,7 +517,7 @@ fn call_after_move(
     }
 }
 
-/// Whether a block cuts a thread that may go on in the next one.
+/// Whether a block cuts a thread that may continue in the next block.
 fn is_thread(words: &Words, modal: &Modal) -> bool {
     let motion = words.motion.unwrap_or(modal.motion);
     matches!(motion, 32 | 34) && words.one_shot.is_none() && words.has_axis_words()
@@ -549,7 +552,7 @@ fn context<'a, H: Host>(
     }
 }
 
-/// Units of a diameter in one of X as it is programmed.
+/// Diameters per programmed X: 2 under radius programming (001.2), else 1.
 fn x_factor(parameters: &Parameters) -> i64 {
     match parameters.radius_programming() {
         true => 2,

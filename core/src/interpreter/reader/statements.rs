@@ -1,5 +1,5 @@
-//! What acts while it is read: statements of macro B, G65 H, and formulas and variables of a
-//! block.
+//! Carries out what acts while the reader reads it: statements of macro B, G65 H, and the
+//! formulas and variables of a block.
 
 use gsk_messages::say;
 
@@ -22,7 +22,7 @@ use super::Interpreter;
 use super::read::{Read, missing};
 
 impl Interpreter {
-    /// A statement of macro B: it acts while it is read.
+    /// Carries out a statement of macro B while the reader reads it.
     pub(super) fn follow_statement<H: Host>(
         &mut self,
         outcome: Result<Outcome, NotNow>,
@@ -44,7 +44,7 @@ impl Interpreter {
         Ok(self.planned(plan))
     }
 
-    /// Puts into force what a statement leads to; where reading goes on.
+    /// Applies the effect of a statement and returns the flow after it.
     fn take_up<H: Host>(
         &mut self,
         outcome: Outcome,
@@ -84,7 +84,7 @@ impl Interpreter {
         Ok(Flow::Next)
     }
 
-    /// Nothing is called while the nose radius is compensated.
+    /// Checks that no macro is called under nose radius compensation.
     fn check_macro_call(&self) -> Result<(), Alarm> {
         match self.compensated() {
             Compensated::On => Err(nose_radius::call_fault()),
@@ -92,7 +92,7 @@ impl Interpreter {
         }
     }
 
-    /// The block that a jump by its sequence number leads to.
+    /// The block that a jump to a sequence number leads to.
     fn jump_target<H: Host>(&mut self, place: Place, p: i64, host: &H) -> Result<u32, Alarm> {
         let program = match &self.mdi {
             Some(mdi) => &mdi.program,
@@ -107,8 +107,8 @@ impl Interpreter {
         }
     }
 
-    /// G65 H: acts while it is read; as a code of group 00 it clears the stored
-    /// words of G90, G92 and G94 (manual I-3.2.5.3).
+    /// Carries out a G65 H block while the reader reads it. As a code of group 00 it clears
+    /// the stored words of G90, G92 and G94 (manual I-3.2.5.3).
     pub(super) fn operate<H: Host>(
         &mut self,
         block: &Block,
@@ -141,7 +141,7 @@ impl Interpreter {
     }
 }
 
-/// What the Huaxing lathes say to a statement other than a value for a variable.
+/// The alarm of the Huaxing lathes for a statement other than an assignment.
 #[cold]
 pub(super) fn refused_by_huaxing(statement: &Statement) -> Option<Alarm> {
     let code = match statement {
@@ -157,7 +157,7 @@ pub(super) fn refused_by_huaxing(statement: &Statement) -> Option<Alarm> {
     Some(Alarm::new(number::BAD_G).because(say::g_unknown(code)))
 }
 
-/// A block with numbers in the place of its variables and formulas; none where it has
+/// A copy of a block with numbers in place of its variables and formulas; `None` if it has
 /// numbers only.
 pub(super) fn resolve<H: Host>(
     block: &Block,

@@ -1,4 +1,4 @@
-//! Order in a block, M codes, group conflicts, what waits.
+//! The order within a block, M codes, conflicts of G groups, and blocks that wait.
 
 use super::Bench;
 use crate::interpreter::Step;

@@ -3,7 +3,7 @@
 use super::Bench;
 use crate::program::MdiBlock;
 
-/// Without the end of the text.
+/// The commands of a text, without its end.
 fn trace(bench: &mut Bench, text: &str) -> Vec<String> {
     let mut lines = bench.trace(text);
     lines.retain(|line| !line.ends_with("end counts false m30 false"));
@@ -27,7 +27,7 @@ fn codes_without_a_function_call_subprograms() {
         ["2: rapid X299 Z300 |", "2: rapid X299 Z1 |"]
     );
     assert_eq!(Bench::new().fault("N1;\nM61;"), (19, 2));
-    // Motion first, the code itself does not go out.
+    // The motion comes first. The code itself is not sent to the PLC.
     assert_eq!(
         trace(&mut with_subprograms(), "G00 X10 M1;"),
         ["1: rapid X10 Z300 |", "2: rapid X9 Z300 |"]
@@ -36,7 +36,7 @@ fn codes_without_a_function_call_subprograms() {
         trace(&mut with_subprograms(), "G98 M01;"),
         ["1: nothing |", "2: rapid X299 Z300 |"]
     );
-    // T of two digits only.
+    // Only T of two digits calls.
     assert_eq!(
         trace(&mut with_subprograms(), "T15;\nT99;\nT0101;"),
         [
@@ -47,7 +47,7 @@ fn codes_without_a_function_call_subprograms() {
         ]
     );
     assert_eq!(trace(&mut Bench::new(), "T01;")[0], "1: T0001");
-    // S with stepped speeds only.
+    // S calls only with stepped speeds.
     let mut stepped = with_subprograms().with_bit(1, 4, false);
     assert_eq!(trace(&mut stepped, "S21;"), ["2: rapid X299 Z300 |"]);
     assert_eq!(trace(&mut stepped, "S2;")[0], "1: Step(2) |");
@@ -152,7 +152,7 @@ fn counts_of_cycles_are_no_lengths_in_inches() {
 
 #[test]
 fn reference_return_details() {
-    // Without axis words: the next block.
+    // Without axis words the run continues with the next block.
     assert_eq!(trace(&mut Bench::new(), "G28;")[0], "1: nothing |");
     // Z alone; X keeps its offset.
     let mut bench = Bench::new();
@@ -168,7 +168,7 @@ fn reference_return_details() {
             "3: rapid X10.04 Z0 |",
         ]
     );
-    // An inch machine counts 049, 050 in 0.0001 inch.
+    // On an inch machine 049 and 050 count in 0.0001 inch.
     let mut bench = Bench::new().with_bit(12, 7, true).with_bit(4, 0, true);
     bench.parameters.set(49, 10_000).unwrap();
     bench.parameters.set(50, -20_000).unwrap();

@@ -1,4 +1,4 @@
-//! G76.
+//! G76: compound threads.
 
 use super::Bench;
 
@@ -25,7 +25,7 @@ fn p_has_six_digits_without_a_sign() {
         ("G76 P260", [1, 2, 60, 0, 0]),
         ("G76 P-010260", [1, 2, 60, 0, 0]),
         ("G76 P991599", [99, 15, 99, 0, 0]),
-        // Only what is given changes.
+        // Only the given words change their parameters.
         ("G76 Q50", [1, 5, 0, 50, 0]),
         // R(d): thousandths without a point, mm with one.
         ("G76 R300", [1, 5, 0, 0, 300]),
@@ -56,7 +56,7 @@ fn the_example_of_the_manual() {
             "2: rapid X60.64 Z127.875351 |",
         ]
     );
-    // r·0.1·lead = 6: run-out from Z31, 6 mm high, but not beyond X_A.
+    // The run-out is r·0.1·lead = 6 mm from Z31 on, but not beyond X_A.
     assert_eq!(
         trace[2..6],
         [
@@ -98,7 +98,7 @@ fn depths_explain_themselves() {
     assert_eq!(passes[4].2, "k = 3.680, cutting 0.200");
 }
 
-/// Depths of a straight thread from X50 (outside), by the X of the threads.
+/// Depths of the passes of a straight outer thread from X50, computed from X of its cuts.
 fn depths(first: &str, second: &str) -> Vec<f64> {
     let mut bench = Bench::at(50.0, 10.0);
     bench.parameters.set(19, 0).unwrap();
@@ -124,7 +124,7 @@ fn the_least_infeed_takes_over() {
         depths("G76 P010000 Q400 R0", "G76 X40 Z-20 P2000 Q1000 F2"),
         [1.0, 1.414, 1.814, 2.0, 2.0]
     );
-    // No minimum.
+    // Without a minimum.
     assert_eq!(
         depths("G76 P010000 Q0 R0", "G76 X40 Z-20 P2000 Q1000 F2"),
         [1.0, 1.414, 1.732, 2.0, 2.0]
@@ -138,7 +138,7 @@ fn edges_of_the_depths() {
         depths("G76 P030000 R2000", "G76 X40 Z-20 P2000 Q1000 F2"),
         [2.0, 2.0, 2.0]
     );
-    // Δd beyond k - d: one roughing pass.
+    // Δd above k - d: one roughing pass.
     assert_eq!(
         depths("G76 P010000 R100", "G76 X40 Z-20 P2000 Q5000 F2"),
         [1.9, 2.0]
@@ -196,7 +196,7 @@ fn faults() {
         Bench::new().fault("G76 R1001;\nG76 X40 Z-30 P1000 Q500 F2;"),
         (62, 2)
     );
-    // The infeed along the angle would pass the end of the thread.
+    // The infeed along the angle would end after the thread.
     assert_eq!(
         Bench::at(50.0, 0.0).fault("G76 P010090;\nG76 X40 Z-1 P3000 Q500 F2;"),
         (62, 2)

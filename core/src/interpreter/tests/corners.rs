@@ -80,7 +80,7 @@ fn faults() {
     ] {
         assert_eq!(Bench::at(20.0, 0.0).fault(text), (13, 1), "{text}");
     }
-    // Nothing is asked for.
+    // Words of 0 command no corner.
     let trace = Bench::at(20.0, 0.0).trace("G01 X30 Z-20 I0 K0 R0 F100;");
     assert_eq!(trace[0], "1: line X30 Z-20 F100 |");
 }

@@ -1,4 +1,4 @@
-//! Programs for other controls: refused with the way it is done here.
+//! Programs for other controls: the refusal contains the code of this control.
 
 use super::Bench;
 

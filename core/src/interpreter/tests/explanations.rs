@@ -1,10 +1,10 @@
-//! What is written on the board about each pass.
+//! The explanation of each pass of a cycle.
 
 use super::Bench;
 use crate::interpreter::Explanation;
 use crate::interpreter::Step;
 
-/// The explanations of a text, one for each pass of each block.
+/// The explanations of a text, one per pass of each block.
 fn explained(mut bench: Bench, text: &str) -> Vec<Explanation> {
     let mut all: Vec<(u32, Explanation)> = Vec::new();
     bench.open(text);
@@ -29,7 +29,7 @@ fn explained(mut bench: Bench, text: &str) -> Vec<Explanation> {
         .collect()
 }
 
-/// Code, pass, passes, level, depth and formula.
+/// Code, pass, passes, level, depth and formula of an explanation.
 type Said = (u8, u64, Option<u64>, Option<f64>, f64, String);
 
 fn said(bench: Bench, text: &str) -> Vec<Said> {
@@ -86,7 +86,7 @@ fn boxes_tell_where_they_begin_to_cut() {
 
 #[test]
 fn threads_tell_run_out_and_start() {
-    // 019 = 5: half a lead.
+    // 019 = 5: the run-out is half a lead.
     let mut passes = said(Bench::at(60.0, 5.0), "G92 X58 Z-20 F2 L2;\n");
     assert_eq!(passes.len(), 2);
     let (code, pass, starts, level, depth, formula) = passes.swap_remove(1);

@@ -1,5 +1,4 @@
-//! The Huaxing lathes: zero offsets, increments, calls by blocks, cycles over the next
-//! blocks.
+//! The Huaxing lathes: zero offsets, increments, calls by blocks, cycles over the next blocks.
 
 use super::Bench;
 use crate::command::Action;
@@ -9,7 +8,7 @@ fn bench() -> Bench {
     Bench::at(100.0, 50.0).of_model(ModelId::Hx31)
 }
 
-/// Lines of the text and ends of the moves, X as a diameter, in machine coordinates.
+/// Line of each move and its end, X as a diameter, machine coordinates.
 fn moves(text: &str) -> Vec<(u32, f64, f64)> {
     let mut bench = bench();
     bench.open(text);
@@ -32,7 +31,7 @@ fn lines(text: &str) -> Vec<u32> {
     moves(text).iter().map(|it| it.0).collect()
 }
 
-/// Also the block after a corner is read under G91.
+/// The block after a corner is read under G91, too.
 #[test]
 fn corners_under_increments() {
     let absolute = moves("G01 Z40 R2 F100\nX120\nM02\n");
@@ -113,7 +112,7 @@ fn subprograms_stand_in_the_same_file() {
 #[test]
 fn blocks_run_again() {
     let text = "N90 G00 X90\nN100 X80\nN140 X70\nN150 X60\nN160 G25 N100.140.3\nM02\n";
-    // G25 goes on after N140, and so meets N150 and itself again: without an end.
+    // G25 continues after N140 and meets N150 and itself again: the loop never ends.
     let mut bench = bench();
     bench.open(text);
     let (commands, _) = bench.rest();
@@ -141,7 +140,7 @@ fn an_endless_loop_counts_a_part() {
     assert!(parts.count() > 1000);
 }
 
-/// C44: ten passes, nine of 2 and one of 1.8; then the blocks run as they stand.
+/// C44: ten passes, nine of 2 and one of 1.8; then the blocks run as ordinary ones.
 #[test]
 fn facing_by_the_next_blocks() {
     let text = "G00 X104 Z2\nG72 I2 K1 N3 X0.4 Z0.2 F100\nN30 G00 Z-18\nN40 G01 X60 F80\nN50 G01 X40 Z2\nM02\n";
@@ -164,7 +163,7 @@ fn facing_by_the_next_blocks() {
         finish,
         [&(3, 104.0, -18.0), &(4, 60.0, -18.0), &(5, 40.0, 2.0)]
     );
-    // Back at A between cycle and contour.
+    // The tool is at A between the cycle and the contour.
     let last = ends.iter().rfind(|(line, ..)| *line == 2);
     assert_eq!(last, Some(&(2, 104.0, 2.0)));
 }
@@ -173,7 +172,7 @@ fn facing_by_the_next_blocks() {
 fn turning_by_the_next_blocks() {
     let text = "G00 X60 Z2\nG71 I7 K2 N3 X0.4 Z0.2 F100\nG00 X30\nG01 Z-20\nX60 Z-30\nM02\n";
     let ends = moves(text);
-    // I7 is 3.5 mm a side: X53, X46, X39, X32, then the contour at 30.4.
+    // I7 is 3.5 mm per side: X53, X46, X39, X32, then the contour at 30.4.
     for x in [53.0, 46.0, 39.0, 32.0, 30.4] {
         assert!(
             ends.iter().any(|(line, at, _)| *line == 2 && *at == x),
@@ -189,7 +188,7 @@ fn turning_by_the_next_blocks() {
     }
 }
 
-/// C45: cuts p of 3 are moved by I(1 - p/3) + X.
+/// C45: cut p of 3 is shifted by I(1 - p/3) + X.
 #[test]
 fn a_closed_contour_by_the_next_blocks() {
     let text = "G00 X60 Z2\nG73 I12 K6 N2 L3 X0.4 Z0.2 F100\nG00 X30\nG01 Z-20\nM02\n";
@@ -243,7 +242,7 @@ fn dwells_relays_and_tools() {
     }
 }
 
-/// Blocks are numbered up to 99999, in front of a block and after a code.
+/// Block numbers have up to five digits, at the begin of a block and after a code.
 #[test]
 fn block_numbers_have_five_digits() {
     let text = "N10010 G26 N70000.99999.2\nN10020 G27 N99998\nN70000 G91 G00 X1\n\

@@ -1,10 +1,10 @@
-//! The Huaxing lathes: threads, taps, cycles in steps, deep holes, scaling, returns. What
-//! is expected is worked out from the decisions on them.
+//! The Huaxing lathes: threads, taps, cycles in steps, deep holes, scaling, returns. The
+//! decisions on them give the expected values.
 
 use super::Bench;
 use crate::model::ModelId;
 
-/// What a text does from X`x` Z2 on, without its last command, the end.
+/// What a text does from X`x` Z2 on, without the command of its end.
 fn from(x: f64, text: &str) -> Vec<String> {
     trace(Bench::at(x, 2.0), text)
 }
@@ -45,7 +45,7 @@ fn a_thread_in_passes_goes_down_by_roots() {
     assert_eq!(lines, expected);
 }
 
-/// Out over J by I, each depth with all its starts; 8 threads an inch are 3.175 mm.
+/// The run-out is over J by I. Each depth has all starts. 8 threads per inch are 3.175 mm.
 #[test]
 fn a_thread_leaves_over_its_run_out_and_has_starts() {
     assert_eq!(
@@ -62,7 +62,7 @@ fn a_thread_leaves_over_its_run_out_and_has_starts() {
             "1: rapid X30 Z2",
         ]
     );
-    // Inside the depth counts outwards, and the tool leaves towards the axis.
+    // On an inner thread the depth counts outwards, and the tool leaves towards the axis.
     assert_eq!(
         from(20.0, "G86 Z-30 K2 R2 I-1\n"),
         [
@@ -72,7 +72,7 @@ fn a_thread_leaves_over_its_run_out_and_has_starts() {
             "1: rapid X20 Z2",
         ]
     );
-    // A taper: on the way back the tool is clear of its thicker end.
+    // A taper: the tool returns clear of the thicker end.
     assert_eq!(
         from(30.0, "G86 X34 Z-30 P2 R2\n"),
         [
@@ -96,7 +96,8 @@ fn a_single_pass_approaches_cuts_and_leaves() {
             "2: rapid X32 Z2",
         ]
     );
-    // 10 an inch, with a taper to X28; without D and I it begins and ends as it is.
+    // 10 threads per inch with a taper to X28; without D and I the pass has no approach and no
+    // departure.
     assert_eq!(
         from(26.0, "G91 G34 X2 Z-22 K10\n"),
         ["1: thread X28 Z-20 Z lead 2.54 at 0"]
@@ -119,7 +120,7 @@ fn taps_have_their_lead_in_k_or_i() {
     );
 }
 
-/// From Z2: pecks to -6, -14, -20, back by 2 after each, at last out.
+/// From Z2: pecks to -6, -14 and -20, a retract of 2 after each, then out of the hole.
 #[test]
 fn a_deep_hole_is_pecked() {
     assert_eq!(
@@ -133,14 +134,14 @@ fn a_deep_hole_is_pecked() {
             "1: rapid X0 Z2",
         ]
     );
-    // No farther back than the start.
+    // The tool never retracts beyond the start.
     assert_eq!(
         from(0.0, "G83 Z-6 I4 K99 F100\n")[1..3],
         ["1: rapid X0 Z2", "1: line X0 Z-6 F100"]
     );
 }
 
-/// 10 mm of diameter, the last one of them for the finish: 4, 8, 9, 10.
+/// 10 mm of diameter with a finishing cut of 1: 4, 8, 9, 10.
 #[test]
 fn turning_in_steps() {
     let round = |x: &str| {
@@ -156,7 +157,7 @@ fn turning_in_steps() {
         .flat_map(round)
         .collect();
     assert_eq!(from(50.0, "G81 X40 Z-20 I-4 K-1 F100\n"), expected);
-    // A bore, in one cut.
+    // A bore in one cut.
     assert_eq!(
         from(20.0, "G81 X24 Z-20 F100\n"),
         [
@@ -168,8 +169,8 @@ fn turning_in_steps() {
     );
 }
 
-/// A cone from X40 to X50, two passes of 5. The first one, from X45 to X55, comes to the
-/// X50 of the start half way: at Z-9.
+/// A cone from X40 to X50 in two passes of 5. The first one, from X45 to X55, reaches X50 of
+/// the start half way, at Z-9.
 #[test]
 fn a_cone_in_steps_is_not_cut_beyond_the_start() {
     assert_eq!(
@@ -183,7 +184,7 @@ fn a_cone_in_steps_is_not_cut_beyond_the_start() {
             "1: rapid X50 Z2",
         ]
     );
-    // The other way round: the cut begins where the cone comes to X50.
+    // In the opposite direction the cut begins where the cone reaches X50.
     assert_eq!(
         from(50.0, "G81 X40 Z-20 R50 I-5 F100\n")[..3],
         [
@@ -194,7 +195,7 @@ fn a_cone_in_steps_is_not_cut_beyond_the_start() {
     );
 }
 
-/// From Z2 to Z-2, 1.5 a step and 0.5 for the finish: 1.5, 3, 3.5, 4.
+/// From Z2 to Z-2 by 1.5 per step with a finishing cut of 0.5: 1.5, 3, 3.5, 4.
 #[test]
 fn facing_in_steps() {
     let round = |z: &str| {
@@ -212,7 +213,7 @@ fn facing_in_steps() {
     assert_eq!(from(60.0, "G82 X20 Z-2 I-1.5 K-0.5 F100\n"), expected);
 }
 
-/// K of M20 is the number of a relay: no centre under G03, no chamfer under G01.
+/// K of M20 is a relay number: no centre under G03, no chamfer under G01.
 #[test]
 fn a_relay_number_is_no_length() {
     assert_eq!(
@@ -248,7 +249,7 @@ fn all_lengths_are_scaled_and_nothing_else() {
             "4: line X40 Z-10 F100",
             "5: nothing",
             "6: line X44 Z-12 F100",
-            // Half a circle: the centre 10 before the start, the end 20.
+            // Half a circle: the centre is 10 before the start, the end 20.
             "7: ccw X44 Z-32 about X44 Z-22 F100",
             "8: dwell 2000",
             "9: outputs on 100 off 0 0ms",
@@ -261,7 +262,7 @@ fn all_lengths_are_scaled_and_nothing_else() {
     );
 }
 
-/// The factor counts in the blocks of a contour, and in the one that a corner looks at.
+/// The factor scales the blocks of a contour, and the block that a corner reads ahead.
 #[test]
 fn corners_and_contours_are_scaled() {
     let bare = from(50.0, "G01 Z-40 R2 F100\nX100\n");
@@ -309,7 +310,8 @@ fn returns_lead_to_machine_zero_and_to_the_start() {
             "4: rapid X100 Z50",
         ]
     );
-    // G92 names the start (200, 80); G55 moves the zero by (10, 5), and G76 with it.
+    // G92 makes (200, 80) the start. G55 moves the zero by (10, 5), and with it the target of
+    // G76.
     let lines = trace(
         at(100.0, 50.0),
         "G92 X200 Z80\nG00 X160 Z40\nG55 X10 Z5\nG76\nG75\n",
@@ -325,7 +327,7 @@ fn returns_lead_to_machine_zero_and_to_the_start() {
     );
 }
 
-/// Under G91, too, G92 names the point where the tip stands.
+/// Also under G91, G92 sets coordinates of the current point.
 #[test]
 fn coordinates_are_set_under_increments() {
     let mut bench = Bench::at(100.0, 50.0).of_model(ModelId::Hx31);

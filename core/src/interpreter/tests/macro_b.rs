@@ -10,7 +10,7 @@ fn bench() -> Bench {
     bench
 }
 
-/// Runs a text that must end well, and gives #100.
+/// Runs a text that must end without an alarm, and returns #100.
 fn result(text: &str) -> Option<f64> {
     let mut bench = bench();
     bench.open(text);
@@ -72,7 +72,7 @@ fn formulas() {
         ("4XORSQRT[1]", 5.0),
     ] {
         if formula.starts_with("# ") {
-            // No blank between # and its number.
+            // A blank between # and its number is wrong.
             assert_eq!(fault(&format!("#100={formula};")), (114, 1), "{formula}");
             continue;
         }
@@ -140,7 +140,7 @@ fn round_in_a_word_rounds_to_the_increment() {
     assert_eq!(bench.shown().1, 0.0);
 }
 
-/// Manual of macro B: the sum of 1 to 10, by GOTO and by WHILE.
+/// The example of the manual of macro B: the sum of 1 to 10, by GOTO and by WHILE.
 #[test]
 fn sums_of_the_manual() {
     let jumps =
@@ -155,11 +155,11 @@ fn loops_stand_in_each_other() {
     let text = "#1=0;\nWHILE[#1LT3]DO1;\n#1=#1+1;\n#2=0;\nWHILE[#2LT4]DO2;\n#2=#2+1;\n#3=0;\nDO3;\n\
                 #3=#3+1;\nIF[#3GE5]GOTO50;\n#100=#100+1;\nEND3;\nN50;\nEND2;\nEND1;";
     assert_eq!(result(text), Some(3.0 * 4.0 * 4.0));
-    // The same number again, one loop after the other.
+    // The same number for two loops in sequence.
     let text =
         "DO1;\n#100=#100+1;\nIF[#100GT3]GOTO2;\nEND1;\nN2 WHILE[#100LT9]DO1;\n#100=#100+1;\nEND1;";
     assert_eq!(result(text), Some(9.0));
-    // A condition that never holds passes all that stands in the loop.
+    // A condition that never holds skips everything inside the loop.
     let text = "#100=1;\nWHILE[1EQ2]DO1;\nWHILE[1EQ1]DO2;\n#100=5;\nEND2;\nEND1;\n";
     assert_eq!(result(text), Some(1.0));
 }
@@ -237,7 +237,7 @@ fn with(programs: &[&str]) -> Bench {
     bench
 }
 
-/// Manual of macro B, 2.8: each run of the macro begins with its arguments.
+/// Manual of macro B, 2.8: each run of the macro starts with its arguments.
 #[test]
 fn a_call_has_variables_of_its_own() {
     let called = "O9010;\n#3=#1+#2;\nIF[#3GT360]GOTO9;\nG00 W#3;\nN9 M99;\n";
@@ -303,9 +303,9 @@ fn moves_call_the_modal_macro() {
     let mut bench = with(&["O9110;\n#100=#100+#26;\n#26=#26*2;\nM99;\n"]);
     bench.open("O1;\n#100=0;\nG66 P9110 Z1;\nM08;\nG00 X10;\nG00 X20;\n#5=1;\nG00 X30;\nG67;\nG00 X40;\nM30;\n");
     assert_eq!(bench.rest().1, None);
-    // One, two and four: its variables stay until G67.
+    // One, two and four: the variables stay until G67.
     assert_eq!(bench.variables.real(100), Some(7.0));
-    // A move in the macro calls the G66 before.
+    // A move in the macro calls the earlier G66.
     let outer = "O9111;\n#101=#101+1;\nG00 W-1;\nM99;\n";
     let inner = "O9112;\n#102=#102+1;\nG00 W-1;\nG00 W-1;\nM99;\n";
     let mut bench = with(&[outer, inner]);
@@ -313,7 +313,7 @@ fn moves_call_the_modal_macro() {
     assert_eq!(bench.rest().1, None);
     assert_eq!(bench.variables.real(101), Some(3.0));
     assert_eq!(bench.variables.real(102), Some(1.0));
-    // None in compensation, where M98 is none either.
+    // No call under nose radius compensation, where M98 is refused, too.
     let compensated =
         "G66 P9111;\nT0101;\nG42 G00 X10 Z10;\nG01 Z0 F100;\nG01 Z-5;\nG40 G00 X20;\n";
     let mut bench = with(&[outer]).with_bit(2, 1, true);
@@ -370,7 +370,7 @@ fn signals_of_the_ladder() {
     assert_eq!(fault("#1000=1;"), (116, 1));
 }
 
-/// A program in the language of G65 H alone is read as without the option.
+/// A program with G65 H only is read as without the option.
 #[test]
 fn both_languages() {
     for with_option in [false, true] {
@@ -379,11 +379,11 @@ fn both_languages() {
         bench.trace("G50 X0 Z0;\nG65 H01 P#200 Q150;\nG00 W#200;\n");
         assert_eq!(bench.shown().1, 0.15, "{with_option}");
     }
-    // In one with formulas the variable counts in millimetres.
+    // In a program with formulas the variable is in millimetres.
     let mut bench = bench();
     bench.trace("G50 X0 Z0;\nG65 H01 P#200 Q15;\n#201=1;\nG00 W#200;\n");
     assert_eq!(bench.shown().1, 15.0);
-    // One value for both, but for its fraction.
+    // Both languages share the variable, except for its fraction.
     let mut bench = self::bench();
     bench.trace("#500=2.75;\nG65 H02 P#501 Q#500 R1;\n#100=#500+#501;\n");
     assert_eq!(bench.variables.real(100), Some(5.75));

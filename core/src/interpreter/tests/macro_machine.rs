@@ -11,7 +11,7 @@ fn bench() -> Bench {
     bench
 }
 
-/// Runs a text that must end well.
+/// Runs a text that must end without an alarm.
 fn run(bench: &mut Bench, text: &str) {
     bench.open(text);
     let (_, alarm) = bench.rest();
@@ -46,7 +46,7 @@ fn offsets_are_read_and_written() {
     assert_eq!(bench.offsets.get(1), written);
 }
 
-/// A written offset acts with the next T.
+/// A written offset takes effect with the next T.
 #[test]
 fn a_written_offset_acts_with_the_next_t() {
     let trace = bench().trace("T0101;\nG00 X100 Z50;\n#2001=2;\nX100;\nT0101;\nX100;\n");
@@ -104,7 +104,7 @@ fn clock_and_timers() {
     assert_eq!(fault("#3002=-1;"), (111, 1));
 }
 
-/// What the machine does meanwhile is not read ahead of it.
+/// Values that the machine changes are not read ahead.
 #[test]
 fn values_of_the_machine_wait_for_it() {
     for text in ["#100=#3001;", "#100=#3901;", "#3003=1;", "#2001=1;"] {
@@ -144,7 +144,7 @@ fn counters_and_switches() {
 fn settings_are_bits() {
     let mut bench = bench();
     let trace = bench.trace("#100=#3005;\n#3005=#3005 OR 16;\nG00 X1.0 Z2.0;\n");
-    // ISO code is on as delivered.
+    // The default of ISO code is on.
     assert_eq!(bench.variables.real(100), Some(8.0));
     assert!(bench.settings.inch && bench.settings.iso);
     assert_eq!(trace[2], "3: rapid X25.4 Z50.8 |");
@@ -175,7 +175,7 @@ fn a_g_code_calls_with_arguments() {
     assert_eq!(bench.variables.real(101), Some(20.0));
 }
 
-/// In a macro that a G code calls, codes are ordinary: G01 cuts.
+/// In a macro that a G code calls, codes are ordinary ones: G01 cuts.
 #[test]
 fn a_g_code_redefines_one_of_the_control() {
     let mut bench = calling(&[(220, 1)], &["O9010;\nG01 Z-#26 F100;\nM99;"]);
@@ -194,8 +194,8 @@ fn m_codes_call() {
     );
     run(&mut bench, "M70 A2;\nM30;");
     assert_eq!(bench.variables.real(100), Some(2.0));
-    // A block of M71 moves first, then O9001 runs as often as L says; M70 is an ordinary
-    // code in it, and the control has none.
+    // A block of M71 moves first, then O9001 runs L times. In it M70 is an ordinary code,
+    // which the control does not have.
     bench.open("G00 Z7 M71 L2;\nM30;");
     let (commands, alarm) = bench.rest();
     assert_eq!(alarm.map(|alarm| alarm.number), Some(19));
@@ -225,11 +225,11 @@ fn calls_that_are_wrong() {
     assert_eq!(fault("G81 L10000;"), (43, 1));
     assert_eq!(fault("M71;"), (78, 1));
     assert_eq!(fault("M71 L0;"), (43, 1));
-    // Without the option the code means what it meant.
+    // Without the option the code has its ordinary meaning.
     let mut bench = calling(&[(220, 81)], &["O9010;\nM99;"]);
     bench.interpreter.set_macro_b(false);
     assert_eq!(bench.fault("G81 X1;"), (10, 1));
-    // Nesting: four macros.
+    // Four macros may be nested.
     let nested = calling(&[(230, 70)], &["O9020;\nM70;\nM99;"]).fault("M70;");
     assert_eq!(nested.0, 77);
 }
@@ -252,7 +252,7 @@ fn keyed_in() {
         )
     };
     let statement = "#100=SIN[30]*40".to_owned();
-    // A word that was keyed in before goes.
+    // The statement replaces a word that was keyed in before.
     assert_eq!(
         enter(&mut bench, &["X5", "#100=sin[30]*40;"]),
         (Some(statement), None)
@@ -268,7 +268,7 @@ fn keyed_in() {
     assert_eq!(enter(&mut bench, &["G65 P9010"]).1, Some(10));
     assert_eq!(enter(&mut bench, &["G66 P9010"]).1, Some(10));
     assert_eq!(enter(&mut bench, &["GOTO5"]).1, Some(128));
-    // G65 H is words, and a word takes the place of a statement.
+    // G65 H consists of words, and a word replaces a statement.
     assert_eq!(
         enter(&mut bench, &["#100=1", "G65", "H1", "P#200", "Q7"]).0,
         None
@@ -285,7 +285,7 @@ fn keyed_in() {
     assert!(without.is_err() && mdi.is_empty());
 }
 
-/// The Huaxing lathes: #1 to #99, values and formulas, no statement besides.
+/// The Huaxing lathes have #1 to #99, values and formulas, and no other statements.
 #[test]
 fn variables_of_the_huaxing_lathes() {
     let bench = || Bench::new().of_model(ModelId::Hx31);

@@ -5,7 +5,7 @@ use crate::interpreter::Step;
 use crate::interpreter::macros::arithmetic::{Operands, Operation, work_out};
 use crate::memory::{ToolOffset, Variables};
 
-/// Runs a text that must end well, and gives #200.
+/// Runs a text that must end without an alarm, and returns #200.
 fn result(text: &str) -> i64 {
     let mut bench = Bench::new();
     bench.open(text);
@@ -75,7 +75,7 @@ fn operands_are_variables_with_a_sign() {
         result("G65 H01 P#201 Q30;\nG65 H01 P#202 Q-4;\nG65 H02 P#200 Q-#201 R-#202;"),
         -26
     );
-    // A vacant variable is zero; the words may stand in any order.
+    // A vacant variable is zero; the order of the words is free.
     assert_eq!(result("N5 G65 R#515 Q9 P#200 H02;"), 9);
     assert_eq!(result("G65 H1 P#230 Q2;\nG65 H#230 P#200 Q40 R2;"), 42);
 }
@@ -154,7 +154,7 @@ fn variables_in_words() {
         "G65 H01 P#200 Q10;\nG65 H01 P#201 Q-2500;\nG65 H01 P#202 Q150;\nG65 H1 P#203 Q1;\n";
     let trace = Bench::new().trace(&format!("{start}G#203 X#200 Z-#201 F#202;"));
     assert_eq!(trace[4], "5: line X0.01 Z2.5 F150 |");
-    // #9200: the variable whose number stands in #200; #200 = 205, #205 = 500.
+    // #9200 is the variable whose number is in #200; #200 = 205, #205 = 500.
     let mut bench = Bench::new();
     let trace = bench
         .trace("G65 H01 P#200 Q205;\nG65 H01 P#9200 Q500;\nG00 X#9200;\nG04 X#205;\nG04 P#205;");
@@ -189,13 +189,13 @@ fn jumps_search_forward_or_backward_first() {
     assert_eq!(marked("H82 P10 Q1 R1"), 11);
     assert_eq!(marked("H80 P10"), 11);
     assert_eq!(marked("H80 P99"), 1);
-    // Backward: N10 before the jump comes first, for ever.
+    // Backward, N10 before the jump comes first, so the loop never ends.
     let mut bench = Bench::new();
     bench
         .open("N10 G65 H02 P#200 Q#200 R1;\nG65 H84 P-10 Q#200 R5;\nN10 G65 H02 P#200 Q#200 R100;");
     assert_eq!(bench.rest().1, None);
     assert_eq!(bench.variables.get(200), Some(105));
-    // From the beginning when there is none after it; to itself at last.
+    // The search continues from the beginning, and last reaches the jump itself.
     assert_eq!(
         result("N3 G65 H02 P#200 Q#200 R1;\nG65 H84 P3 Q#200 R7;"),
         7
@@ -204,7 +204,7 @@ fn jumps_search_forward_or_backward_first() {
         result("G65 H01 P#205 Q-4;\nN4 G65 H02 P#200 Q#200 R1;\nG65 H84 P#205 Q#200 R3;"),
         3
     );
-    // A jump stays in its program and keeps the calls.
+    // A jump stays in its program and keeps its calls.
     let mut bench = Bench::new();
     bench
         .programs
@@ -331,7 +331,7 @@ fn bar_feed_example() {
 
 #[test]
 fn under_nose_compensation() {
-    // A waiting loop lets the move before it run out, and goes on when told.
+    // A waiting loop lets the move before it finish and continues when its signal arrives.
     let mut bench = Bench::new().with_bit(2, 1, true);
     let nose = ToolOffset {
         r: 0.8,

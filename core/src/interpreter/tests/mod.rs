@@ -1,4 +1,4 @@
-//! Checkable facts of the manual, over a small host.
+//! Tests of facts of the manual, over a small host.
 
 mod blocks;
 mod calls_and_units;
@@ -35,7 +35,7 @@ use crate::model::{ControlModel, ModelId};
 use crate::program::{Program, ProgramMemory};
 use crate::units::{Feed, PerAxis, Point};
 
-/// A control that carries everything out at once.
+/// A control that carries out everything at once.
 pub(super) struct Bench {
     pub(super) parameters: Parameters,
     pub(super) offsets: Offsets,
@@ -138,7 +138,7 @@ impl Host for World<'_> {
 }
 
 impl Bench {
-    /// At X300 Z300 with an analog spindle and offset 01 = X0.040 Z0.020.
+    /// A bench at X300 Z300 with an analog spindle and offset 01 = X0.040 Z0.020.
     pub(super) fn new() -> Self {
         let mut parameters = Parameters::default();
         parameters.set_bit(1, 4, true).unwrap();
@@ -183,7 +183,7 @@ impl Bench {
         }
     }
 
-    /// At a point given as diameter and Z.
+    /// A bench at a point given as diameter and Z.
     pub(super) fn at(x: f64, z: f64) -> Self {
         Self {
             machine: Point::new(x / 2.0, z),
@@ -248,7 +248,7 @@ impl Bench {
         interpreter.reset(&world);
     }
 
-    /// All commands of the run under way, at most 10 000, and its alarm.
+    /// All remaining commands of the current run, at most 10 000, and its alarm.
     pub(super) fn rest(&mut self) -> (Vec<Command>, Option<Alarm>) {
         let mut commands = Vec::new();
         while commands.len() < 10_000 {
@@ -261,8 +261,8 @@ impl Bench {
         (commands, None)
     }
 
-    /// Runs a text to its end and writes down what happens, without the checks
-    /// before cycles of threads.
+    /// Runs a text to its end and returns its commands in short, without the checks before
+    /// cycles of threads.
     pub(super) fn trace(&mut self, text: &str) -> Vec<String> {
         self.open(text);
         let (commands, alarm) = self.rest();
@@ -278,7 +278,7 @@ impl Bench {
         lines
     }
 
-    /// The alarm that a text ends with, and its line.
+    /// The number and the line of the alarm that ends a text.
     pub(super) fn fault(&mut self, text: &str) -> (u16, u32) {
         self.open(text);
         let (_, alarm) = self.rest();
@@ -291,14 +291,14 @@ impl Bench {
         (alarm.number, alarm.source.map_or(0, |source| source.line))
     }
 
-    /// Absolute position as diameter and Z.
+    /// Absolute position as diameter and Z, mm.
     pub(super) fn shown(&self) -> (f64, f64) {
         let point = self.interpreter.position();
         (point.diameter().0, point.z)
     }
 
-    /// One command in short: machine positions with X as a diameter, `|` for a
-    /// stop of single block.
+    /// A command in short: machine positions with X as a diameter; `|` is a stop of single
+    /// block.
     fn describe(&self, command: &Command) -> String {
         let xz = |point: Point| format!("X{} Z{}", short(point.x * 2.0), short(point.z));
         let per = |feed: Feed| match feed {
@@ -400,7 +400,7 @@ fn target(action: &Action) -> Option<Point> {
     }
 }
 
-/// Up to six decimals, without zeros at the end.
+/// A number with at most six decimals, without zeros at the end.
 fn short(value: f64) -> String {
     let text = format!("{value:.6}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

@@ -66,7 +66,7 @@ fn arcs_by_centre() {
     let trace = Bench::at(0.0, 0.0).trace("G03 X24 Z-24 K-15 F100;\nG02 X26 Z-31 I4 K-3;\n");
     assert_eq!(trace[0], "1: ccw X24 Z-24 about X0 Z-15 F100 |");
     assert_eq!(trace[1], "2: cw X26 Z-31 about X32 Z-27 F100 |");
-    // R wins over I, K.
+    // R overrides I and K.
     let trace = Bench::at(0.0, 0.0).trace("G03 X24 Z-24 R15 I99 K99 F100;");
     assert_eq!(trace[0], "1: ccw X24 Z-24 about X0 Z-15 F100 |");
 }
@@ -88,20 +88,20 @@ fn full_circles_need_a_centre() {
 
 #[test]
 fn an_arc_may_exceed_half_a_turn_by_centre_only() {
-    // Quarter of a circle the long way round: I, K say which.
+    // A quarter circle the long way round: only I and K can command it.
     let trace = Bench::at(20.0, 0.0).trace("G02 X0 Z-10 I-10 F50;");
     assert_eq!(trace[0], "1: cw X0 Z-10 about X0 Z0 F50 |");
 }
 
 #[test]
 fn a_centre_that_does_not_fit_moves() {
-    // Start (0,0), end (0,-20), programmed centre 1 mm off the middle; the
-    // radius sqrt(101) stays, so the centre comes to the nearer side.
+    // Start (0,0), end (0,-20), programmed centre 1 mm off the middle. The radius sqrt(101)
+    // stays, so the centre moves to the nearer side.
     let trace = Bench::at(0.0, 0.0).trace("G02 X0 Z-20 I1 K-10 F50;");
     assert_eq!(trace[0], "1: cw X0 Z-20 about X2 Z-10 F50 |");
     let trace = Bench::at(0.0, 0.0).trace("G02 X0 Z-18 I0 K-10 F50;");
     assert_eq!(trace[0], "1: cw X0 Z-18 about X8.717798 Z-9 F50 |");
-    // 0.002 mm is near enough to leave the centre alone.
+    // An error of 0.002 mm leaves the centre as programmed.
     let trace = Bench::at(0.0, 0.0).trace("G02 X0 Z-20.002 K-10 F50;");
     assert_eq!(trace[0], "1: cw X0 Z-20.002 about X0 Z-10 F50 |");
 }

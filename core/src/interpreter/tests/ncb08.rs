@@ -1,4 +1,4 @@
-//! The NC-B08: codes that mean something else there, and those that only it has.
+//! The NC-B08: codes with another meaning there, and codes that only it has.
 
 use super::Bench;
 use crate::model::{ControlModel, ModelId};
@@ -12,7 +12,7 @@ fn trace(text: &str) -> Vec<String> {
     trace_of(bench(), text)
 }
 
-/// Without the lines' numbers and the stops of single block.
+/// The trace without line numbers and stops of single block.
 fn trace_of(mut bench: Bench, text: &str) -> Vec<String> {
     let lines = bench.trace(text);
     let bare = |line: &String| {
@@ -34,7 +34,7 @@ fn a_full_circle_has_its_centre_by_i_and_k() {
     );
 }
 
-/// C47: by R there is no centre.
+/// C47: R does not define the centre of a full circle.
 #[test]
 fn a_full_circle_by_r_is_e433() {
     assert_eq!(bench().fault("G02 X10 Z20 R8 F100;"), (433, 1));
@@ -147,7 +147,7 @@ fn what_it_does_not_have_is_alarm_010() {
         assert_eq!(bench().fault(&format!("{code};")), (10, 1), "{code}");
     }
     assert_eq!(bench().fault("M12;"), (19, 1));
-    // And those of others on the GSK980TD.
+    // The GSK980TD does not have the codes of other models.
     assert_eq!(Bench::new().fault("G27;"), (10, 1));
     assert_eq!(Bench::new().fault("M21;"), (19, 1));
     assert_eq!(Bench::new().fault("M10 P3 D500;"), (9, 1));

@@ -1,5 +1,4 @@
-//! G40, G41, G42 in the stream of commands; the geometry has its own cases
-//! (`compensation/tests`).
+//! G40, G41 and G42 in the stream of commands. `compensation/tests` tests the geometry.
 
 use super::Bench;
 use crate::command::{Action, Command};
@@ -8,7 +7,7 @@ use crate::memory::ToolOffset;
 use crate::program::Program;
 use crate::units::{Feed, Point};
 
-/// Row 01: R1 T3, row 02: R2 T3, without offsets.
+/// Offset rows without X and Z: 01 is R1 T3, 02 is R2 T3.
 fn bench(x: f64, z: f64) -> Bench {
     let mut bench = Bench::at(x, z).with_bit(2, 1, true);
     for number in [1, 2] {
@@ -108,8 +107,7 @@ fn three_blocks_are_under_way_and_m00_ends_reading() {
         let read = bench.interpreter.cursor().unwrap().line;
         reads.push((command.source.line, read));
     }
-    // The start-up is given out when the next move is known, and so on; M, S and
-    // T are read early, M00 is not.
+    // A move is given out when the next one is known. M, S and T are read early, M00 is not.
     assert_eq!(reads, [(2, 3), (3, 5), (4, 5), (4, 5), (5, 5)]);
     assert_eq!(bench.next(), Ok(Step::Wait));
     assert_eq!(bench.machine, Point::new(29.0, 0.0));
@@ -166,7 +164,7 @@ fn subprograms_are_called_and_left_without_it() {
         assert_eq!(found, (36, line), "{text}");
         bench.reset();
     }
-    // The move that cancels may call; the main program may start again.
+    // The move that cancels may call, and the main program may start again.
     bench.machine = Point::new(20.0, 10.0);
     assert!(
         !trace(&mut bench, "G42 G01 Z5\nZ0\nG40 X50 M98 P5\nM30")
@@ -313,7 +311,7 @@ fn alarms_and_their_blocks() {
     assert_eq!(fault("G42 G01 Z5\nZ0\nZ0"), (50, 4));
     assert_eq!(fault("G42\nG02 X60 Z0 R10"), (34, 3));
     assert_eq!(fault("G42 G01 Z5\nZ0\nG40\nG02 X60 Z-10 R10"), (56, 5));
-    // The data of an arc without compensation: alarm 013, and the centre moves.
+    // Arc data without compensation: alarm 013, and the centre moves.
     assert_eq!(fault("G02 X60 Z-10 I0 K0"), (13, 2));
 }
 
@@ -328,7 +326,7 @@ fn where_an_alarm_stops_the_tool() {
     assert_eq!(at("G42 G01 Z5\nZ0\nZ0"), (40.0, 4.0));
     assert_eq!(at("G42 G01 Z5\nZ0\nG02 X60 Z-10 I0 K0"), (40.0, 4.0));
     assert_eq!(at("G42 G01 Z5\nZ0\nG02 X41 Z-0.5 R0.5"), (40.0, 4.0));
-    // At the start of a block: the one before is carried out.
+    // At the start of a block: the previous block is carried out.
     assert_eq!(at("G42 G01 Z5\nZ0\nG02 X60 Z-10 I10 K0.05"), (40.0, -1.0));
     assert_eq!(at("G42 G01 Z5\nZ0\nM98 P9"), (40.0, -1.0));
     assert_eq!(at("G42 G02 X60 Z0 R10"), (40.0, 10.0));
@@ -401,7 +399,7 @@ fn a_saved_interpreter_goes_on_with_it() {
     }
 }
 
-/// What a program does, without the lines it comes from.
+/// What a program does, without line numbers.
 fn path(blocks: &str) -> Vec<String> {
     trace(&mut bench(40.0, 10.0), blocks)
         .iter()
@@ -422,7 +420,7 @@ fn chamfers_and_corner_arcs_are_two_moves() {
             "G42 G00 X40 Z2\nG01 Z-15\nG02 X50 Z-20 R5\nG01 X54\nG03 X60 Z-23 R3\n\
              G01 Z-40\nG40 G00 X80",
         ),
-        // In the move that starts the compensation and in the one that cancels it.
+        // In the moves that start and cancel the compensation.
         (
             "G42 G01 Z-20 I5\nX60\nZ-40 I4\nG40 X80",
             "G42 G01 Z-15\nX50 Z-20\nX60\nZ-36\nX68 Z-40\nG40 X80",
@@ -443,6 +441,6 @@ fn a_corner_arc_without_a_straight_part_starts_nothing() {
 
 #[test]
 fn a_corner_arc_smaller_than_the_nose_is_an_alarm() {
-    // Inside the corner the nose does not fit: from the face down to the cylinder.
+    // The nose does not fit into the inner corner from the face down to the cylinder.
     assert_eq!(fault("G41 G00 X60 Z2\nG01 Z-20 R-0.5\nX20\nG40 X10").0, 53);
 }

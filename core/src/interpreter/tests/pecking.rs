@@ -34,7 +34,7 @@ fn the_face_groove_of_the_manual() {
             "2: rapid X40 Z2 |",
         ]
     );
-    // 33 pecks with 32 retracts, then out and to the next column.
+    // 33 pecks with 32 retracts, then out of the groove and to the next column.
     assert_eq!(
         trace[64..70],
         [
@@ -76,7 +76,7 @@ fn the_groove_of_the_manual() {
 
 #[test]
 fn the_relief_and_the_last_column() {
-    // Columns at X40, 37, 35; relief 0.8 against the way of the columns.
+    // Columns at X40, 37 and 35; a relief of 0.8 against the direction of the columns.
     let trace = Bench::at(40.0, 0.0).trace("G74 X35 Z-5 P3000 Q3000 R0.8 F50;");
     assert_eq!(
         trace[..16],
@@ -139,7 +139,7 @@ fn all_four_quadrants() {
 fn one_column() {
     for text in [
         "G74 Z-5 Q3000 F50;",
-        // Without X and P the relief is none.
+        // Without X and P the relief is 0.
         "G74 Z-5 Q3000 R1 F50;",
         "G74 X40 Z-5 P1000 Q3000 R1 F50;",
     ] {

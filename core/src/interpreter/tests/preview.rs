@@ -125,7 +125,7 @@ fn bounds_include_the_bulge_of_an_arc() {
 #[test]
 fn machine_times_are_counted() {
     let motionless = check("M08;\nM09;\nT0301;").0.time_s;
-    // Twice 080, two stations, clamping and 085.
+    // Twice 080, two stations, the clamping time and 085.
     assert!(
         (motionless - (0.5 + 0.5 + 2.0 * 0.6 + 0.1 + 1.0)).abs() < 1e-9,
         "{motionless}"

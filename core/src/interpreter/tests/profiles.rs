@@ -25,7 +25,8 @@ fn profile_faults() {
         ("G72", "N1 G00 Z2;\nN9 G01 X30;", 65),
         ("G73", "N1 X30;\nN9 G01 Z-5;", 65),
         ("G73", "N1 G00 X30;\nN9 M08;", 65),
-        // No way along, back along, deeper again, arcs beyond a quadrant.
+        // No motion along, motion back along, motion deeper again, arcs of more than a
+        // quadrant.
         ("G71", "N1 G00 X30;\nN9 G01 X40;", 65),
         ("G71", "N1 G00 X30;\nG01 Z-5;\nZ-4;\nN9 Z-9;", 65),
         ("G71", "N1 G00 X30;\nG01 Z-5;\nX40;\nX39.999;\nN9 Z-9;", 65),
@@ -41,7 +42,7 @@ fn profile_faults() {
         ("G70", "N1 G00 X30;\nG65 H01 P#200 Q1;\nN9 G01 Z-9;", 66),
         ("G71", "N1 G00 X30;\nM98 P5;\nN9 G01 Z-9;", 64),
         ("G70", "N1 G00 X30;\nM99;\nN9 G01 Z-9;", 64),
-        // Where it stands.
+        // The position of the profile.
         ("G71", "N1 G00 X30;\nG01 Z-9;", 63),
         ("G72", "N9 G00 X30;\nG01 Z-9;", 63),
         ("G70", "N9 G00 X30;\nN1 G01 Z-9;", 16),

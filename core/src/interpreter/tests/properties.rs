@@ -8,7 +8,7 @@ use super::{Bench, target};
 use crate::command::Action;
 use crate::memory::ToolOffset;
 
-/// Thousandths as a program writes them.
+/// Thousandths of a millimetre as a program contains them.
 fn mm(thousandths: i64) -> String {
     let sign = if thousandths < 0 { "-" } else { "" };
     let size = thousandths.abs();
@@ -19,8 +19,8 @@ fn steps() -> impl Strategy<Value = Vec<(i64, i64, u8)>> {
     prop::collection::vec((-90_000_i64..90_000, -90_000_i64..90_000, 0_u8..4), 1..60)
 }
 
-/// A block of a turning program: mostly straight moves, now and then something that the
-/// moves after it depend on.
+/// A block of a turning program: usually a straight move, sometimes a block that affects the
+/// following moves.
 fn block() -> impl Strategy<Value = String> {
     let number = || (-40_000_i64..40_000).prop_map(mm);
     let axis = move |absolute: char, increment: char| {
@@ -43,7 +43,7 @@ fn block() -> impl Strategy<Value = String> {
     ];
     let moves = (head, code, axis('X', 'U'), axis('Z', 'W'), arc, feed)
         .prop_map(|(head, code, x, z, arc, feed)| format!("{head}{code}{x}{z}{arc}{feed}"))
-        // An empty block repeats a cycle, a word in it does not.
+        // An empty block repeats a cycle; with a word in it, it does not.
         .prop_filter("no word", |text| !matches!(text.as_str(), "" | "N20" | "/"));
     let other = prop::sample::select(vec![
         "G01 X10. Z10. R1.5",
@@ -67,7 +67,7 @@ fn block() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    /// A word that changes nothing keeps a block from being read as a plain move.
+    /// A word that changes nothing keeps the reader from taking a block as a plain move.
     #[test]
     fn a_plain_move_is_what_its_block_is(
         blocks in prop::collection::vec(block(), 1..40),

@@ -46,7 +46,7 @@ fn the_shaft_of_the_manual() {
     assert_eq!(count(&trace, "2: line"), 19 * 2 + 4);
     // Level 13: X97 on the cone from (61, -78) to (101, -88).
     assert!(trace.contains(&"2: line X97 Z-87 F100 |".to_string()));
-    // The last infeed hits B' exactly: from X49 of level 19 to X41.
+    // The last infeed reaches B' exactly: from X49 of level 19 to X41.
     let tail = &trace[trace.len() - 9..];
     assert_eq!(
         tail,
@@ -132,7 +132,7 @@ fn all_four_quadrants_mirror() {
     let run = |sx: f64, sz: f64| {
         let f = |x: f64| 100.0 + sx * x;
         let g = |z: f64| sz * z;
-        // Turning towards +Z mirrors the turn of an arc, and so does inside.
+        // Turning towards +Z mirrors the direction of an arc, and so does an inner contour.
         let arc = if sx * sz > 0.0 { "G02" } else { "G03" };
         let text = format!(
             "G71 U3 R0.5 F100;\nG71 P1 Q4 U{} W{};\nN1 G01 X{};\nZ{};\n{arc} X{} Z{} R10;\nN4 G01 X{} Z{};\n",
@@ -172,7 +172,7 @@ fn infeeds_go_as_ns_does() {
     assert_eq!(
         trace[1..8],
         [
-            // No allowance, no approach; no retract, no escape.
+            // Without an allowance there is no approach; without a retract no escape.
             "2: line X40 Z2 F80 |",
             "2: line X40 Z-20 F80 |",
             "2: rapid X40 Z2 |",
@@ -200,7 +200,7 @@ fn a_short_way_is_the_contour_pass_only() {
 
 #[test]
 fn the_escape_does_not_pass_the_start() {
-    // The wall at Z1.5 leaves a cut of 0.5 only.
+    // The wall at Z1.5 leaves a cut of only 0.5.
     let trace =
         Bench::at(50.0, 2.0).trace("G71 U5 R2;\nG71 P1 Q3 F80;\nN1 G00 X30;\nG01 Z1.5;\nN3 X50;\n");
     assert_eq!(
@@ -228,7 +228,7 @@ fn arguments_come_from_parameters() {
     bench.parameters.set(52, 500).unwrap();
     let trace = bench.trace("G71 P1 Q2 F80;\nN1 G00 X30;\nN2 G01 Z-20;\n");
     assert_eq!(trace[2], "1: line X41 Z-19.5 F80 |");
-    // R may stand in the block of the cycle as well.
+    // R may be in the block of the cycle, too.
     let trace =
         Bench::at(50.0, 2.0).trace("G71 U5;\nG71 P1 Q2 R2 F80;\nN1 G00 X30;\nN2 G01 Z-20;\n");
     assert_eq!(trace[3], "2: line X44 Z-18 F80 |");
@@ -240,7 +240,7 @@ fn blocks_before_the_profile_are_skipped() {
     let trace = Bench::at(50.0, 2.0).trace(text);
     assert_eq!(count(&trace, "3:"), 0);
     assert_eq!(trace[trace.len() - 2], "6: M08 |");
-    // A profile before its cycle: the run goes on behind the cycle.
+    // A profile before its cycle: the run continues after the cycle.
     let text =
         "G01 F50;\nM09;\nN1 G00 X30;\nN2 G01 Z-20;\nG00 X50 Z2;\nG71 U10;\nG71 P1 Q2;\nM08;\n";
     let trace = Bench::at(50.0, 2.0).trace(text);

@@ -1,8 +1,8 @@
-//! Properties of the roughing cycles over random profiles, checked by a sweep
-//! that knows nothing of how the cycles work.
+//! Properties of the roughing cycles over random profiles, checked by a sweep that is
+//! independent of the cycles.
 //!
 //! ```text
-//!   part + allowance = what lies beneath the moved contour
+//!   part + allowance = everything below the shifted contour
 //!   1 no cut reaches into it
 //!   2 before the contour pass nothing above it is thicker than the depth of cut
 //! ```
@@ -15,8 +15,7 @@ use super::Bench;
 use crate::command::Action;
 use crate::units::Point;
 
-/// A step of a profile in thousandths: way along, way back in depth, and what
-/// joins them.
+/// A step of a profile in thousandths: distance along, distance back in depth, and its shape.
 #[derive(Clone, Copy, Debug)]
 struct Leg {
     along: i64,
@@ -26,7 +25,7 @@ struct Leg {
 
 fn legs() -> impl Strategy<Value = Vec<Leg>> {
     let leg = (0_i64..9_000, 0_i64..9_000, 0_u8..4).prop_map(|(along, back, arc)| Leg {
-        // Some walls and some straight stretches.
+        // Some legs are walls, some straight stretches.
         along: if along < 1_000 { 0 } else { along },
         back: if back < 1_000 { 0 } else { back },
         arc,
@@ -34,7 +33,7 @@ fn legs() -> impl Strategy<Value = Vec<Leg>> {
     prop::collection::vec(leg, 1..12)
 }
 
-/// The contour as short chords, radius and Z.
+/// Appends the contour as short chords, radius and Z.
 fn chords(from: Point, to: Point, center: Option<(Point, bool)>, out: &mut Vec<Point>) {
     let Some((center, clockwise)) = center else {
         out.push(to);
@@ -57,7 +56,8 @@ fn chords(from: Point, to: Point, center: Option<(Point, bool)>, out: &mut Vec<P
     }
 }
 
-/// Height of a chain of chords that rises one way along, at a place.
+/// Least and greatest height (radius) of a chain of chords at position `along`; they differ at
+/// a wall. `None` outside the chain.
 fn heights(chain: &[Point], along: f64) -> Option<(f64, f64)> {
     let mut range: Option<(f64, f64)> = None;
     for pair in chain.windows(2) {
@@ -83,12 +83,12 @@ struct Case {
     text: String,
     start: (f64, f64),
     facing: bool,
-    /// +1 outside (part beneath the contour), -1 inside; and the way of the cut.
+    /// +1 outside (part below the contour), -1 inside; and the direction of the cut.
     side: f64,
     way: f64,
 }
 
-/// A program for a profile that goes from the deepest point back to the start.
+/// The program of a profile from its deepest point back to the start.
 fn case(legs: &[Leg], quadrant: u8, facing: bool, cut: i64, escape: i64) -> Case {
     let side = if quadrant & 1 == 0 { 1 } else { -1 };
     let way = if quadrant & 2 == 0 { -1 } else { 1 };
@@ -97,7 +97,7 @@ fn case(legs: &[Leg], quadrant: u8, facing: bool, cut: i64, escape: i64) -> Case
         let sign = if value < 0 { "-" } else { "" };
         format!("{sign}{}.{:03}", value.abs() / 1000, value.abs() % 1000)
     };
-    // X is written as a diameter, so that depths double there.
+    // X is written as a diameter, so depths double there.
     let word = |depth: i64, along: i64| {
         let (depth, along) = (-side * depth, way * along);
         if facing {
@@ -125,7 +125,7 @@ fn case(legs: &[Leg], quadrant: u8, facing: bool, cut: i64, escape: i64) -> Case
     let (mut depth, mut along) = (deep, 0);
     writeln!(text, "N1 G00 {};", word(depth, along).0).unwrap();
     for (index, leg) in legs.iter().enumerate() {
-        // The last leg goes somewhere.
+        // The last leg has a length.
         let last = index + 1 == legs.len();
         let step = if last {
             leg.along.max(1_000)
@@ -135,10 +135,10 @@ fn case(legs: &[Leg], quadrant: u8, facing: bool, cut: i64, escape: i64) -> Case
         (depth, along) = (depth - leg.back, along + step);
         let (first, second) = word(depth, along);
         let number = if last { "N99 " } else { "" };
-        // A quarter of a circle where both ways are equal, a flat arc elsewhere.
+        // A quarter circle where both distances are equal, a flatter arc elsewhere.
         let radius = if leg.arc == 3 && leg.back > 0 && step > 0 {
             let (a, b) = (leg.back as f64, step as f64);
-            // The smallest radius that keeps within a quadrant.
+            // The smallest radius that stays within a quadrant.
             let least = (a * a + b * b) / (2.0 * a.min(b));
             Some(least.ceil() as i64 + 1)
         } else if (1..3).contains(&leg.arc) && leg.back > 0 && step > 0 {
@@ -164,7 +164,7 @@ fn case(legs: &[Leg], quadrant: u8, facing: bool, cut: i64, escape: i64) -> Case
     }
 }
 
-/// Depth (away from the start is negative) and way along of a point.
+/// Depth (negative away from the start) and position along of a point.
 fn seen(case: &Case, point: Point) -> Point {
     let (x, z) = (point.x - case.start.0 / 2.0, point.z - case.start.1);
     let (depth, along) = if case.facing { (z, x) } else { (x, z) };
@@ -211,7 +211,7 @@ fn sweep(case: &Case, cut: f64) -> Result<(), TestCaseError> {
         for pair in chain.windows(2) {
             for part in 0..=20 {
                 let point = pair[0] + (pair[1] - pair[0]) * (f64::from(part) / 20.0);
-                // Just short of the end along: the rounding of intersections.
+                // Slightly before the end along, because intersections are rounded.
                 if let Some((least, _)) = heights(&contour, point.z - ROUNDED) {
                     prop_assert!(
                         point.x >= least - ROUNDED,
@@ -223,7 +223,7 @@ fn sweep(case: &Case, cut: f64) -> Result<(), TestCaseError> {
         }
     }
 
-    // 2: what the levels leave above the contour.
+    // 2: the rest that the levels leave above the contour.
     let end = contour[contour.len() - 1].z;
     let first = contour[0].z;
     let top = moves[0].1[1].x;

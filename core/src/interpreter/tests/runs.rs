@@ -1,4 +1,4 @@
-//! Subprograms, ends, repetition, MDI.
+//! Subprograms, ends of programs, repetition and MDI.
 
 use super::Bench;
 use crate::command::{Action, ProgramId};
@@ -142,7 +142,7 @@ fn a_keyed_in_block_is_a_run_of_its_own() {
     };
     assert_eq!(command.source.program, ProgramId::Mdi);
     assert_eq!(bench.next(), Ok(Step::Ended));
-    // The automatic run goes on where it stood.
+    // The automatic run continues at its position.
     bench.next().unwrap();
     assert_eq!(bench.shown(), (2.0, 5.0));
     for text in ["M98 P11", "M99"] {

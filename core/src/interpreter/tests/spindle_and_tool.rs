@@ -86,7 +86,7 @@ fn an_offset_alone_travels_without_003_4() {
 fn an_offset_with_motion_merges() {
     let mut bench = Bench::at(100.0, 50.0);
     bench.trace("G00 X80 T0101;");
-    // X was programmed and travels, Z only shifts.
+    // X was programmed and travels; Z only shifts.
     assert_eq!((bench.machine.x, bench.machine.z), (40.02, 50.0));
     assert_eq!(bench.shown(), (80.0, 49.98));
     let mut bench = Bench::at(100.0, 50.0).with_bit(3, 4, false);
@@ -113,15 +113,15 @@ fn arcs_change_only_the_tool() {
 
 #[test]
 fn coordinates_under_an_offset() {
-    // Travelled: the display becomes the value.
+    // After a travel the display becomes the value.
     let mut bench = Bench::at(100.0, 50.0);
     bench.trace("G00 X80 Z40 T0101;\nG50 X200 Z100;");
     assert_eq!(bench.shown(), (200.0, 100.0));
-    // Shifted only: value minus offset.
+    // After a shift only, the display becomes the value minus the offset.
     let mut bench = Bench::at(100.0, 50.0);
     bench.trace("T0101;\nG50 X200 Z100;");
     assert_eq!(bench.shown(), (199.96, 99.98));
-    // In one block the same, by either method.
+    // In one block the result is the same with either method.
     for method in [false, true] {
         let mut bench = Bench::at(100.0, 50.0).with_bit(3, 4, method);
         bench.trace("G50 X200 Z100 T0101;");
@@ -174,7 +174,7 @@ fn reset_drops_the_offset_only_without_004_3() {
 
 #[test]
 fn numbers_of_tools_and_offsets() {
-    // 084 = 4 at the factory; without a turret 32 tools are allowed.
+    // The default of 084 is 4; without a turret 32 tools are allowed.
     for (text, number) in [
         ("T0501;", 32),
         ("T0133;", 30),

@@ -32,7 +32,7 @@ fn threads_in_a_row_go_on_in_phase() {
 
 #[test]
 fn the_long_axis_counts() {
-    // X counts as a radius; equal ways count on X.
+    // X counts as a radius; equal displacements select X.
     for (words, axis) in [
         ("X40 Z-20", "Z"),
         ("X40 Z-10", "X"),
@@ -67,13 +67,13 @@ fn the_run_out_leaves_the_programmed_line() {
 #[test]
 fn run_out_words() {
     for (words, expected) in [
-        // K left out: as long as J.
+        // A missing K equals J.
         ("Z-50 J-5", "1: thread X20 Z-45 Z lead 2 at 0"),
         // K has no sign.
         ("Z-50 J5 K-10", "1: thread X20 Z-40 Z lead 2 at 0"),
-        // Longer than the thread: all of it is run-out.
+        // A run-out longer than the thread takes up all of it.
         ("Z-50 J5 K60", "1: run-out X30 Z-50 Z lead 2 at 0 |"),
-        // No J, no run-out.
+        // No run-out without J.
         ("Z-50 K10", "1: thread X20 Z-50 Z lead 2 at 0 |"),
         ("Z-50 J0 K10", "1: thread X20 Z-50 Z lead 2 at 0 |"),
         // Face thread: K is a radius, J along Z.
@@ -120,7 +120,7 @@ fn lead_faults() {
         ("\nG33 X1 Z1 F1;", 9),
         ("\nG34 Z1 F2 R500.001;", 43),
         ("\nG34 Z1 F2 R0;", 43),
-        // 300 mm at 2 - 0.01 n: 200 revolutions, 200 mm, then no lead is left.
+        // 300 mm at 2 - 0.01 n: after 200 revolutions and 200 mm the lead is 0.
         ("\nG34 Z0 F2 R-0.01;", 43),
         // sqrt(4 + 2*500*300) > 500.
         ("\nG34 Z0 F2 R500;", 43),
@@ -167,14 +167,14 @@ fn taps_end_where_they_begin() {
 
 #[test]
 fn the_thread_cycle() {
-    // Figure 3-29 of the manual's kind: 019 = 5, F3: J = K = 1.5.
+    // A thread like that of figure 3-29 of the manual: 019 = 5, F3: J = K = 1.5.
     let trace = Bench::at(42.0, 155.0).trace("G92 X39 W-34 F3;\nX38.2;\n;\nG00 X50;");
     assert_eq!(
         trace[..11],
         [
             "1: rapid X39 Z155 |",
             "1: thread X39 Z122.5 Z lead 3 at 0",
-            // 3 mm of diameter, which is just X_A.
+            // 3 mm of diameter, exactly X_A.
             "1: run-out X42 Z121 Z lead 3 continued |",
             "1: rapid X42 Z155 |",
             "2: rapid X38.2 Z155 |",
@@ -263,7 +263,7 @@ fn all_four_sides_of_the_thread_cycle() {
                 (words[1] != "end").then(|| format!("{} {}", words[2], words[3]))
             })
             .collect();
-        // A B that lies at A needs no move.
+        // No move to a B that equals A.
         let skip = usize::from(expected[0] == "X50 Z0");
         assert_eq!(ends[..4 - skip], expected[skip..], "{words}");
         assert_eq!(ends[4 - skip], "X50 Z0", "{words}");
@@ -368,8 +368,8 @@ fn ten_threads_an_inch() {
     assert_eq!(trace[1], "1: thread X40 Z-30 Z lead 2.54 at 0 |");
 }
 
-/// The first command of a text, which must be the check of a thread cycle: how
-/// far the axes go a revolution.
+/// Travel of each axis per revolution in the first command of a text, which must be the check
+/// of a thread cycle.
 fn per_revolution(bench: &mut Bench, text: &str) -> Point {
     bench.open(text);
     match bench.next() {
@@ -388,7 +388,7 @@ fn a_cycle_of_threads_is_checked_before_its_infeed() {
     bench.parameters.set(19, 0).unwrap();
     let way = per_revolution(&mut bench, "G92 X50 Z-29 R-4 F2;\n");
     assert_eq!((way.x, way.z), (0.25, 2.0));
-    // The run-out leaves at 45 degrees: X goes the lead too.
+    // The run-out leaves at 45 degrees: X also travels the lead.
     bench.parameters.set(19, 5).unwrap();
     let way = per_revolution(&mut bench, "G92 X50 Z-29 R0 F2;\n");
     assert_eq!((way.x, way.z), (2.0, 2.0));

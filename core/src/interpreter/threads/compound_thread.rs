@@ -30,12 +30,12 @@ use crate::units::Point;
 
 /// Units of [`Exact`] in a thousandth of a millimetre.
 const PER_MICRON: i64 = PER_MM / 1000;
-/// Greatest value of a length in thousandths.
+/// Greatest length in thousandths of a millimetre.
 const LONGEST: i64 = 9_999_999;
-/// More passes than this are no cycle.
+/// Greatest number of passes.
 const MOST_PASSES: f64 = 9_999_999.0;
 
-/// Where a thread lies. Lengths are mm, X as a radius.
+/// The geometry of a thread. Lengths are in mm, X as a radius.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Shape {
     shift: Shift,
@@ -46,11 +46,11 @@ struct Shape {
     end_z: i64,
     /// X of D minus X of C.
     rise: i64,
-    /// +1 outside, -1 inside.
+    /// +1 for an outer thread, -1 for an inner one.
     side: f64,
     /// +1 towards +Z.
     heading: f64,
-    /// Radius a mm of Z of the line C-D.
+    /// Radius per mm of Z of the line C-D.
     slope: f64,
     /// tan(a/2).
     tangent: f64,
@@ -58,35 +58,40 @@ struct Shape {
     run_out: i64,
 }
 
-/// The passes still to come.
+/// A running G76.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CompoundThread {
+    #[serde(rename = "shape")]
     shape: Shape,
-    /// Δd, Δdmin, k - d, k in units of [`Exact`], radii.
+    /// Δd, Δdmin, k - d and k in units of [`Exact`], radii.
     first: i64,
     least: i64,
     rough: i64,
     height: i64,
     finishing: u32,
-    /// The pass being made.
+    /// The current pass.
     pass: Pass,
     step: u8,
 }
 
-/// One pass.
+/// A pass of G76.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Pass {
     number: u64,
     depth: i64,
     previous: i64,
     rule: DepthRule,
-    /// Finishing passes left, this one included; 0 in roughing.
+    /// Number of finishing passes left, this one included; 0 in roughing.
     finishing_left: u32,
-    /// How far the start lies along Z from Z_A.
+    /// Distance of the start from Z_A along Z, mm.
     along: f64,
 }
 
-/// A G76 block: with X(U) or Z(W) the cycle, without them its data.
+/// Plans a G76 block. With X(U) or Z(W) it is the cycle. Without them it stores the data of
+/// the cycle, and the result is `None`.
+///
+/// # Errors
+/// 062 for wrong data, 011 without a lead, 043 for a point outside the stroke.
 pub(crate) fn plan(
     state: &mut State,
     context: &Context<'_>,
@@ -102,7 +107,7 @@ pub(crate) fn plan(
     CompoundThread::new(state, context, words, end).map(Some)
 }
 
-/// P(m)(r)(a) Q(Δdmin) R(d): into parameters 057, 019, 058, 059, 060.
+/// Stores P(m)(r)(a), Q(Δdmin) and R(d) into parameters 057, 019, 058, 059 and 060.
 fn store(parameters: &Parameters, words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
     if let Some(data) = words.p.map(i64::abs) {
         if data > 999_999 {
@@ -190,8 +195,8 @@ impl CompoundThread {
         Ok(cycle)
     }
 
-    /// Every pass lies between the first and the last one: if these begin
-    /// before the end of the thread, all do.
+    /// Checks that the first and the last pass begin before the end of the thread. Every other
+    /// pass begins between them.
     fn check(&self) -> Result<(), Alarm> {
         let shape = &self.shape;
         let length = (mm(shape.end_z) - mm(shape.a.z)).abs();
@@ -203,7 +208,7 @@ impl CompoundThread {
         Err(fault(say::thread_infeed_too_long(deepest, length)))
     }
 
-    /// Turns to the next pass; `false` after the last one.
+    /// Advances to the next pass; `false` after the last one.
     fn advance(&mut self) -> bool {
         let before = self.pass;
         let pass = &mut self.pass;
@@ -233,7 +238,8 @@ impl CompoundThread {
         true
     }
 
-    /// How far each axis goes a revolution in its cuts, mm.
+    /// Greatest travel of each axis per revolution in a cut, mm. The run-out counts if it is
+    /// `tied` to the spindle.
     pub(crate) fn per_revolution(&self, tied: bool) -> Point {
         let begin = self.shape.begin(&self.pass);
         let (cut, tail) = self.shape.thread(begin, &self.pass);
@@ -241,7 +247,7 @@ impl CompoundThread {
         thread::per_revolution(from, [cut.as_ref(), tail.as_ref().filter(|_| tied)])
     }
 
-    /// What makes its cuts more than one straight pass.
+    /// `RunOut` if the cuts have one; `None` for straight passes.
     pub(crate) fn beyond_pass(&self) -> Option<BeyondPass> {
         let (_, tail) = self.shape.thread(self.shape.begin(&self.pass), &self.pass);
         tail.map(|_| BeyondPass::RunOut)
@@ -251,7 +257,7 @@ impl CompoundThread {
         if self.step > 4 {
             self.step = 0;
             if !self.advance() {
-                // Nothing more, however often it is asked.
+                // Later calls return `None` again.
                 self.step = 5;
                 self.pass.finishing_left = 1;
                 return None;
@@ -334,13 +340,13 @@ impl Shape {
         })
     }
 
-    /// How far along Z the half angle leads at a depth: `x·tan(a/2)` with
-    /// `x = d / (1 + s·g·t·tan(a/2))` on a taper of slope g.
+    /// Distance along Z that the half angle leads to at a depth: `x·tan(a/2)` with `x = d / (1
+    /// + s·g·t·tan(a/2))` on a taper of slope g.
     fn along(&self, depth: f64) -> f64 {
         depth * self.tangent / (1.0 + self.side * self.slope * self.heading * self.tangent)
     }
 
-    /// B_n of a pass.
+    /// B_n, the start of a pass.
     fn begin(&self, pass: &Pass) -> Exact {
         let z = pass.along;
         let x = mm(pass.depth) - self.side * self.slope * self.heading * z;
@@ -350,7 +356,7 @@ impl Shape {
         )
     }
 
-    /// The cut of a pass and its tail.
+    /// The cut of a pass and its run-out.
     fn thread(&self, begin: Exact, pass: &Pass) -> (Option<Action>, Option<Action>) {
         let inward = 2 * pass.depth * self.side as i64;
         let end = Exact::new(self.b_x - inward + self.rise, self.end_z);

@@ -4,13 +4,13 @@
 //!   X ^   E <--------4--------- (E)     A is on the crest of the thread, and so is the
 //!     |   ^                      : 5    end X, Z. 1 rapid to the depth of pass p,
 //!     |   3\                     v         d_p = R·√(p/L), a difference of diameters
-//!     |     \                    A      2 thread, left over J by I
+//!     |     \                    A      2 thread, run-out over J by I
 //!     |      \________2_________ :1     3 rapid X to E, clear of the crest
 //!     |        :<J>              B_p    4 rapid Z, 5 to the next pass or to A
-//!     +--------------------------> Z    N starts a depth: 360°/N from one to the next
+//!     +--------------------------> Z    N starts for each depth, 360°/N apart
 //! ```
 //!
-//! A negative I leaves the thread towards the axis: it is an inner one.
+//! A negative I leaves the thread towards the axis, as on an inner thread.
 
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
@@ -29,37 +29,40 @@ use crate::interpreter::threads::tapping::phase;
 use crate::interpreter::threads::thread::{self, Cut, Tail, long_axis};
 use crate::units::Point;
 
-/// Least increment of a depth.
+/// Least increment of a depth, units of [`Exact`].
 const PER_MICRON: i64 = PER_MM / 1000;
-/// Most starts of a thread, and most passes.
+/// Greatest number of starts, and of passes.
 const MOST_STARTS: i64 = 99;
 const MOST_PASSES: i64 = 99;
 
-/// The passes of a thread. Lengths are units of [`Exact`], along X diameters.
+/// A running G86 or G87. Lengths are in units of [`Exact`], diameters along X.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CountedThread {
     code: u8,
     shift: Shift,
-    /// On the crest: the start, and the end.
+    /// Start and end on the crest.
     a: Exact,
     c: Exact,
-    /// +1 outside, -1 inside.
+    /// +1 for an outer thread, -1 for an inner one.
     side: i64,
     depth: i64,
     /// I and J, without signs.
+    #[serde(rename = "out")]
     out: i64,
+    #[serde(rename = "back")]
     back: i64,
     lead: f64,
     passes: i64,
     starts: u32,
-    /// Counted from 1.
+    /// Number of the current pass, from 1.
     pass: i64,
-    /// Counted from 0.
+    /// The current thread start, from 0.
     start: u32,
+    #[serde(rename = "leg")]
     leg: Leg,
 }
 
-/// What comes next.
+/// The next move of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Leg {
     Infeed,
@@ -71,7 +74,10 @@ enum Leg {
     Done,
 }
 
-/// A G86 or G87 block. The tool ends where it began.
+/// Plans a G86 or G87 block. The tool ends at its start.
+///
+/// # Errors
+/// 062 for wrong data, 011 or 043 for the lead, 043 for a point outside the stroke.
 pub(crate) fn plan(
     state: &State,
     context: &Context<'_>,
@@ -137,7 +143,7 @@ pub(crate) fn plan(
 }
 
 impl CountedThread {
-    /// `R·√(p/L)`, to the least increment.
+    /// Depth of a pass: `R·√(p/L)`, rounded to the least increment.
     fn depth_of(&self, pass: i64) -> i64 {
         if pass >= self.passes {
             return self.depth;
@@ -146,14 +152,14 @@ impl CountedThread {
         to_units(self.depth as f64 * part / PER_MICRON as f64) * PER_MICRON
     }
 
-    /// Where a pass begins and ends.
+    /// Start and end of the cut of a pass.
     fn ends(&self, pass: i64) -> (Exact, Exact) {
         let into = self.side.saturating_mul(self.depth_of(pass));
         let at = |crest: Exact| Exact::new(crest.x.saturating_sub(into), crest.z);
         (at(self.a), at(self.c))
     }
 
-    /// Where the tool has left the thread.
+    /// The point where the run-out of a pass ends.
     fn left(&self, pass: i64) -> Exact {
         let (_, end) = self.ends(pass);
         Exact::new(
@@ -162,7 +168,7 @@ impl CountedThread {
         )
     }
 
-    /// E: there, and no deeper than the crest on the way back.
+    /// E: the end of the run-out, clear of the crest for the move back.
     fn clear(&self, pass: i64) -> Exact {
         let outward = |x: i64| self.side.saturating_mul(x);
         let left = self.left(pass);
@@ -172,7 +178,7 @@ impl CountedThread {
         Exact::new(outward(x), left.z)
     }
 
-    /// The cut of a pass and its tail.
+    /// The cut of a pass and its run-out.
     fn thread(&self, pass: i64) -> (Option<Action>, Option<Action>) {
         let (from, to) = self.ends(pass);
         let tail = (self.back != 0).then(|| Tail {
@@ -191,7 +197,8 @@ impl CountedThread {
         cut.actions(self.shift, ThreadStart::AtIndex { degrees })
     }
 
-    /// How far each axis goes a revolution in its cuts, mm.
+    /// Greatest travel of each axis per revolution in a cut, mm. The run-out counts if it is
+    /// `tied` to the spindle.
     pub(crate) fn per_revolution(&self, tied: bool) -> Point {
         let (begin, _) = self.ends(self.pass);
         let (cut, tail) = self.thread(self.pass);
@@ -199,7 +206,8 @@ impl CountedThread {
         thread::per_revolution(from, [cut.as_ref(), tail.as_ref().filter(|_| tied)])
     }
 
-    /// What makes its cuts more than one straight pass.
+    /// `RunOut` or `Start` if the cuts have a run-out or several starts; `None` for straight
+    /// passes.
     pub(crate) const fn beyond_pass(&self) -> Option<BeyondPass> {
         match (self.back, self.starts) {
             (0, 0 | 1) => None,
@@ -259,7 +267,7 @@ impl CountedThread {
         made
     }
 
-    /// What follows a way back.
+    /// The move after a return along Z.
     const fn turn(&self) -> Leg {
         match self.pass >= self.passes && self.start + 1 >= self.starts {
             true => Leg::Home,

@@ -1,5 +1,5 @@
-//! Where the threads of the Huaxing lathes have their lead: K (G33, G86) or P in mm,
-//! K threads an inch (G34, G87); for taps K in mm (G84), I or K threads an inch (G85).
+//! Reads the thread lead of the Huaxing lathes: K (G33, G86) or P in mm, K threads per inch
+//! (G34, G87); for taps K in mm (G84), I or K threads per inch (G85).
 
 use gsk_messages::say;
 
@@ -8,10 +8,10 @@ use crate::interpreter::context::exact::mm;
 use crate::interpreter::context::words::{LeadUnit, Words};
 use crate::interpreter::threads::thread::{LEADS, MM_PER_INCH, PER_INCH};
 
-/// The lead of a block, mm a revolution. `code` is its G code, for messages.
+/// The lead of a thread block, mm per revolution. `code` is its G code, for messages.
 ///
 /// # Errors
-/// 011 without a lead, 043 for one that no thread has.
+/// 011 without a lead, 043 for a lead out of range.
 pub(crate) fn lead(words: &Words, unit: LeadUnit, code: u8) -> Result<f64, Alarm> {
     let given = match unit {
         LeadUnit::Millimetres => words.k.or(words.p_exact),
@@ -20,10 +20,10 @@ pub(crate) fn lead(words: &Words, unit: LeadUnit, code: u8) -> Result<f64, Alarm
     of(given, unit, code)
 }
 
-/// The lead of a tap: I has its threads an inch, too.
+/// The lead of a tap block, mm per revolution; I may hold its threads per inch.
 ///
 /// # Errors
-/// As [`lead`].
+/// As for [`lead`].
 pub(crate) fn tap_lead(words: &Words, unit: LeadUnit, code: u8) -> Result<f64, Alarm> {
     match unit {
         LeadUnit::Millimetres => lead(words, unit, code),

@@ -1,4 +1,5 @@
-//! Threads (G32, G33, G34, G76, G92): one pass, and the cycles of them.
+//! Threads: single passes and cycles (G32, G33, G34, G76, G92, and those of the Huaxing
+//! lathes).
 
 pub(super) mod compound_thread;
 pub(super) mod counted_thread;

@@ -34,7 +34,10 @@ pub(crate) struct SinglePass {
     step: u8,
 }
 
-/// A G33 or G34 block. The position is left where the tool stays.
+/// Plans a G33 or G34 block. Sets `state.position` to E, where the tool stays.
+///
+/// # Errors
+/// 062 for a pass without length, 011 or 043 for the lead, 043 for a point outside the stroke.
 pub(crate) fn plan(
     state: &mut State,
     context: &Context<'_>,
@@ -84,7 +87,7 @@ pub(crate) fn plan(
 }
 
 impl SinglePass {
-    /// How far each axis goes a revolution in its cut, mm.
+    /// Travel of each axis per revolution in the cut, mm.
     pub(crate) fn per_revolution(&self) -> Point {
         thread::per_revolution(self.begin, [Some(&self.thread), None])
     }

@@ -3,7 +3,7 @@
 //! ```text
 //!   X ^   bottom <======1====== A      1 feed in with the spindle, M05, stop
 //!     |          ======2======>        2 reversed, out to A, stop
-//!     +--------------------------> Z   L starts: again, 360°/L further each time
+//!     +--------------------------> Z   L starts: repeat, 360°/L further each time
 //! ```
 
 use gsk_messages::say;
@@ -22,26 +22,30 @@ use crate::interpreter::threads::lead_word;
 use crate::interpreter::threads::thread;
 use crate::units::Point;
 
-/// The holes still to be tapped at the same place.
+/// A running tapping cycle: the remaining starts at the same hole.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Tapping {
     bottom: Point,
-    /// Programmed Z where it begins and of the bottom.
+    /// Programmed Z of the start and of the bottom, units of [`Exact`].
+    #[serde(rename = "way")]
     way: (i64, i64),
     lead: f64,
     start: u32,
     starts: u32,
-    /// Its G code.
+    /// Its G code, for the explanation.
     #[serde(default = "tapping_code")]
     code: u8,
 }
 
-/// G33, the one code for taps of the GSK980TD.
+/// G33, the only tapping code of the GSK980TD.
 const fn tapping_code() -> u8 {
     33
 }
 
-/// A G33 block. The tool ends where it began.
+/// Plans a G33 block; `None` without motion. The tool ends at its start.
+///
+/// # Errors
+/// 009 for a motion of X, 011 without a lead, 043 for an end outside the stroke.
 pub(crate) fn plan(
     state: &mut State,
     words: &Words,
@@ -69,7 +73,10 @@ pub(crate) fn plan(
     Ok(Some(tapping))
 }
 
-/// A G84 or G85 block of the Huaxing lathes: the same with its lead in its own words.
+/// Plans a G84 or G85 block of the Huaxing lathes: a tap with the lead in its words.
+///
+/// # Errors
+/// 062 for wrong data, 011 or 043 for the lead, 043 for an end outside the stroke.
 pub(crate) fn rigid(
     state: &mut State,
     context: &Context<'_>,
@@ -132,7 +139,7 @@ impl Tapping {
     }
 }
 
-/// The angle of a start, counted from 0, of a multi-start thread.
+/// The start angle of a start, counted from 0, of a multi-start thread, degrees.
 pub(crate) fn phase(start: u32, starts: u32) -> f64 {
     360.0 * f64::from(start) / f64::from(starts.max(1))
 }

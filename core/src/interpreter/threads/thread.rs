@@ -1,5 +1,4 @@
-//! G32 and G34: threads (manual I-3.2.4.1, I-3.2.4.2), and the cut that all
-//! thread codes share.
+//! G32 and G34: threads (manual I-3.2.4.1, I-3.2.4.2), and the cut of all thread codes.
 //!
 //! ```text
 //!   X ^        run-out
@@ -21,15 +20,15 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisWords, OneShot, Words};
 use crate::units::{Axis, Point};
 
-/// Leads of threads, mm a revolution.
+/// Leads of threads, mm per revolution.
 pub(super) const LEADS: core::ops::RangeInclusive<f64> = 0.001..=500.0;
-/// Threads an inch, in millionths.
+/// Threads per inch, in millionths.
 pub(super) const PER_INCH: core::ops::RangeInclusive<i64> = 60_000..=25_400 * PER_MM;
-/// Change of the lead a revolution, in millionths of a millimetre.
+/// Change of the lead per revolution, in millionths of a millimetre.
 const CHANGES: core::ops::RangeInclusive<i64> = 1_000..=500 * PER_MM;
 pub(super) const MM_PER_INCH: f64 = 25.4;
 
-/// Whether F and I of a block are a thread lead.
+/// Whether F and I of a block set a thread lead.
 pub(crate) fn takes_lead(words: &Words, motion: u8) -> bool {
     match words.one_shot {
         Some(OneShot::CompoundThread) => true,
@@ -38,8 +37,11 @@ pub(crate) fn takes_lead(words: &Words, motion: u8) -> bool {
     }
 }
 
-/// Takes over the lead of a block: F, or I threads an inch. Both are kept, in
-/// one store of their own.
+/// Sets the lead of a block: F in mm, or I in threads per inch. Both share one register,
+/// separate from the feed.
+///
+/// # Errors
+/// 043 for a lead out of range.
 pub(crate) fn take_lead(state: &mut State, words: &Words) -> Result<(), Alarm> {
     if let Some(lead) = words.f {
         if !LEADS.contains(&lead) {
@@ -57,7 +59,10 @@ pub(crate) fn take_lead(state: &mut State, words: &Words) -> Result<(), Alarm> {
     Ok(())
 }
 
-/// The lead in force.
+/// The lead in force, mm per revolution.
+///
+/// # Errors
+/// 011 if it is unset.
 pub(crate) fn lead(state: &State) -> Result<f64, Alarm> {
     if state.lead > 0.0 {
         return Ok(state.lead);
@@ -65,7 +70,7 @@ pub(crate) fn lead(state: &State) -> Result<f64, Alarm> {
     Err(Alarm::new(number::NO_FEED).because(say::thread_lead_missing()))
 }
 
-/// The axis that counts: the one with the greater displacement, X as a radius.
+/// The axis to which the lead applies: that of the greater displacement, X as a radius.
 pub(crate) const fn long_axis(from: Exact, to: Exact) -> Axis {
     let (x, z) = (to.x.abs_diff(from.x), to.z.abs_diff(from.z));
     if x >= z.saturating_mul(2) {
@@ -75,29 +80,31 @@ pub(crate) const fn long_axis(from: Exact, to: Exact) -> Axis {
     }
 }
 
-/// A thread from one point to another, with or without a tail.
+/// A thread from one point to another, with or without a run-out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cut {
     pub(crate) from: Exact,
     pub(crate) to: Exact,
     pub(crate) long: Axis,
     pub(crate) lead: f64,
-    /// mm a revolution and revolution.
+    /// Change of the lead, mm per revolution and revolution.
     pub(crate) increase: f64,
     pub(crate) tail: Option<Tail>,
 }
 
-/// The run-out.
+/// The run-out of a thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Tail {
-    /// How long before the end it begins, along the long axis (a radius for X).
+    /// Distance between its begin and the end of the thread, along the long axis (a radius for
+    /// X).
     pub(crate) length: i64,
-    /// Where it ends.
+    /// The point where it ends.
     pub(crate) end: Exact,
 }
 
 impl Cut {
-    /// The thread itself, unless the tail takes all of it, and the tail.
+    /// The actions of the thread and of its run-out. The first is `None` if the run-out takes
+    /// up the whole thread.
     pub(crate) fn actions(
         &self,
         shift: Shift,
@@ -154,8 +161,8 @@ impl Cut {
     }
 }
 
-/// The lead after a travel: `lead(n) = F + R·n` after n revolutions, in which the
-/// long axis goes `F·n + R·n²/2`. Not a number when it would be none.
+/// The lead after a travel: `lead(n) = F + R·n` after n revolutions, in which the long axis
+/// travels `F·n + R·n²/2`. NaN if it would fall below zero.
 fn lead_after(lead: f64, increase: f64, travel: f64) -> f64 {
     if increase == 0.0 {
         return lead;
@@ -163,7 +170,7 @@ fn lead_after(lead: f64, increase: f64, travel: f64) -> f64 {
     (lead * lead + 2.0 * increase * travel).sqrt()
 }
 
-/// How far each axis goes a revolution at its fastest, mm, in a cut from a point.
+/// Greatest travel of each axis per revolution, mm, in cuts that begin at `from`.
 pub(crate) fn per_revolution(from: Point, cuts: [Option<&Action>; 2]) -> Point {
     let (mut at, mut fastest) = (from, Point::default());
     for cut in cuts.into_iter().flatten() {
@@ -181,7 +188,10 @@ pub(crate) fn per_revolution(from: Point, cuts: [Option<&Action>; 2]) -> Point {
     fastest
 }
 
-/// A G32 or G34 block; leaves the position at its end.
+/// Plans a G32 or G34 block and sets `state.position` to its end.
+///
+/// # Errors
+/// 011 without a lead, 013 with R in G32, 043 for a lead or an end out of range.
 pub(crate) fn plan(
     state: &mut State,
     words: &Words,
@@ -244,7 +254,7 @@ pub(crate) fn plan(
     Ok(motion)
 }
 
-/// R of G34.
+/// R of G34, the change of the lead.
 fn change(r: Option<i64>) -> Result<f64, Alarm> {
     let Some(r) = r else {
         return Ok(0.0);

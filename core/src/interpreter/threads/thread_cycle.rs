@@ -2,11 +2,11 @@
 //!
 //! ```text
 //!   X ^    D <-----------4------------ A       1 rapid X to B
-//!     |    ^                           |       2 thread B -> C, leaving it K
-//!     |    3                           1         before the end by the height J
+//!     |    ^                           |       2 thread B -> C, run-out over the length
+//!     |    3                           1         K before the end by the height J
 //!     |    |\                          v       3 rapid X to the start
 //!     |    C \___________2____________ B       4 rapid Z to A
-//!     +---------------------------------> Z    L starts: all again, 360°/L on
+//!     +---------------------------------> Z    L starts: repeat all, 360°/L further
 //! ```
 
 use gsk_messages::say;
@@ -27,19 +27,18 @@ use crate::interpreter::threads::thread::{self, Cut, Tail, long_axis};
 use crate::memory::Parameters;
 use crate::units::Point;
 
-/// Greatest X of a run-out, and where the tool goes after it.
+/// The size of a run-out, and the X that limits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Leaving {
-    /// Height of the run-out on the short axis and its length on the long one;
-    /// radii along X.
+    /// Height of the run-out on the short axis and its length on the long one; radii along X.
     pub(crate) height: i64,
     pub(crate) length: i64,
-    /// The start A of the cycle: the tail goes towards it and not beyond.
+    /// The start A of the cycle: the run-out leads towards it and not beyond.
     pub(crate) start: Exact,
 }
 
 impl Leaving {
-    /// The cut from B to C with its tail.
+    /// The cut from B to C with its run-out.
     pub(crate) fn cut(self, from: Exact, to: Exact, lead: f64) -> Cut {
         let long = long_axis(from, to);
         let short = long.other();
@@ -62,7 +61,7 @@ impl Leaving {
     }
 }
 
-/// The threads of one G92 block.
+/// A running G92.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ThreadCycle {
     /// A, B and D in machine coordinates.
@@ -70,15 +69,21 @@ pub(crate) struct ThreadCycle {
     b: Point,
     d: Point,
     thread: Option<Action>,
+    #[serde(rename = "tail")]
     tail: Option<Action>,
-    /// The programmed A and C, R, and the run-out, as they are explained.
+    /// The programmed A and C, R, and the run-out, for the explanation.
+    #[serde(rename = "words")]
     words: (Exact, Exact, i64, (i64, i64)),
     start: u32,
     starts: u32,
     step: u8,
 }
 
-/// The cycle from the programmed position to the data's end point and back.
+/// Plans the cycle from the current position to the end point of `data` and back.
+///
+/// # Errors
+/// 015 for the taper or a thread without length, 011 without a lead, 043 for a corner outside
+/// the stroke.
 pub(crate) fn plan(
     state: &State,
     parameters: &Parameters,
@@ -107,7 +112,7 @@ pub(crate) fn plan(
     let (thread, tail) = leaving
         .cut(b, c, lead)
         .actions(shift, ThreadStart::AtIndex { degrees: 0.0 });
-    // Move 3 goes along X alone, from where the tool has left the thread.
+    // Move 3 is along X only, from the end of the run-out.
     let mut d = shift.machine(d);
     if let Some(Action::Thread { to, .. }) = tail.as_ref().or(thread.as_ref()) {
         d.z = to.z;
@@ -126,13 +131,14 @@ pub(crate) fn plan(
     Ok(cycle)
 }
 
-/// The run-out by parameter 019, in units of [`Exact`]: tenths of the lead.
+/// Width of the run-out by parameter 019 (tenths of the lead), units of [`Exact`].
 pub(crate) fn run_out_width(parameters: &Parameters, lead: f64) -> i64 {
     to_units(f64::from(parameters.run_out_tenths()) * 0.1 * lead * PER_MM as f64)
 }
 
 impl ThreadCycle {
-    /// How far each axis goes a revolution in its cuts, mm.
+    /// Greatest travel of each axis per revolution in a cut, mm. The run-out counts if it is
+    /// `tied` to the spindle.
     pub(crate) fn per_revolution(&self, tied: bool) -> Point {
         thread::per_revolution(
             self.b,
@@ -140,7 +146,8 @@ impl ThreadCycle {
         )
     }
 
-    /// What makes its cuts more than one straight pass.
+    /// `RunOut` or `Start` if the cuts have a run-out or several starts; `None` for straight
+    /// passes.
     pub(crate) const fn beyond_pass(&self) -> Option<BeyondPass> {
         match (&self.tail, self.starts) {
             (Some(_), _) => Some(BeyondPass::RunOut),
@@ -193,7 +200,7 @@ impl ThreadCycle {
     }
 }
 
-/// The same thread begun at another angle.
+/// The same thread with another start angle, degrees.
 pub(crate) fn started(thread: &Action, degrees: f64) -> Action {
     let mut action = *thread;
     if let Action::Thread { start, .. } = &mut action {
