@@ -8,22 +8,22 @@ use crate::memory::{
 use crate::model::ControlModel;
 use crate::program::ProgramMemory;
 
-/// The battery-backed memory (manual III-11). The PLC keeps a memory of its own type.
+/// The battery-backed memory (manual III-11). The PLC memory is separate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
-    /// Parameters 000–255, bits and values.
+    /// Parameters by number: bits and values.
     pub parameters: Parameters,
     /// Tool offsets: X, Z, nose radius R and tip T of each number.
     pub offsets: Offsets,
     /// Pitch error corrections by axis and point, 0–255.
     pub pitch: PitchTable,
-    /// Macro variables that persist.
+    /// Macro variables; [`power_on`](Self::power_on) clears the volatile ones.
     pub variables: Variables,
     /// The rows of the setting page, inch input (英制编程) among them.
     pub settings: Settings,
     /// Operation level and passwords that protect programs and parameters.
     pub authority: Authority,
-    /// The electronic disks: copies of parameters that the operator can restore.
+    /// The electronic disks that hold sets of parameter values (manual III-2.1.10).
     pub disks: Disks,
     /// Program memory: all stored programs by O number.
     pub programs: ProgramMemory,

@@ -291,7 +291,7 @@ pub enum Action {
     /// M function for the PLC. It begins together with the rest of its block; the block
     /// ends when both are finished.
     Miscellaneous {
-        /// M number, 0–99.
+        /// M number.
         code: u8,
     },
     /// Outputs that a program switches directly (NC-B08: M10, M11, M21 and up). Bit 0 is
@@ -396,11 +396,11 @@ pub enum BeyondPass {
     LeadChange,
     /// A run-out leaves the thread (J, K, No.019).
     RunOut,
-    #[serde(rename = "GoesOn")]
     /// Another thread continues from it without a stop.
+    #[serde(rename = "GoesOn")]
     GoesOn,
-    #[serde(rename = "Start")]
     /// The thread begins at another spindle angle (L).
+    #[serde(rename = "Start")]
     Start,
 }
 
@@ -491,7 +491,7 @@ pub struct ExecutedMove {
     pub to: Point,
     /// Centre of an arc; `None` for other moves.
     pub center: Option<Point>,
-    /// Commanded feed of a cut; `None` for rapids, threads and dwells.
+    /// Commanded feed of a cut, for a thread its lead per revolution; `None` for other moves.
     pub feed: Option<Feed>,
     /// Machine time at the start of the move, s.
     pub start_s: f64,

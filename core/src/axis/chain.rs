@@ -54,11 +54,11 @@ struct Chain {
     origin: f64,
     /// Pulse count at the origin.
     base: i64,
-    #[serde(rename = "without")]
     /// Corrections in force at the origin, increments.
+    #[serde(rename = "without")]
     without: i64,
-    #[serde(rename = "locked_away")]
     /// Distance that machine lock has kept the slide from moving, mm.
+    #[serde(rename = "locked_away")]
     locked_away: f64,
     /// Commanded coordinate of the last tick, mm.
     commanded: f64,

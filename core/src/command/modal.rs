@@ -11,7 +11,7 @@ pub struct Modal {
     pub surface_speed: bool,
     /// Group 03: feed per revolution (G99) or per minute (G98).
     pub feed_per_revolution: bool,
-    /// Group 07: G40, G41 or G42, by number.
+    /// Group 04: G40, G41 or G42, by number.
     pub nose_compensation: u8,
     /// Inch input (G20) or metric (G21).
     pub inch: bool,
@@ -23,7 +23,7 @@ pub struct Modal {
     pub tool: u8,
     /// Offset number in force, 0 = none.
     pub offset: u8,
-    /// The last M code sent to the PLC; `None` before the first.
+    /// The last M code that a block output; `None` if there is none.
     pub m: Option<u8>,
 }
 

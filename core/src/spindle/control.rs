@@ -36,9 +36,9 @@ pub struct SpindleInputs {
     /// encoder applies.
     #[serde(rename = "measured")]
     pub measured: Option<f64>,
-    #[serde(rename = "radius")]
     /// Radius for G96, mm: the programmed X without offset, sign ignored. During a rapid it
     /// is the radius of the end point.
+    #[serde(rename = "radius")]
     pub radius: f64,
     /// Spindle override, %.
     pub override_percent: u8,
