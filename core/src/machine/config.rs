@@ -299,7 +299,7 @@ pub struct TurretConfig {
     pub station_ms: u32,
     /// Time for clamping by TL-, ms.
     pub clamp_ms: u32,
-    /// Range to either side of a station in which its switch is closed, as a fraction of
+    /// Range to either side of a station in which its switch is active, as a fraction of
     /// the pitch.
     pub window: f64,
 }

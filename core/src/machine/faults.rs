@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 pub enum Fault {
     /// The tool post does not turn.
     TurretBlocked,
-    /// The tool post's clamp switch never closes.
+    /// The tool post's clamp switch never reports that the post is clamped.
     TurretUnclamped,
-    /// The station switch that is closed stays closed.
+    /// The station switch that is active stays active.
     TurretContactStuck,
-    /// All station switches stay open.
+    /// All station switches stay inactive.
     TurretContactsOpen,
     /// The spindle does not turn.
     SpindleBlocked,

@@ -278,7 +278,7 @@ impl Lathe {
         ready == self.wiring.drive_ready
     }
 
-    /// Closed station switches, T01 in bit 0, up to T08.
+    /// Active station switches, T01 in bit 0, up to T08.
     fn station_switches(&self) -> u8 {
         if self.faults.has(Fault::TurretContactsOpen) {
             return 0;

@@ -214,7 +214,7 @@ fn the_slides_follow_the_pulses() {
     assert_eq!(lathe.slides(), Point::new(-50.0, -150.0));
     drive_to(&mut lathe, 2000, -1000);
     assert_eq!(lathe.slides(), Point::new(-49.0, -151.0));
-    // A motor wired the other way round counts down towards plus.
+    // A reversed motor counts down towards plus.
     let mut reversed = self::lathe(&[(8, 0)]);
     drive_to(&mut reversed, 2000, -1000);
     assert_eq!(reversed.slides(), Point::new(-51.0, -149.0));
@@ -294,7 +294,7 @@ fn a_stepper_that_meets_the_end_of_its_slide_switches_off() {
     assert!(inputs.drive_alarm.z && !inputs.drive_alarm.x);
     drive_to(&mut lathe, 0, 200_000);
     assert_eq!(lathe.slides(), Point::new(-50.0, 15.0));
-    // Switched off and on it comes back.
+    // After the drive was switched off and on the slide moves back.
     tick(
         &mut lathe,
         &Outputs {
@@ -368,7 +368,7 @@ fn dogs_index_pulse_and_limit_switches() {
 #[test]
 fn the_zero_signal_latches_the_count_of_its_first_change() {
     let mut lathe = lathe(&[]);
-    // Z from -150, one turn 10 mm, the signal stands for a fiftieth: 0.2 mm.
+    // Z from -150, one turn 10 mm, the signal is on for a fiftieth: 0.2 mm.
     let mut latch = |z| {
         drive_to(&mut lathe, 0, z)
             .index_latch

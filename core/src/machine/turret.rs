@@ -19,7 +19,7 @@ pub(super) struct Turret {
     #[serde(rename = "place")]
     place: u32,
     pitch: u32,
-    /// Half the width in which a station switch is closed, ms of turning.
+    /// Half the width in which a station switch is active, ms of turning.
     window: u32,
     clamp_ms: u32,
     /// How long TL- has pressed against the seat, ms.
@@ -46,7 +46,7 @@ impl Turret {
         }
     }
 
-    /// The station whose switch is closed, from 1; `None` between stations.
+    /// The station whose switch is active, from 1; `None` between stations.
     pub fn station(&self) -> Option<u8> {
         if self.stations == 0 {
             return None;

@@ -15,7 +15,7 @@ pub(super) enum SharedPin {
     Gear,
     /// The chuck's in-position switch.
     Chuck,
-    /// An enable contact, which is always closed.
+    /// An enable contact, which is always active.
     Enable,
     /// A feed override switch that is closed (the nibble of 100 %).
     Closed,
@@ -48,7 +48,7 @@ pub(super) struct Wiring {
     /// Level of the door switch on X1.5 with a closed door; `None`: no door switch (168.6
     /// PB4).
     pub door: Option<bool>,
-    /// Contact level of a gear in position, and of a closed enable (164.5 AGIM).
+    /// Contact level of a gear in position; an active enable has the other one (164.5 AGIM).
     pub gear_in: bool,
     /// Signals on X0.4, X1.0, X1.1 and X1.2.
     pub x0_4: SharedPin,
