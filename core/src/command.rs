@@ -148,6 +148,7 @@ pub struct Command {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ProgrammedX {
     /// Programmed X changes linearly along a straight move.
+    #[serde(rename = "Even")]
     Even {
         /// X at the start of the move.
         from: f64,
@@ -155,6 +156,7 @@ pub enum ProgrammedX {
         to: f64,
     },
     /// Tip and programmed point move on arcs with a common angle.
+    #[serde(rename = "Round")]
     Round {
         /// X of the centre of the tip's arc.
         tip_center: f64,

@@ -24,6 +24,7 @@ struct Servo {
     /// Fraction of a deviation that remains after a tick.
     tick_decay: f64,
     /// Following error that trips the drive, pulses.
+    #[serde(rename = "largest")]
     largest: f64,
 }
 
@@ -47,6 +48,7 @@ impl IndexStretch {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct AxisDrive {
     /// Slide travel of one pulse, mm; negative with a reversed motor.
+    #[serde(rename = "pulse")]
     pulse: f64,
     /// Commanded position, pulses from the reference point towards plus.
     commanded: i64,
@@ -56,8 +58,10 @@ pub(super) struct AxisDrive {
     /// Physical position of the slide, pulses. It is between the motor's position and that
     /// plus the play of the screw.
     slide: i64,
+    #[serde(rename = "play")]
     play: i64,
     /// Command count at the last tick.
+    #[serde(rename = "last")]
     last: i64,
     servo: Option<Servo>,
     /// Set when the following error became too large, or a stepper met the end of its
@@ -66,6 +70,7 @@ pub(super) struct AxisDrive {
     /// Whether the slide is jammed (fault).
     pub blocked: bool,
     /// Pulses per motor revolution.
+    #[serde(rename = "turn")]
     turn: i64,
     limits: Option<(i64, i64)>,
     /// Mechanical ends of the slide, pulses.
@@ -75,6 +80,7 @@ pub(super) struct AxisDrive {
     pub real: bool,
     dog: Option<(i64, i64)>,
     /// Positions of motor and slide before the last tick.
+    #[serde(rename = "before")]
     before: (i64, i64),
     /// Whether the drive has a one-turn signal.
     has_index: bool,

@@ -21,6 +21,7 @@ pub(super) struct SpindleDrive {
     lag: f64,
     braking_lag: f64,
     /// Counts per encoder revolution, and encoder revolutions per spindle revolution.
+    #[serde(rename = "counts")]
     counts: i64,
     encoder_ratio: f64,
     rpm: f64,
@@ -34,6 +35,7 @@ pub(super) struct SpindleDrive {
     pub encoder_lost: bool,
     encoder: i64,
     /// Whole encoder revolutions, and count at the last index pulse.
+    #[serde(rename = "whole")]
     whole: i64,
     index: i64,
     index_now: bool,

@@ -35,20 +35,26 @@ fn first<const N: usize>(claims: [(bool, SharedPin); N]) -> SharedPin {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Wiring {
     /// Contact level of a pressed deceleration switch (004.5 DECI).
+    #[serde(rename = "on_dog")]
     pub on_dog: bool,
     /// One switch for deceleration and zero (007.0, 007.1 ZC).
     pub one_switch: PerAxis<bool>,
     /// Contact level of a station in place (011.1 TSGN = 0: closed).
+    #[serde(rename = "in_station")]
     pub in_station: bool,
     /// Contact level of the clamped tool post (011.0 TCPS = 1: closed).
+    #[serde(rename = "tool_clamped")]
     pub tool_clamped: bool,
     /// Level of the pressure switch on X0.7 at good pressure; `None`: X0.7 carries *TCP
     /// (168.4 PB3).
+    #[serde(rename = "pressure")]
     pub pressure: Option<bool>,
     /// Level of the door switch on X1.5 with a closed door; `None`: no door switch (168.6
     /// PB4).
+    #[serde(rename = "door")]
     pub door: Option<bool>,
     /// Contact level of a gear in position; an active enable has the other one (164.5 AGIM).
+    #[serde(rename = "gear_in")]
     pub gear_in: bool,
     /// Signals on X0.4, X1.0, X1.1 and X1.2.
     pub x0_4: SharedPin,
@@ -56,7 +62,9 @@ pub(super) struct Wiring {
     pub x1_1: SharedPin,
     pub x1_2: SharedPin,
     /// Signal level of a ready drive (005.2 DRDY) and of a drive with an alarm (009 ALM).
+    #[serde(rename = "drive_ready")]
     pub drive_ready: bool,
+    #[serde(rename = "drive_alarm")]
     pub drive_alarm: PerAxis<bool>,
     /// Number of station contacts of the tool post.
     contacts: u32,

@@ -47,24 +47,31 @@ pub struct Automatic {
     /// Current state of the run.
     pub state: RunState,
     pub(crate) current: Option<Current>,
+    #[serde(rename = "ahead")]
     pub(crate) ahead: Option<Command>,
     /// An alarm found while reading ahead. It is raised when its block begins.
     pub(crate) fault_ahead: Option<Alarm>,
     /// Whether the interpreter waits for a standstill. It is not called before.
+    #[serde(rename = "waiting")]
     pub(crate) waiting: bool,
     /// Whether a program has been started and can be resumed.
+    #[serde(rename = "started")]
     pub(crate) started: bool,
     /// Whether the interpreter has no more commands.
+    #[serde(rename = "ended")]
     pub(crate) ended: bool,
     /// Whether the run stops at the end of the block, regardless of single block.
     pub(crate) stop_requested: bool,
     #[serde(rename = "dwell_left")]
     pub(crate) dwell_left: u32,
     /// M00, M01, M02 or M30 whose decode signal is 1.
+    #[serde(rename = "decoded")]
     pub(crate) decoded: Option<u8>,
     /// Whether the MDI block runs, not the program of AUTO.
+    #[serde(rename = "mdi")]
     pub(crate) mdi: bool,
     /// Source of the last executed command.
+    #[serde(rename = "last")]
     pub(crate) last: Option<Source>,
     /// Whether more commands of the running block follow.
     pub(crate) within_block: bool,

@@ -52,8 +52,10 @@ pub(crate) struct SpindleWatch {
     pub rpm: Option<f64>,
     pub ticks: u32,
     /// Whether the spindle has turned during a cut of this run.
+    #[serde(rename = "turned")]
     pub turned: bool,
     /// Ticks that the command under way has waited for the spindle.
+    #[serde(rename = "waited")]
     pub waited: u32,
     /// Fault of the spindle during the thread under way: the run ends after the thread.
     #[serde(rename = "spoilt")]

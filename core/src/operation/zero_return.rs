@@ -14,17 +14,22 @@ pub(crate) enum Return {
     /// Method B: at the low rate until the zero signal.
     Search,
     /// Method C: past the switch, stopping.
+    #[serde(rename = "Turning")]
     Turning,
     /// Method C: back at the low rate until the switch is met again.
     Back,
     /// With a pulse board whose limit switch is the reference: backing off the switch.
+    #[serde(rename = "Leave")]
     Leave,
     /// With a pulse board: at the low rate past the switch edge to this machine coordinate,
     /// µm.
+    #[serde(rename = "Past")]
     Past(i64),
     /// A pulse board homes the axis on its own.
+    #[serde(rename = "Board")]
     Board,
     /// The zero signal has come; the axis waits until its motor has stopped.
+    #[serde(rename = "Rest")]
     Rest {
         /// Ticks left to wait.
         ticks: u16,

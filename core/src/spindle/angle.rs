@@ -32,6 +32,7 @@ pub struct SpindleTurn {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpindleAngle {
     /// Turns per count; 0 without a usable encoder (070).
+    #[serde(rename = "scale")]
     scale: f64,
     /// Whether encoder and spindle turn at the same speed (110 = 111): each signal begins a
     /// revolution.
@@ -39,6 +40,7 @@ pub struct SpindleAngle {
     count: Option<i64>,
     index_count: Option<i64>,
     /// Angle beyond the count, in counts, and its rate, counts per tick.
+    #[serde(rename = "beyond")]
     beyond: f64,
     rate: f64,
     zero: Option<f64>,

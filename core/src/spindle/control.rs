@@ -49,9 +49,13 @@ pub struct SpindleInputs {
 struct Settings {
     analog: bool,
     gears_usable: bool,
+    #[serde(rename = "top")]
     top: [f64; 4],
+    #[serde(rename = "lowest_surface")]
     lowest_surface: f64,
+    #[serde(rename = "gear_change")]
     gear_change: f64,
+    #[serde(rename = "jog")]
     jog: f64,
     gain: f64,
     zero_volts: f64,
@@ -91,6 +95,7 @@ pub struct SpindleControl {
     #[serde(rename = "instead")]
     instead: Option<Instead>,
     encoder: Encoder,
+    #[serde(rename = "commanded")]
     commanded: f64,
     volts: f64,
     radius: f64,

@@ -14,8 +14,10 @@ const STANDS_AFTER: u16 = 200;
 /// Converts encoder counts to r/min.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Encoder {
+    #[serde(rename = "last")]
     last: Option<i64>,
     rpm: f64,
+    #[serde(rename = "quiet")]
     quiet: u16,
     counted: bool,
 }

@@ -18,6 +18,7 @@ pub(crate) struct Drives {
     /// Rates and accelerations from the parameters.
     pub limits: MotionLimits,
     /// Converts positions to pulses: pitch errors, backlash, gear.
+    #[serde(rename = "chain")]
     pub chain: AxisChain,
     /// Software travel limits.
     pub soft_limits: SoftLimits,

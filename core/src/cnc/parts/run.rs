@@ -31,6 +31,7 @@ pub(crate) struct Run {
     /// Modal state of the block in execution.
     pub modal: Modal,
     /// The rest of a held block while the axes are moved manually.
+    #[serde(rename = "held")]
     pub held: Option<Interpolator>,
     /// Tool number and offset number on the T display.
     pub tool: (u8, u8),
