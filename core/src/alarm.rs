@@ -1,7 +1,7 @@
-//! Alarms: numbers, the one table of their texts, and where one came from.
+//! Alarms: their numbers, the table of their texts, and the block that raised one.
 //!
-//! The table is `assets/tables/alarms.tsv` (manual, appendix 3); pages, command
-//! line and help read it here and nowhere else.
+//! The table is `assets/tables/alarms.tsv` (manual, appendix 3). Pages, command line and
+//! help read it through this module only.
 
 pub mod groups;
 
@@ -14,59 +14,59 @@ use serde::{Deserialize, Serialize};
 use crate::command::Source;
 use crate::model::Record;
 
-/// Numbers by name, from the `id` column of the table.
+/// Alarm numbers as constants, generated from the `id` column of the table.
 pub use gsk_units::alarm as number;
 
 const TABLE: &str = include_str!("../../assets/tables/alarms.tsv");
 
-/// The classes of alarms: who raises them, where they are shown, what they stop.
+/// The classes of alarms: what raises them, where they are shown, what they stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AlarmClass {
     /// Program and operation: `P/S 000` to `P/S 199`, and `P/S 5nn` of G65 H99.
     Ps,
-    /// The control itself (020, 101).
+    /// Raised by the control itself (020, 101).
     System,
     /// Soft travel limits, 201–206.
     Overtravel,
-    /// 207, emergency stop or travel limit switch.
+    /// Emergency stop or travel limit switch, 207.
     EmergencyStop,
-    /// Drives, 211–252.
+    /// Raised by the drives, 211–252.
     Servo,
-    /// The pulse board, 601–699.
+    /// Raised by the link to the pulse board, 601–699.
     Link,
-    /// Messages of the machine's ladder, 1000 and up.
+    /// Messages of the machine's ladder, from 1000.
     Plc,
 }
 
-/// One line of the alarm table.
+/// One row of the alarm table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AlarmRow {
-    /// Class.
+    /// Decides the prefix on the screen and which stop the alarm causes.
     pub class: AlarmClass,
-    /// Number; the first one of a range.
+    /// Alarm number; the first one of a range.
     pub number: u16,
     /// The last number of the range (500–599); otherwise equal to `number`.
     pub last: u16,
-    /// The text of the screen; empty for the user alarms, which show a number only.
+    /// Chinese text of the LCD; empty for user alarms, which show a number only.
     pub text_zh: &'static str,
-    /// The same in English.
+    /// Meaning of the alarm in English.
     pub meaning_en: &'static str,
-    /// What raises it.
+    /// What raises the alarm, in English.
     pub cause_en: &'static str,
-    /// What clears it.
+    /// What clears the alarm, in English.
     pub cleared_by_en: &'static str,
-    /// How it comes about and what helps; none for what hardly ever comes.
+    /// Cause and remedy for the operator; `None` for alarms that hardly ever occur.
     pub advice: Option<Advice>,
 }
 
-/// What to tell the operator besides the text of the screen.
+/// Help for the operator beside the text on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Advice {
-    /// What raises it, in Chinese.
+    /// What raises the alarm, in Chinese.
     pub cause_zh: &'static str,
-    /// What helps, in Chinese.
+    /// What the operator can do, in Chinese.
     pub way_out_zh: &'static str,
-    /// What helps, in English.
+    /// What the operator can do, in English.
     pub way_out_en: &'static str,
 }
 
@@ -80,7 +80,7 @@ pub fn rows() -> &'static [AlarmRow] {
     &ROWS
 }
 
-/// The line of one number, if the manual has it.
+/// The table row of an alarm number; `None` if the manual does not list it.
 pub fn row(number: u16) -> Option<&'static AlarmRow> {
     let rows = rows();
     let after = rows.partition_point(|row| row.number <= number);
@@ -117,7 +117,7 @@ fn parse_row(line: &'static str) -> Option<AlarmRow> {
     })
 }
 
-/// The last three columns; `-` where there is nothing to be said.
+/// Parses the last three columns; `-` in the first of them means no advice.
 fn parse_advice(fields: &mut core::str::Split<'static, char>) -> Option<Advice> {
     let cause_zh = fields.next().filter(|text| *text != "-")?;
     Some(Advice {
@@ -131,27 +131,27 @@ const fn is_user_alarm(number: u16) -> bool {
     matches!(number, number::USER_ALARM..=number::USER_ALARM_LAST) || is_named_by_program(number)
 }
 
-/// Whether its text comes from the program that raised it (`#3000`).
+/// Whether the text comes from the program that raised the alarm (`#3000`).
 const fn is_named_by_program(number: u16) -> bool {
     matches!(number, number::MACRO_ALARM..=number::MACRO_ALARM_LAST)
 }
 
-/// An alarm that was raised.
+/// An alarm that has been raised, with its source and its reason.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Alarm {
-    /// Number, as the manual counts.
+    /// Number in the manual's alarm list.
     pub number: u16,
-    /// The block that raised it, when a block did.
+    /// The block that raised the alarm; `None` if no block did.
     pub source: Option<Source>,
-    /// One line naming the place and the rule that was broken.
+    /// One sentence that names the position and the broken rule.
     pub detail: Option<Message>,
-    /// The letter that the control model writes in front of its number.
+    /// Letter that the control model writes before the number (`E` on the NC-B08).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub letter: Option<char>,
 }
 
 impl Alarm {
-    /// An alarm without a place.
+    /// Creates an alarm without source block and reason.
     pub const fn new(number: u16) -> Self {
         Self {
             number,
@@ -161,8 +161,8 @@ impl Alarm {
         }
     }
 
-    /// A message of the ladder. Words of its own, other than those of the table, are
-    /// the detail of an alarm without a row.
+    /// Creates an alarm from a message of the ladder. A text that differs from the table's
+    /// becomes the detail, and the alarm then has no table row.
     pub fn message(number: u16, text: &str) -> Self {
         let message = Self::new(number);
         if message.text(Language::Zh) == text {
@@ -172,58 +172,58 @@ impl Alarm {
         }
     }
 
-    /// The same alarm, coming from this block; a place already known stays.
+    /// Sets the source block, unless the alarm already has one.
     #[must_use]
     pub fn at(mut self, source: Source) -> Self {
         self.source.get_or_insert(source);
         self
     }
 
-    /// The same alarm as its control model writes it.
+    /// Sets the letter that the control model writes before alarm numbers.
     #[must_use]
     pub(crate) fn of_model(mut self, record: &Record) -> Self {
         self.letter = record.alarm_letter;
         self
     }
 
-    /// Its number as the control writes it: `010`, on the NC-B08 `E010`.
+    /// The number as the control writes it: `010`, on the NC-B08 `E010`.
     pub fn number_text(&self) -> String {
         let letter = self.letter.map_or_else(String::new, String::from);
         format!("{letter}{:03}", self.number)
     }
 
-    /// The same alarm with its reason.
+    /// Sets the reason of the alarm.
     #[must_use]
     pub fn because(mut self, detail: impl Into<Message>) -> Self {
         self.detail = Some(detail.into());
         self
     }
 
-    /// What is wrong, in one sentence: its reason, or its number.
+    /// What is wrong, in one sentence: the detail, or else the alarm number.
     pub fn reason(&self) -> Message {
         let detail = self.detail.clone();
         detail.unwrap_or_else(|| say::alarm_of_number(self.number))
     }
 
-    /// Its reason in a language; empty without one.
+    /// The detail in a language; empty if there is none.
     pub(crate) fn detail_text(&self, language: Language) -> String {
         let detail = self.detail.as_ref();
         detail.map_or_else(String::new, |detail| detail.text(language))
     }
 
-    /// Its reason in English; empty without one.
+    /// The detail in English; empty if there is none.
     pub fn detail_en(&self) -> String {
         self.detail_text(Language::En)
     }
 
-    /// Its line of the table, if the manual has it; a message in words of the ladder's
-    /// own has none.
+    /// The table row of this alarm. `None` if the manual does not list the number, or if
+    /// the ladder sent a text that differs from the table's.
     pub fn row(&self) -> Option<&'static AlarmRow> {
         let own_words = |row: &&AlarmRow| row.class == AlarmClass::Plc && self.detail.is_some();
         row(self.number).filter(|row| !own_words(row))
     }
 
-    /// Its class; numbers outside the table by the range they fall into.
+    /// The class of the alarm. Numbers outside the table take the class of their range.
     pub fn class(&self) -> AlarmClass {
         if let Some(row) = self.row() {
             return row.class;
@@ -238,8 +238,8 @@ impl Alarm {
         }
     }
 
-    /// Its text: that of the screen, that of its program, or in English what it means;
-    /// empty where there is none.
+    /// The alarm text: from the program that raised it (`#3000`), from the screen in
+    /// Chinese, or its meaning in English. Empty if the alarm has none.
     pub fn text(&self, language: Language) -> String {
         if let Some(detail) = self
             .detail
@@ -255,23 +255,23 @@ impl Alarm {
         text.to_owned()
     }
 
-    /// Why it was raised, besides its text.
+    /// The reason, unless [`text`](Self::text) already shows it.
     pub fn further_detail(&self) -> Option<&Message> {
         let detail = self.detail.as_ref();
         detail.filter(|_| !is_named_by_program(self.number))
     }
 
-    /// How it comes about and what helps.
+    /// Cause and remedy from the table; `None` if the table has none.
     pub fn advice(&self) -> Option<&'static Advice> {
         self.row()?.advice.as_ref()
     }
 
-    /// The line of the alarm page: `P/S 011: …`, `207: …`, `P/S 515`.
+    /// The line of the alarm page in Chinese: `P/S 011: …`, `207: …`, `P/S 515`.
     pub fn line_text(&self) -> String {
         self.line_of(&self.text(Language::Zh))
     }
 
-    /// The same line in English.
+    /// The line of the alarm page in English.
     pub fn line_text_en(&self) -> String {
         self.line_of(&self.text(Language::En))
     }
@@ -286,8 +286,8 @@ impl Alarm {
     }
 }
 
-/// The line of the alarm page with the reason; `{:#}` adds cause and way out in
-/// both languages.
+/// Writes the line of the alarm page with the reason. `{:#}` adds cause and remedy in both
+/// languages.
 impl fmt::Display for Alarm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.line_text())?;

@@ -1,5 +1,4 @@
-//! What the control keeps while its power is off, by battery: parameters, offsets,
-//! programs and the rest of what its owner and its operator have put in.
+//! The battery-backed memory: what the control keeps while its power is off.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,42 +8,41 @@ use crate::memory::{
 use crate::model::ControlModel;
 use crate::program::ProgramMemory;
 
-/// The battery-backed memory (manual III-11); the PLC keeps its own.
+/// The battery-backed memory (manual III-11). The PLC memory is separate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
-    /// Parameters.
+    /// Parameters by number: bits and values.
     pub parameters: Parameters,
-    /// Tool offsets.
+    /// Tool offsets: X, Z, nose radius R and tip T of each number.
     pub offsets: Offsets,
-    /// Pitch error table.
+    /// Pitch error corrections by axis and point, 0–255.
     pub pitch: PitchTable,
-    /// Macro variables.
+    /// Macro variables; [`power_on`](Self::power_on) clears the volatile ones.
     pub variables: Variables,
-    /// The rows of the setting page, 英制编程 among them.
+    /// The rows of the setting page, inch input (英制编程) among them.
     pub settings: Settings,
-    /// Operation level and passwords.
+    /// Operation level and passwords that protect programs and parameters.
     pub authority: Authority,
-    /// The electronic disks.
+    /// The electronic disks that hold sets of parameter values (manual III-2.1.10).
     pub disks: Disks,
-    /// Program memory.
+    /// Program memory: all stored programs by O number.
     pub programs: ProgramMemory,
     /// Part counter and cutting time.
     pub counters: Counters,
-    /// Which control it is, with the parameters that only this one has.
+    /// The control model with its model-specific parameters.
     #[serde(default, skip_serializing_if = "ControlModel::is_delivered_main")]
     pub model: ControlModel,
 }
 
 impl Memory {
-    /// Becomes that of a model: parameters of the control have the values that it is
-    /// delivered with, where these are its own.
+    /// Switches to a control model and takes over the values that its parameters are
+    /// delivered with.
     pub fn set_model(&mut self, model: ControlModel) {
         self.parameters.take_delivered(model.record());
         self.model = model;
     }
 
-    /// What power-on does to it: values that never outlast it go, the operation level
-    /// falls back.
+    /// Applies power-on: volatile values are cleared and the operation level falls back.
     pub fn power_on(&mut self) {
         self.parameters.power_on();
         self.variables.power_on();

@@ -1,4 +1,4 @@
-//! The control: owns the program, the motion and the PLC; one millisecond a tick.
+//! The control: owns the program run, the motion and the PLC; one tick is 1 ms.
 
 mod automatic;
 mod board;
@@ -40,50 +40,50 @@ use crate::memory::Parameters;
 use crate::operation::{ActiveAlarms, RunState, X_BYTES};
 use crate::units::PerAxis;
 
-/// Contacts are sampled, and outputs refreshed, every so many ticks.
+/// Ticks between two samples of the contacts and refreshes of the outputs.
 const SAMPLE_TICKS: u64 = 4;
-/// The PLC has its slot every so many ticks.
+/// Ticks from one slot of the PLC to the next.
 const SLOT_TICKS: u64 = 8;
-/// X0.5, *ESP: closed when all is well.
+/// X0.5, *ESP: closed when no emergency stop is pressed.
 const ESP_BYTE: usize = 0;
 const ESP_MASK: u8 = 1 << 5;
 
-/// What happened during a tick.
+/// Something that happened during a tick.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
-    /// A piece of motion was finished or broken off.
+    /// A move was finished or interrupted.
     Moved(ExecutedMove),
-    /// A block begins, with the modal state it leaves.
+    /// A block begins, with its modal state.
     BlockBegan(Source, Modal),
-    /// Why the move that begins is where it is; only while the control explains.
+    /// Explanation of the move that begins; sent only while [`Cnc::explain`] is on.
     Explained(Explanation),
     /// A block was finished.
     BlockEnded(Source),
-    /// An alarm came up.
+    /// An alarm was raised.
     AlarmRaised(Alarm),
-    /// What the operator did has not come to its end, and why; no alarm.
+    /// An action of the operator had no effect or ended early, with the reason; no alarm.
     Advised(Message),
-    /// The part counter counted.
+    /// The part counter counted a part.
     PartFinished,
-    /// A program came to its end; `m30` tells M30 from the end of the text.
+    /// A program ended; `m30` distinguishes M30 from the end of the text.
     ProgramEnded {
-        /// By M30 or M02.
+        /// Whether M30 or M02 ended it.
         m30: bool,
-        /// By M02.
+        /// Whether M02 ended it.
         m02: bool,
     },
 }
 
-/// The control.
+/// The control with all its state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cnc {
     pub(crate) memory: Memory,
     pub(crate) switches: Switches,
-    /// The parameters as they were when the power was switched on.
+    /// Parameter values at power-on.
     at_power_on: Parameters,
     pub(crate) plc: PlcPort,
     serial_port: SerialPort,
-    /// The line that a program comes in through while it runs.
+    /// Serial line that delivers a program while it runs.
     dnc: DncLine,
     pub(crate) run: Run,
     pub(crate) drives: Drives,
@@ -92,6 +92,7 @@ pub struct Cnc {
     pub(crate) coordinates: Coordinates,
     pub(crate) alarms: ActiveAlarms,
     pub(crate) emergency_stop: bool,
+    #[serde(rename = "reset_left")]
     pub(crate) reset_left: u32,
     pub(crate) ticks: u64,
     #[serde(skip)]
@@ -99,7 +100,7 @@ pub struct Cnc {
 }
 
 impl Cnc {
-    /// One millisecond of the control.
+    /// Advances the control by one tick (1 ms).
     pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
         self.events.clear();
         let stood_at = self.hear_board(inputs.board.as_deref());
@@ -150,7 +151,7 @@ impl Cnc {
         self.outputs()
     }
 
-    /// Whether the next tick looks at the contacts.
+    /// Whether the next tick samples the contacts.
     pub(crate) const fn samples_contacts_next(&self) -> bool {
         (self.ticks + 1) % SAMPLE_TICKS == 1
     }

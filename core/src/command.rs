@@ -1,5 +1,5 @@
-//! What the interpreter hands to the control: one [`Command`] for each thing
-//! that happens, in machine coordinates, with the block it came from.
+//! Commands of the interpreter to the control: one [`Command`] for each action, in machine
+//! coordinates, with its source block.
 
 mod modal;
 
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::{Axis, Feed, PerAxis, Point, round};
 
-/// Which program a block stands in.
+/// Which program a block belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ProgramId {
     /// A program of the program memory, by its O number.
@@ -21,11 +21,11 @@ pub enum ProgramId {
     External,
     /// The block keyed in on the MDI page.
     Mdi,
-    /// The program that comes in through the serial line while it runs (DNC).
+    /// The program that the serial line delivers while it runs (DNC).
     Dnc,
 }
 
-/// The number N of a block. With none it takes no more room than alone: commands are
+/// Sequence number N of a block. `Option` of it has the same size, because commands are
 /// copied often.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(from = "u32", into = "u32")]
@@ -43,32 +43,32 @@ impl From<BlockNumber> for u32 {
     }
 }
 
-/// Where a command or an alarm comes from.
+/// Source position of a command or an alarm: program, line and sequence number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Source {
-    /// The program.
+    /// The program that contains the block.
     pub program: ProgramId,
     /// Line of the file, from 1.
     pub line: u32,
-    /// The last sequence number N met, if any.
+    /// The last sequence number N before or in the block; `None` before the first one.
     pub sequence: Option<BlockNumber>,
 }
 
-/// The coordinate frame in force: `machine = program + zero + offset`.
+/// The coordinate frame in force: `machine = program + zero + offset`, all in mm, X as a
+/// radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
-    /// Machine coordinate of the work origin.
+    /// Machine coordinate of the work zero.
     pub zero: Point,
     /// Tool offset in force.
     pub offset: Point,
-    /// How far zero offsets (G55 to G57 of the Huaxing lathes) have moved the origin, a
-    /// part of `zero`.
+    /// The part of `zero` that comes from zero offsets (G55 to G57 of the Huaxing lathes).
     #[serde(default, skip_serializing_if = "ZeroOffset::is_none")]
     pub zero_offset: ZeroOffset,
 }
 
-/// A zero offset in half micrometres, X as a radius. Whole numbers, and small ones:
-/// frames are copied with every command.
+/// A zero offset in half micrometres, X as a radius. The type is small because each command
+/// carries a copy of its frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ZeroOffset {
     x: i32,
@@ -79,7 +79,7 @@ impl ZeroOffset {
     /// Half micrometres in a millimetre.
     const PER_MM: f64 = 2000.0;
 
-    /// The nearest one.
+    /// Rounds a point in mm to the nearest zero offset.
     pub fn from_point(point: Point) -> Self {
         let whole = |mm: f64| round(mm * Self::PER_MM) as i32;
         Self {
@@ -88,7 +88,7 @@ impl ZeroOffset {
         }
     }
 
-    /// In mm, X as a radius.
+    /// Converts to mm, X as a radius.
     pub fn point(self) -> Point {
         Point::new(
             f64::from(self.x) / Self::PER_MM,
@@ -96,7 +96,7 @@ impl ZeroOffset {
         )
     }
 
-    /// None of an axis from here on.
+    /// Sets the offset of one axis to zero.
     pub(crate) const fn clear(&mut self, axis: Axis) {
         match axis {
             Axis::X => self.x = 0,
@@ -110,64 +110,67 @@ impl ZeroOffset {
 }
 
 impl Frame {
-    /// Machine coordinate of a programmed point.
+    /// Converts programmed coordinates to machine coordinates.
     pub fn machine(&self, program: Point) -> Point {
         program + self.zero + self.offset
     }
 
-    /// Programmed (absolute) coordinate of a machine position.
+    /// Converts machine coordinates to programmed (absolute) coordinates.
     pub fn program(&self, machine: Point) -> Point {
         machine - self.zero - self.offset
     }
 }
 
-/// One step of a program, as the control carries it out.
+/// One step of a program as the control executes it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Command {
-    /// The block it comes from.
+    /// The block that the command comes from.
     pub source: Source,
-    /// What to do.
+    /// What the control does.
     pub action: Action,
-    /// The modal state its block left; what the pages show while it runs.
+    /// Modal state after the block; the pages show it while the command runs.
     pub modal: Modal,
     /// Whether it is the last command of its block.
     pub block_end: bool,
     /// Whether single block stops after it (ends of blocks that stop, and the
     /// moves of cycles, manual I-3.1.13).
     pub stop_point: bool,
-    /// Whether feed hold waits for its end: the moves of G70 to G75.
+    /// Whether feed hold waits for the end of the command: the moves of G70 to G75.
+    #[serde(rename = "whole")]
     pub whole: bool,
-    /// The programmed X of a move that nose radius compensation has changed;
-    /// only under G96, whose speed follows it.
+    /// Programmed X of a move that nose radius compensation has changed. Set only under
+    /// G96, whose surface speed follows the programmed X.
     pub programmed_x: Option<Box<ProgrammedX>>,
 }
 
-/// The programmed X while the tip goes along its compensated path, machine
-/// coordinates.
+/// Programmed X as a function of the tip's position on its compensated path, machine
+/// coordinates in mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ProgrammedX {
-    /// It changes evenly along a straight move.
+    /// Programmed X changes linearly along a straight move.
+    #[serde(rename = "Even")]
     Even {
-        /// At the start.
+        /// X at the start of the move.
         from: f64,
-        /// At the end.
+        /// X at the end of the move.
         to: f64,
     },
-    /// Tip and programmed point go round their centres together.
+    /// Tip and programmed point move on arcs with a common angle.
+    #[serde(rename = "Round")]
     Round {
         /// X of the centre of the tip's arc.
         tip_center: f64,
-        /// X of the programmed centre.
+        /// X of the centre of the programmed arc.
         center: f64,
-        /// Programmed radius over that of the tip's arc.
+        /// Programmed radius divided by the radius of the tip's arc.
         ratio: f64,
-        /// At the end.
+        /// X at the end of the move.
         to: f64,
     },
 }
 
 impl ProgrammedX {
-    /// When the tip has got so far on its way from one point to another.
+    /// Programmed X while the tip is between `from` and `target`.
     pub fn at(&self, tip: Point, from: Point, target: Point) -> f64 {
         match *self {
             Self::Even { from: first, to } => {
@@ -188,7 +191,7 @@ impl ProgrammedX {
         }
     }
 
-    /// At the end of the move.
+    /// Programmed X at the end of the move.
     pub const fn end(&self) -> f64 {
         match *self {
             Self::Even { to, .. } | Self::Round { to, .. } => to,
@@ -196,116 +199,118 @@ impl ProgrammedX {
     }
 }
 
-/// What a command does. Positions are machine coordinates.
+/// The action of a command. Positions are machine coordinates in mm, X as a radius.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Action {
-    /// Both axes to the target at their own rapid rates; not a straight line.
+    /// G00: each axis moves at its own rapid rate, so the path is not straight.
     Rapid {
         /// End point.
         to: Point,
     },
-    /// Straight cut.
+    /// G01: straight cut.
     Line {
         /// End point.
         to: Point,
-        /// Rate along the path.
+        /// Feed along the path.
         feed: Feed,
     },
-    /// Circular cut.
+    /// G02, G03: circular cut.
     Arc {
         /// End point; equal to the start for a full circle.
         to: Point,
         /// Centre.
         center: Point,
-        /// Direction seen with +Z to the right and +X up.
+        /// Direction as seen with +Z to the right and +X up.
         clockwise: bool,
-        /// Rate along the path.
+        /// Feed along the path.
         feed: Feed,
     },
-    /// Straight cut tied to the angle of the spindle (G32, G34, G92, G76).
+    /// Straight cut synchronised with the spindle angle (G32, G34, G92, G76).
     Thread {
         /// End point.
         to: Point,
-        /// The axis the lead counts on; X as a radius.
+        /// Axis that the lead is measured along; X as a radius.
+        #[serde(rename = "long")]
         long: Axis,
-        /// mm per revolution at the start.
+        /// Lead at the start, mm per revolution.
         lead: f64,
-        /// mm per revolution and revolution (G34); 0 otherwise.
+        /// Change of the lead, mm per revolution and revolution (G34); otherwise 0.
         increase: f64,
-        /// Where on the turn it begins.
+        /// Spindle angle at which the thread begins.
         start: ThreadStart,
-        /// Whether it is the tail that leaves the thread.
+        /// Whether this is the run-out that leaves the thread.
         run_out: bool,
     },
-    /// A cycle of threads begins (G92, G76): before its infeed the spindle must
-    /// turn, and no faster than the axes can follow.
+    /// A thread cycle (G92, G76) begins. The spindle must turn before the first infeed, at
+    /// a speed that the axes can follow.
     ThreadCycle {
-        /// How far each axis goes a revolution in its cuts, mm.
+        /// Travel of each axis per revolution in the cuts, mm.
         per_revolution: Point,
-        /// What makes a cut more than one straight pass.
+        /// The feature that makes a cut more than one straight pass, if any.
+        #[serde(rename = "beyond")]
         beyond: Option<BeyondPass>,
     },
-    /// Tapping in Z (G33): in, spindle stop, reverse, out. It ends where it began,
-    /// with the spindle stopped.
+    /// Tapping in Z (G33): feed in, stop the spindle, reverse, feed out. It ends at its
+    /// start point with the spindle stopped.
     Tap {
         /// Bottom of the hole.
         to: Point,
-        /// mm per revolution.
+        /// Lead, mm per revolution.
         lead: f64,
-        /// Angle after the one-turn signal at which it begins.
+        /// Spindle angle after the one-turn signal at which the tap begins, degrees.
         start_degrees: f64,
     },
-    /// G04; zero is an exact stop.
+    /// G04: dwell; zero is an exact stop.
     Dwell {
-        /// Milliseconds.
+        /// Duration, ms.
         ms: u32,
     },
-    /// The reference point of axes that have none yet is sought as by hand (G28):
-    /// switch, zero signal; the others of these axes stand on theirs already.
+    /// G28: axes without a reference point seek it as in manual mode, by deceleration
+    /// switch and zero signal. Axes of the block that have one are already there.
     ZeroReturn {
-        /// X takes part.
+        /// Whether X takes part.
         x: bool,
-        /// Z takes part.
+        /// Whether Z takes part.
         z: bool,
     },
-    /// The axes have come back to the reference point (after the rapid of G28):
-    /// the zero lamps light.
+    /// The axes have reached the reference point (after the rapid of G28): the zero lamps
+    /// light.
     Referenced {
-        /// X took part.
+        /// Whether X took part.
         x: bool,
-        /// Z took part.
+        /// Whether Z took part.
         z: bool,
     },
-    /// A new coordinate frame is in force from here on (G50, T).
+    /// Puts a new coordinate frame into force (G50, T).
     Frame {
-        /// The frame.
+        /// The new frame.
         frame: Frame,
-        /// Whether this is a G50, which defines the program zero point.
+        /// The point that a G50 sets as program zero; `None` for other frames.
         program_zero: Option<Point>,
         /// Whether the relative coordinates follow the absolute ones (005.1 PPD).
         relative: bool,
     },
-    /// M function given to the PLC: begins together with what follows it in its block,
-    /// which ends when both are finished.
+    /// M function for the PLC. It begins together with the rest of its block; the block
+    /// ends when both are finished.
     Miscellaneous {
         /// M number.
         code: u8,
     },
-    /// Outputs that a program switches by itself (NC-B08: M10, M11, M21 and on): Y0 in
-    /// bit 0, which is F54.0 for the ladder; there are 24.
+    /// Outputs that a program switches directly (NC-B08: M10, M11, M21 and up). Bit 0 is
+    /// Y0, which the ladder reads as F54.0; there are 24.
     Outputs {
-        /// Those that go on.
+        /// Outputs to switch on.
         on: u32,
-        /// Those that go off.
+        /// Outputs to switch off.
         off: u32,
-        /// After so many milliseconds those that went on go off again; 0 = never.
+        /// Duration after which the outputs in `on` switch off again, ms; 0 = never.
         ms: u32,
     },
     /// The program waits for an input (M01 of the NC-B08): X0 is X0.0, X8 is X1.0.
     InputWait {
-        /// Its number, 0–23.
+        /// Number of the input, 0–23.
         input: u8,
-        /// The level that it must have for 30 ms.
+        /// Level that the input must keep for 30 ms.
         high: bool,
     },
     /// S function: spindle speed.
@@ -316,34 +321,34 @@ pub enum Action {
         tool: u8,
         /// Offset number, 0 = cancelled.
         offset: u8,
-        /// Nothing that takes time follows it in its block.
+        /// Whether no function that takes time follows in the block.
         is_last: bool,
     },
-    /// M00: stop after everything before it is finished.
+    /// M00: stops after all previous commands have finished.
     ProgramStop,
-    /// M30, or the end of the text.
+    /// M30, M02, or the end of the program text.
     End {
-        /// Whether the part counter counts it (M30, main-program M99).
+        /// Whether the part counter counts this end (M30, main-program M99).
         counts: bool,
-        /// Whether M30 was programmed (its decode signals go to the PLC), or M02 on models
-        /// that have it.
+        /// Whether M30 was programmed, or M02 on models that have it: its decode signals go
+        /// to the PLC.
         m30: bool,
-        /// It was M02.
+        /// Whether M02 was programmed.
         #[serde(default, skip_serializing_if = "core::ops::Not::not")]
         m02: bool,
     },
-    /// M99 in the main program: the part counter counts, the run goes on.
+    /// M99 in the main program: the part counter counts and the program starts again.
     Repeat,
-    /// An operation on variables (G65) was done when its block was read; it takes a
-    /// millisecond.
+    /// A G65 operation on variables. The interpreter executed it when it read the block; it
+    /// takes 1 ms.
     Macro,
-    /// A block without any effect on the machine (only N, G modal words…): it
-    /// moves the block cursor and is a place where single block stops.
+    /// A block without effect on the machine (only N, modal G codes…). It moves the block
+    /// cursor, and single block stops after it.
     Nothing,
 }
 
 impl Action {
-    /// Whether it is motion of the slides by itself, one move.
+    /// Whether the action moves the slides in one move.
     pub(crate) const fn is_motion(&self) -> bool {
         matches!(
             self,
@@ -355,7 +360,7 @@ impl Action {
         )
     }
 
-    /// The same motion at another place; what does not move stays as it is.
+    /// Moves the end point and the arc centre by a distance; other actions stay the same.
     pub(crate) fn translated(mut self, by: Point) -> Self {
         match &mut self {
             Self::Rapid { to }
@@ -372,35 +377,37 @@ impl Action {
     }
 }
 
-/// Where on the turn of the spindle a thread begins.
+/// Spindle angle at which a thread begins.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ThreadStart {
-    /// So many degrees after the one-turn signal, which is waited for; the starts
-    /// of a multi-start thread differ in it.
+    /// The thread waits for the one-turn signal and begins at this angle after it. The
+    /// starts of a multi-start thread differ in the angle.
     AtIndex {
-        /// Degrees, 0…360.
+        /// Angle, degrees, 0–360.
         degrees: f64,
     },
-    /// It goes on in phase from the thread before.
+    /// The thread continues in phase from the thread before.
     Continued,
 }
 
-/// What makes a thread more than one straight pass of one lead that begins with the
-/// one-turn signal.
+/// A feature that makes a thread more than one straight pass of constant lead from the
+/// one-turn signal. A board that cuts passes itself cannot make it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum BeyondPass {
     /// The lead changes (G34).
     LeadChange,
-    /// A tail leaves it (J, K, No.019).
+    /// A run-out leaves the thread (J, K, No.019).
     RunOut,
-    /// Another thread goes on from it without a stop.
+    /// Another thread continues from it without a stop.
+    #[serde(rename = "GoesOn")]
     GoesOn,
-    /// It begins at another angle (L).
+    /// The thread begins at another spindle angle (L).
+    #[serde(rename = "Start")]
     Start,
 }
 
 impl BeyondPass {
-    /// In words, with what helps.
+    /// The feature in words, with advice.
     pub fn text(self) -> Message {
         match self {
             Self::LeadChange => say::pass_lead_changes(),
@@ -411,40 +418,40 @@ impl BeyondPass {
     }
 }
 
-/// What an S word (with G96, G97, G50) asks of the spindle.
+/// Spindle command of an S word (with G96, G97, G50).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum SpindleCommand {
     /// Stepped speed output S00–S04 (001.4 = 0), with the PLC handshake.
     Step(u8),
     /// Constant rotational speed, r/min (G97).
     Speed(f64),
-    /// Constant surface speed, m/min (G96); radius from the programmed X.
+    /// Constant surface speed, m/min (G96); the programmed X is the radius.
     Surface(f64),
-    /// Highest speed under G96, r/min (G50 S); zero stops.
+    /// Highest speed under G96, r/min (G50 S); 0 stops the spindle.
     Limit(f64),
 }
 
-/// What kind of motion a piece of path was.
+/// Kind of motion of an executed move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum MoveKind {
-    /// Rapid.
+    /// G00 and rapids of cycles.
     Rapid,
-    /// Straight cut.
+    /// G01 and straight cuts of cycles.
     Feed,
     /// Clockwise arc, seen with +Z to the right and +X up.
     Clockwise,
     /// Counter-clockwise arc.
     CounterClockwise,
-    /// Cut tied to the angle of the spindle.
+    /// Cut synchronised with the spindle angle.
     Thread,
-    /// The tail that leaves a thread.
+    /// The run-out that leaves a thread.
     RunOut,
-    /// A wait without motion.
+    /// A dwell without motion.
     Dwell,
 }
 
 impl MoveKind {
-    /// The kind of an arc, seen with +Z to the right and +X up.
+    /// The direction of an arc, seen with +Z to the right and +X up.
     pub const fn arc(clockwise: bool) -> Self {
         if clockwise {
             Self::Clockwise
@@ -453,7 +460,7 @@ impl MoveKind {
         }
     }
 
-    /// Its name in `--moves` and in the cases.
+    /// The name in `--moves` and in the cases.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Rapid => "rapid",
@@ -466,18 +473,17 @@ impl MoveKind {
         }
     }
 
-    /// Whether the spindle angle drives it.
+    /// Whether the move follows the spindle angle.
     pub const fn is_thread(self) -> bool {
         matches!(self, Self::Thread | Self::RunOut)
     }
 }
 
-/// A piece of motion as it was carried out, in the *program's* coordinates
-/// (radius, without tool offset). Interpreted by the preview, executed by the
-/// control: both report the same.
+/// A move as it was executed, in *programmed* coordinates (mm, X as a radius, without tool
+/// offset). The preview and the control report the same moves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ExecutedMove {
-    /// The block it comes from.
+    /// The block that the move comes from.
     pub source: Source,
     /// Kind of motion.
     pub kind: MoveKind,
@@ -485,38 +491,38 @@ pub struct ExecutedMove {
     pub from: Point,
     /// End point.
     pub to: Point,
-    /// Centre of an arc.
+    /// Centre of an arc; `None` for other moves.
     pub center: Option<Point>,
-    /// Commanded feed of a cut.
+    /// Commanded feed of a cut, for a thread its lead per revolution; `None` for other moves.
     pub feed: Option<Feed>,
-    /// Machine time when it began, s.
+    /// Machine time at the start of the move, s.
     pub start_s: f64,
-    /// How long it took, s.
+    /// Duration of the move, s.
     pub duration_s: f64,
-    /// What held while it was made.
+    /// Tool, frame and spindle speed during the move.
     pub conditions: Conditions,
 }
 
-/// What holds while a move is made, besides its path.
+/// The conditions under which a move is made: tool, offset, frame and spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Conditions {
     /// Tool in the working position, 0 = none.
     pub tool: u8,
     /// Offset number in force, 0 = none.
     pub offset: u8,
-    /// The coordinate frame.
+    /// Coordinate frame in force.
     pub frame: Frame,
-    /// Speed of the spindle when it begins, r/min; 0 = it stands.
+    /// Spindle speed at the start of the move, r/min; 0 = standstill.
     pub rpm: f64,
-    /// How a thread follows the angle of the spindle.
+    /// How a thread follows the spindle angle; `None` for other moves.
     pub thread: Option<ThreadPhase>,
-    /// Which of its coordinates are not known.
+    /// Coordinates whose relation to the work is unknown.
     #[serde(default, skip_serializing_if = "Unplaced::is_none")]
     pub unplaced: Unplaced,
 }
 
-/// Coordinates of a move that lead to or from a machine zero whose position to the work
-/// is unknown: numbers are computed for them, but they say nothing about the part.
+/// Axes whose coordinates have no known relation to the work, because the move leads to or
+/// from a machine zero. The numbers of these axes say nothing about the part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Unplaced {
     /// Axes of the start point.
@@ -532,19 +538,21 @@ impl Unplaced {
     }
 }
 
-/// How a thread follows the angle of the spindle.
+/// How a thread follows the spindle angle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ThreadPhase {
-    /// The axis its lead counts on.
+    /// Axis that the lead is measured along.
+    #[serde(rename = "long")]
     pub long: Axis,
-    /// mm per revolution and revolution.
+    /// Change of the lead, mm per revolution and revolution.
     pub increase: f64,
-    /// Where on the turn it begins.
+    /// Spindle angle at which the thread begins.
     pub start: ThreadStart,
 }
 
 impl Conditions {
-    /// Of a command in a frame, with the spindle at a speed.
+    /// Takes tool, offset and thread from a command; `rpm` is the spindle speed at its
+    /// start.
     #[inline]
     pub(crate) fn of(command: &Command, frame: &Frame, rpm: f64) -> Self {
         let thread = match command.action {

@@ -1,9 +1,9 @@
-//! What programs for other controls write, and how it is said on this one: the
-//! advice behind alarms 006, 009, 010, 019 and 043.
+//! Advice for codes of other controls: what this control uses instead (alarms 006, 009,
+//! 010, 019 and 043).
 
 use gsk_messages::{Message, say};
 
-/// Instead of a G code that this control does not have (table 3-7).
+/// Advice for a G code that this control does not have (table 3-7).
 pub(crate) fn instead_of_g(code: i64) -> Option<Message> {
     Some(match code {
         17..=19 => say::instead_of_plane(),
@@ -21,7 +21,7 @@ pub(crate) fn instead_of_g(code: i64) -> Option<Message> {
     })
 }
 
-/// Instead of an M code that this control does not have (manual I-3.3).
+/// Advice for an M code that this control does not have (manual I-3.3).
 pub(crate) fn instead_of_m(code: u8) -> Option<Message> {
     Some(match code {
         1 => say::instead_of_optional_stop(),
@@ -33,7 +33,7 @@ pub(crate) fn instead_of_m(code: u8) -> Option<Message> {
     })
 }
 
-/// Instead of a letter that is no address (table 2-1).
+/// Advice for a letter that is not an address (table 2-1).
 pub(crate) fn instead_of_address(letter: u8) -> Option<Message> {
     Some(match letter {
         b'A' => say::instead_of_angle(),
@@ -44,7 +44,7 @@ pub(crate) fn instead_of_address(letter: u8) -> Option<Message> {
     })
 }
 
-/// Instead of a character that is none of the language.
+/// Advice for a character that the language does not use.
 pub(crate) fn instead_of_character(character: u8) -> Option<Message> {
     Some(match character {
         b',' => say::instead_of_comma(),
@@ -53,7 +53,7 @@ pub(crate) fn instead_of_character(character: u8) -> Option<Message> {
     })
 }
 
-/// Instead of a number above 9999 behind O or N.
+/// Advice for a number above 9999 after O or N.
 pub(crate) fn instead_of_number(address: u8) -> Option<Message> {
     match address {
         b'O' => Some(say::instead_of_long_number()),
@@ -61,7 +61,7 @@ pub(crate) fn instead_of_number(address: u8) -> Option<Message> {
     }
 }
 
-/// A rule that was broken, with the way this control does it.
+/// Joins a broken rule and the advice for it into one message.
 pub(crate) fn advised(rule: Message, advice: Option<Message>) -> Message {
     match advice {
         Some(advice) => say::several([rule, advice]),

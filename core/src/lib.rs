@@ -1,4 +1,5 @@
-//! The GSK980TD control itself, pure and deterministic, and the simulated lathe.
+//! The GSK980TD control and its simulated lathe: pure and deterministic, without I/O, clock
+//! or threads.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 

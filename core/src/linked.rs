@@ -1,4 +1,4 @@
-//! A control whose motion a pulse board makes: the link beside a simulation, of
+//! Runs a simulation whose axes a pulse board moves: the link beside a [`Simulation`], in
 //! which everything that the board has not wired stays simulated.
 //!
 //! ```text
@@ -6,16 +6,16 @@
 //!   port ──► pump ─► link ─► reports ─► Inputs ─► Cnc ─► Outputs ─► samples, orders ─► link ─► port
 //! ```
 //!
-//! What the board says goes into the control with the inputs of a tick, what it is to
-//! do comes out with the outputs: the control reacts in its own tick, and nothing here
-//! writes into it.
+//! Reports of the board enter the control with the inputs of a tick. The control's orders
+//! leave with its outputs. The control reacts in its own tick; this module writes nothing
+//! into it.
 //!
-//! The kernel's time is bound to the board's while slides move: it runs ahead of it
-//! by no more than the lookahead. In every other state it follows the host's clock,
-//! so that ladder, RESET and alarm page live on.
+//! While slides move the kernel's time follows the board's, ahead of it by at most the
+//! lookahead. Otherwise it follows the host's clock, so that ladder, RESET and alarm page
+//! stay alive.
 //!
-//! The link stands beside the [`Simulation`], not in it: what is saved never holds an
-//! open port.
+//! The link is kept beside the simulation, not in it: a saved state never contains an open
+//! port.
 
 mod drives;
 mod events;
@@ -51,27 +51,27 @@ use reports::Reports;
 use spindle::Spindle;
 use stopping::Stopping;
 
-/// Keys of the control as they were in the last tick: their edges stop the board.
+/// Keys of the control at the last tick. Their rising edges stop the board.
 #[derive(Clone, Copy, Debug, Default)]
 struct Keys {
     resetting: bool,
     emergency: bool,
 }
 
-/// Where the link stands with its board, as the control last heard.
+/// State of the connection as the control last received it.
 #[derive(Clone, Copy, Debug)]
 struct Connection {
     state: LinkState,
-    /// RESET was pressed while the board was lost.
+    /// Set when RESET was pressed while the board was lost.
     reopen: bool,
-    /// The holder of the port has stopped the board that is lost.
+    /// Set when the guard process has stopped the lost board.
     stopped: bool,
-    /// Spindle and coolant were on when the board was lost, or before it was there: they
-    /// stay off until they have been switched off.
+    /// Set when spindle and coolant were on at the loss of the board or before it was
+    /// ready. They stay off until the ladder has switched them off.
     withheld: bool,
 }
 
-/// What the control last wanted.
+/// What the control commanded in its last tick.
 #[derive(Clone, Copy, Debug, Default)]
 struct Control {
     pulses: PerAxis<Pulses>,
@@ -87,23 +87,23 @@ impl Control {
     }
 }
 
-/// The returns of the control to its machine zero.
+/// Reference returns that the control drives.
 #[derive(Clone, Copy, Debug, Default)]
 struct Returns {
-    /// The count from which the control seeks a switch.
+    /// Pulse count at which the control began to seek a switch.
     sought_from: PerAxis<Pulses>,
-    /// The board has just found its switches.
+    /// Set when the board has just homed.
     homed: bool,
-    /// How far the limit switches of an axis are apart, mm; X as a diameter.
+    /// Distance between the limit switches of an axis, mm; X as a diameter.
     lengths: PerAxis<Option<f64>>,
 }
 
-/// A link and what it does with the control beside it.
+/// A link to a pulse board and its exchange with the control beside it.
 #[derive(Clone, Debug)]
 pub struct Linked {
     link: Link,
     config: LinkConfig,
-    /// The parameters as they were when the link was opened.
+    /// Parameter values when the link was opened.
     checked: Checked,
     connection: Connection,
     clock: Clock,
@@ -120,8 +120,7 @@ pub struct Linked {
 }
 
 impl Linked {
-    /// Opens the link of a control: its slides are real from now on, and nobody knows
-    /// where they stand.
+    /// Opens the link of a control. The position of its slides is unknown from now on.
     pub fn open(config: LinkConfig, simulation: &mut Simulation, now: HostTime) -> Self {
         let checked = Checked::new(simulation.cnc.parameters(), config.protocol);
         let link = Link::open(config.clone(), &drives(simulation.cnc.parameters()), now);
@@ -155,22 +154,22 @@ impl Linked {
         }
     }
 
-    /// What boards met before said they understand; to be told before the first
-    /// [`pump`](Self::pump).
+    /// Adds data dictionaries that boards sent in earlier sessions. Call it before the
+    /// first [`pump`](Self::pump).
     pub fn know(&mut self, dictionaries: Vec<Vec<u8>>) {
         self.link.add_dictionaries(dictionaries);
     }
 
-    /// The link is over; the slides are simulated again. The last bytes for the board
-    /// stop it.
+    /// Closes the link and returns to simulated slides. Returns the last bytes for the
+    /// board, which stop it.
     pub fn close(mut self, simulation: &mut Simulation) -> Vec<u8> {
         self.link.close();
         simulation.detach_board();
         self.link.tx().to_vec()
     }
 
-    /// Bytes came from the port, time passed. To be called at least every 5 ms, and
-    /// before [`may_tick`](Self::may_tick) is asked.
+    /// Passes received bytes and the host time to the link. Call it at least every 5 ms,
+    /// and before [`may_tick`](Self::may_tick).
     pub fn pump(&mut self, bytes: &[u8], now: HostTime) {
         let gap = self.clock.passes(now);
         self.judge_absence(gap);
@@ -185,7 +184,7 @@ impl Linked {
         self.settle();
     }
 
-    /// The port failed.
+    /// Reports that the port failed.
     pub fn lost(&mut self, cause: Message) {
         self.link.lost(cause);
         for event in self.link.events() {
@@ -195,14 +194,14 @@ impl Linked {
         self.report_standstill();
     }
 
-    /// The process that held the port has stopped the board, and this is what the board
-    /// answered: whether its outputs are off is known then, although the link is lost.
+    /// Reports that the guard process stopped the board, with the bytes that the board
+    /// answered. They show whether the outputs are off although the link is lost.
     pub fn stopped_by_holder(&mut self, answered: &[u8]) {
         self.connection.stopped = self.link.has_answered_stop(answered);
     }
 
-    /// Whether the board has to be stopped when this program falls silent. One of timed
-    /// steps stops by itself then.
+    /// Whether the guard process must stop the board if this program falls silent. A board
+    /// of timed steps stops on its own.
     pub fn needs_guard(&self) -> bool {
         let on =
             |outputs: BoardOutputs| outputs.spindle != SpindleDirection::Stop || outputs.coolant;
@@ -212,35 +211,35 @@ impl Linked {
                 || self.link.switched().is_none_or(on))
     }
 
-    /// Bytes to be written to the port.
+    /// Bytes to write to the port.
     pub fn tx(&self) -> &[u8] {
         self.link.tx()
     }
 
-    /// So many of them were written.
+    /// Drops the first `count` bytes of [`tx`](Self::tx), which have been written.
     pub fn consumed(&mut self, count: usize) {
         self.link.consumed(count);
     }
 
-    /// What stops the board when this program is gone.
+    /// Bytes that stop the board; the guard process sends them when this program has ended.
     pub fn stop_bytes(&self) -> Vec<u8> {
         self.link.stop_bytes()
     }
 
-    /// One tick of a simulation that stands by itself, without a panel.
+    /// Runs one tick of a simulation without a panel.
     pub fn tick(&mut self, simulation: &mut Simulation) {
         self.before(simulation);
         simulation.tick();
         self.after(simulation);
     }
 
-    /// To be called before each tick of the simulation.
+    /// Passes the board's reports to the simulation. Call it before each tick.
     pub fn before(&mut self, simulation: &mut Simulation) {
         let inputs = self.inputs_of_tick();
         simulation.set_board(inputs);
     }
 
-    /// To be called after each tick of the simulation.
+    /// Passes the control's motion and orders to the board. Call it after each tick.
     pub fn after(&mut self, simulation: &mut Simulation) {
         self.clock.run += Duration::from_millis(1);
         match self.power.tick(simulation.cnc.ticks()) {
@@ -256,7 +255,7 @@ impl Linked {
         simulation.add_board_contacts(&self.contacts());
     }
 
-    /// What the board says of its switches.
+    /// The switches of the board as contacts of the control.
     fn contacts(&self) -> BoardContacts {
         let pins = self.link.pins();
         let input = |x, z| PerAxis::new(self.link.input(x), self.link.input(z));
@@ -278,7 +277,7 @@ impl Linked {
         contacts
     }
 
-    /// Every input that a board may have, with its state; `None`: not wired.
+    /// All inputs that a board can have, with their state; `None` = not wired.
     pub fn inputs(&self) -> Vec<(Input, Option<bool>)> {
         let usual = [
             Input::LimitX,
@@ -311,8 +310,8 @@ impl Linked {
         missing.map(|(output, _)| output).collect()
     }
 
-    /// The power of the control is off, or has just come back: its count of pulses
-    /// begins anew.
+    /// Handles the loss or return of the control's power: its pulse count starts again from
+    /// zero.
     fn without_power(&mut self, simulation: &mut Simulation) {
         self.stopping = Stopping::None;
         self.thread.pass = None;
@@ -324,11 +323,11 @@ impl Linked {
         self.motion.stand_at(self.control.pulses);
     }
 
-    /// The motion of the tick goes to the board.
+    /// Passes the motion of the tick to the board.
     fn hand_over(&mut self) {
         let Control { pulses, orders } = self.control;
         if self.thread.pass.is_some() {
-            // The board goes ahead; the control only follows.
+            // The board moves first; the control follows its count.
             self.motion.stand_at(pulses);
             return;
         }
@@ -358,8 +357,8 @@ impl Linked {
         }
     }
 
-    /// Motion that the board does not take is not made: the control goes back to
-    /// where the slides are.
+    /// Handles motion that the board rejects: the control returns to the position of the
+    /// slides.
     fn refuse(&mut self, refused: MotionRefused) {
         let (number, text) = refused.to_alarm();
         self.raise(Alarm::new(number).because(text));
@@ -367,13 +366,13 @@ impl Linked {
         self.motion.moved = false;
         self.report(BoardReport::NotTaken(self.motion.pulses));
         if self.link.state() == LinkState::Moving {
-            // Where that is, the board tells when it stands.
+            // The board reports that position when it has stopped.
             self.link.stop(Stop::Flush);
             self.stopping.flush();
         }
     }
 
-    /// Whether the slides may still be on their way.
+    /// Whether the slides may still move or the board holds motion.
     pub fn is_behind(&self) -> bool {
         matches!(
             self.link.state(),
@@ -381,60 +380,61 @@ impl Linked {
         ) || self.link.outstanding() > Duration::ZERO
     }
 
-    /// What the owner should find in the log.
+    /// Takes the entries for the link's log.
     pub fn notes(&mut self) -> Vec<Note> {
         core::mem::take(&mut self.log.notes)
     }
 
-    /// Whether the operator wants the lost board back: the port is to be opened anew.
+    /// Whether the operator wants the lost board back: the caller then opens the port
+    /// again.
     pub const fn is_to_be_reopened(&self) -> bool {
         self.connection.reopen
     }
 
-    /// Compares the counts, when the slides stand.
+    /// Starts a comparison of the counts, if the slides stand still.
     pub fn check(&mut self) {
         if self.link.state() == LinkState::Ready && !self.is_behind() {
             self.log.checking = self.link.compare();
             if !self.log.checking {
-                // What differs is an alarm as soon as it is reported.
+                // A difference raises an alarm as soon as the board reports it.
                 self.checked(true, None);
             }
         }
     }
 
-    /// The port is about to be closed: the last comparison is noted.
+    /// Logs a last comparison of the counts before the port is closed.
     pub fn check_last(&mut self) {
         if self.link.state() == LinkState::Ready && !self.is_behind() {
             self.checked(true, None);
         }
     }
 
-    /// Whether it is known where the slides stand.
+    /// Whether the position of the slides is known.
     pub fn knows_position(&self) -> bool {
         self.link.knows_position()
     }
 
-    /// What the board has switched; none while an order is under way.
+    /// Outputs that the board has switched; `None` while an order is under way.
     pub fn outputs(&self) -> Option<BoardOutputs> {
         self.link.switched()
     }
 
-    /// Writes the settings that differ; the operator was asked.
+    /// Writes the settings that differ to the board. The operator has confirmed it.
     pub fn write_settings(&mut self) {
         self.link.write_settings();
     }
 
-    /// The spindle whose index the board sees, as the control was last shown it.
+    /// The spindle whose index the board measures, as the control last received it.
     pub const fn spindle(&self) -> Option<SpindleView> {
         self.spindle.view
     }
 
-    /// Where the link stands.
+    /// State of the connection.
     pub fn state(&self) -> LinkState {
         self.link.state()
     }
 
-    /// Whether the board is still being asked who it is and how it is set.
+    /// Whether the board is still being identified and configured.
     pub const fn is_opening(&self) -> bool {
         matches!(
             self.connection.state,
@@ -442,17 +442,18 @@ impl Linked {
         )
     }
 
-    /// Its settings in the machine file.
+    /// Settings of the link in the machine file.
     pub const fn config(&self) -> &LinkConfig {
         &self.config
     }
 
-    /// The next piece of the traffic as text, from bytes that are collected.
+    /// The next message of the traffic as text, taken from the collected bytes; `outward`
+    /// selects the direction.
     pub fn next_text(&self, outward: bool, collected: &mut Vec<u8>) -> Option<String> {
         self.link.next_text(outward, collected)
     }
 
-    /// What the board said it is.
+    /// Identity of the board as it reported it.
     pub fn board(&self) -> &BoardInfo {
         self.link.board()
     }
@@ -462,27 +463,28 @@ impl Linked {
         self.link.pins()
     }
 
-    /// Figures of the wire.
+    /// Counters of the traffic on the line.
     pub fn traffic(&self) -> Traffic {
         self.link.traffic()
     }
 
-    /// Motion handed over that may not have been made yet.
+    /// Duration of motion that the board may not have executed yet.
     pub fn outstanding(&self) -> Duration {
         self.link.outstanding()
     }
 
-    /// Pulses commanded so far.
+    /// Pulses commanded to the board.
     pub const fn commanded(&self) -> PerAxis<Pulses> {
         self.motion.pulses
     }
 
-    /// The board's count in the control's pulses, as last reported.
+    /// The board's last reported count, in the control's pulses; `None` before the first
+    /// report.
     pub fn counted(&self) -> Option<PerAxis<Pulses>> {
         self.link.counted()
     }
 
-    /// Where the axes stand after the board's reference return, machine coordinates.
+    /// Machine coordinates after the board's homing, X as a radius.
     fn home(&self) -> Point {
         Point::new(self.config.x.home_at / 2.0, self.config.z.home_at)
     }

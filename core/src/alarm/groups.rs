@@ -1,8 +1,8 @@
-//! Alarms that belong together, by what the control does with them.
+//! Groups of alarms that the control treats alike.
 
 use super::number;
 
-/// Alarms of a board that is not connected: its connection ends them.
+/// Alarms of a board that is not connected. The next successful connection clears them.
 pub(crate) const OF_OPENING: [u16; 4] = [
     number::BOARD_SILENT,
     number::BOARD_UNSUPPORTED,
@@ -10,14 +10,14 @@ pub(crate) const OF_OPENING: [u16; 4] = [
     number::LINK_LOST,
 ];
 
-/// Whether a board that is not known yet can have raised it: one that has moved
-/// nothing.
+/// Whether a board can raise the alarm before it has been identified: its slides have not
+/// moved then.
 pub(crate) const fn comes_before_motion(number: u16) -> bool {
     matches!(number, number::BOARD_SILENT..=number::BOARD_CANNOT)
 }
 
-/// Whether RESET leaves it: the emergency stop goes with its contact alone, 100 with
-/// the parameter switch and 000 with the power.
+/// Whether RESET leaves the alarm in force. The emergency stop ends with its contact only,
+/// 100 with the parameter switch, 000 with the power.
 pub const fn outlives_reset(number: u16) -> bool {
     matches!(
         number,
@@ -25,12 +25,13 @@ pub const fn outlives_reset(number: u16) -> bool {
     )
 }
 
-/// Whether its line on the screen names what was damaged in the memory.
+/// Whether the alarm's line on the screen names the damaged part of the memory.
 pub const fn is_of_memory(number: u16) -> bool {
     matches!(number, number::MEMORY_DAMAGED | number::WRITE_INTERRUPTED)
 }
 
-/// Whether it belongs to the corner before its arc: the move before is not begun.
+/// Whether the alarm belongs to the corner before its arc. The move before the corner is
+/// not begun then.
 pub(crate) const fn is_of_corner(number: u16) -> bool {
     matches!(
         number,
@@ -38,7 +39,8 @@ pub(crate) const fn is_of_corner(number: u16) -> bool {
     )
 }
 
-/// Alarms of calls, jumps, profiles and macros: the block would have led elsewhere.
+/// Whether the alarm comes from a call, a jump, a profile or a macro: the block would have
+/// changed which block is executed next.
 pub(crate) const fn leads_elsewhere(number: u16) -> bool {
     matches!(
         number,
@@ -52,7 +54,7 @@ pub(crate) const fn leads_elsewhere(number: u16) -> bool {
     )
 }
 
-/// Speed and direction of the spindle do not suit.
+/// Whether the alarm reports an unsuitable speed or direction of the spindle.
 pub(crate) const fn is_of_spindle(number: u16) -> bool {
     matches!(
         number,

@@ -1,5 +1,5 @@
-//! Backlash compensation: the play of the screw, given out once at every reversal
-//! (034, 035; 006.0 and 006.1, 010.3–010.0, 011.7, 011.6; manual III-12.8).
+//! Backlash compensation: the play of the screw, taken up once at each reversal (034, 035;
+//! 006.0 and 006.1, 010.3–010.0, 011.7, 011.6; manual III-12.8).
 //!
 //! ```text
 //!  given │        ┌──── A (011.7 = 0): at (CPF + 1) kpps, 011.6: an eighth of it
@@ -15,12 +15,12 @@ use serde::{Deserialize, Serialize};
 use crate::memory::Parameters;
 use crate::units::{Axis, TICK_S, round_to_i64};
 
-/// How the compensation is given out.
+/// How the compensation is distributed over time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Output {
-    /// At a steady rate, increments a tick.
+    /// Method A: at a steady rate, increments per tick.
     Steady(f64),
-    /// With constant acceleration, increments/s².
+    /// Method B: with constant acceleration, increments/s².
     Accelerated(f64),
 }
 
@@ -29,11 +29,11 @@ enum Output {
 pub(super) struct Backlash {
     amount: i64,
     output: Output,
-    /// Direction in which there is nothing to make up for.
+    /// Direction in which no compensation is needed.
     first_negative: bool,
     /// Direction of the last motion.
     negative: bool,
-    /// From where to where it is being given out, and for how many ticks already.
+    /// Compensation at the start and the end of the change, and ticks since its start.
     from: f64,
     to: f64,
     ticks: u32,
@@ -41,7 +41,7 @@ pub(super) struct Backlash {
 }
 
 impl Backlash {
-    /// At power-on. `per_mm`: increments in a mm; `per_pulse`: increments a pulse.
+    /// State at power-on. `per_mm`: increments per mm; `per_pulse`: increments per pulse.
     pub fn new(axis: Axis, parameters: &Parameters, per_mm: f64, per_pulse: f64) -> Self {
         let amount = parameters.backlash(axis) * per_mm;
         let output = if parameters.backlash_accelerates() {
@@ -64,7 +64,7 @@ impl Backlash {
         }
     }
 
-    /// What belongs to the direction of the last motion.
+    /// The compensation for the direction of the last motion.
     const fn wanted(&self) -> i64 {
         match (self.negative, self.first_negative) {
             (true, false) => -self.amount,
@@ -73,7 +73,7 @@ impl Backlash {
         }
     }
 
-    /// The axis went on by `way` increments in a tick.
+    /// Advances one tick in which the axis moved by `way` increments.
     #[inline]
     pub fn tick(&mut self, way: i64) {
         if self.amount != 0 {
@@ -94,7 +94,7 @@ impl Backlash {
         }
     }
 
-    /// What is given out so many ticks after the reversal.
+    /// The compensation at a number of ticks after the reversal.
     fn after(&self, ticks: u32) -> f64 {
         let way = (self.to - self.from).abs();
         let made = match self.output {
@@ -120,13 +120,13 @@ impl Backlash {
         }
     }
 
-    /// What is given out now, whole increments.
+    /// The compensation now, whole increments.
     pub fn given(&self) -> i64 {
         round_to_i64(self.given)
     }
 
-    /// New parameters at standstill: the play lies where the last motion left it,
-    /// and counts as given out.
+    /// Takes over new parameters at a standstill. The play stays on the side of the last
+    /// motion and counts as taken up.
     pub(crate) fn reconfigured(&self, changed: Self) -> Self {
         let mut new = Self {
             negative: self.negative,
@@ -137,7 +137,7 @@ impl Backlash {
         new
     }
 
-    /// Whether everything is given out.
+    /// Whether the compensation is complete.
     pub(crate) fn is_settled(&self) -> bool {
         self.given == self.to
     }

@@ -1,4 +1,5 @@
-//! Machine position → least output increments → drive pulses (manual III-12.4).
+//! Converts machine positions to least output increments and to drive pulses (manual
+//! III-12.4).
 
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +18,7 @@ pub(crate) fn least_increment(axis: Axis, parameters: &Parameters) -> f64 {
     }
 }
 
-/// Slide travel of one pulse, mm: what the drive must be set to.
+/// Slide travel of one pulse, mm: the weight that the drive must be set to.
 pub fn pulse_weight(axis: Axis, parameters: &Parameters) -> f64 {
     let (multiply, divide) = parameters.gear(axis);
     least_increment(axis, parameters) * f64::from(divide) / f64::from(multiply)
@@ -28,8 +29,8 @@ pub(crate) fn motor_reversed(axis: Axis, parameters: &Parameters) -> bool {
     !parameters.counts_up(axis)
 }
 
-/// The highest speed an axis can be given when the gear multiplies (CMR > CMD),
-/// mm/min; beyond it alarm 097 (manual III-12.4).
+/// The highest speed of an axis with a gear that multiplies (CMR > CMD), mm/min. Above it
+/// the control raises alarm 097 (manual III-12.4). `None`: the gear sets no limit.
 pub fn gear_speed_limit(axis: Axis, parameters: &Parameters) -> Option<f64> {
     let (multiply, divide) = parameters.gear(axis);
     let base = match axis {
@@ -39,7 +40,7 @@ pub fn gear_speed_limit(axis: Axis, parameters: &Parameters) -> Option<f64> {
     (multiply > divide).then(|| base * f64::from(divide) / f64::from(multiply))
 }
 
-/// One axis.
+/// The conversion of one axis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Chain {
     /// Least output increments per mm.
@@ -49,13 +50,15 @@ struct Chain {
     reversed: bool,
     backlash: Backlash,
     pitch: PitchCurve,
-    /// Machine coordinate, mm, of the place where the increments are counted from.
+    /// Machine coordinate at which the increments are zero, mm.
     origin: f64,
-    /// Pulse count there.
+    /// Pulse count at the origin.
     base: i64,
-    /// Corrections that were in force there, increments.
+    /// Corrections in force at the origin, increments.
+    #[serde(rename = "without")]
     without: i64,
-    /// Distance that machine lock has kept from the slide, mm.
+    /// Distance that machine lock has kept the slide from moving, mm.
+    #[serde(rename = "locked_away")]
     locked_away: f64,
     /// Commanded coordinate of the last tick, mm.
     commanded: f64,
@@ -105,21 +108,21 @@ impl Chain {
         self.pitch.at(round_to_i64(self.slide() * self.per_mm))
     }
 
-    /// The position in whole increments with its corrections, then geared; the part
-    /// of a pulse that is left over counts again with the next increment.
+    /// The position in whole increments with its corrections, then geared. The fraction of
+    /// a pulse that is left over counts again with the next increment.
     fn pulses(&self) -> i64 {
         let increments = self.increments + self.corrections() - self.without;
         let geared = match self.divide {
-            // Most often; a division takes longest of all here.
+            // The most frequent case; the division is the slowest step here.
             1 => increments * self.multiply,
             divide => increments * self.multiply / divide,
         };
         self.base + if self.reversed { -geared } else { geared }
     }
 
-    /// The place between two counts, with the same corrections; the count changes
-    /// half way. What is left over of a pulse changes it late: by so much the place
-    /// is shifted, about the place where counting begins it is stretched.
+    /// The position between two counts, with the same corrections; the count changes
+    /// halfway. The left-over fraction of a pulse delays the change: the position is
+    /// shifted by that fraction, and stretched around the origin.
     fn fine(&self) -> f64 {
         let increments = (self.slide() - self.origin) * self.per_mm;
         let increments = increments + (self.corrections() - self.without) as f64;
@@ -142,8 +145,8 @@ impl Chain {
         let moved = commanded - self.commanded;
         self.commanded = commanded;
         if locked {
-            // The slide stands to the pulse: not even the rounding of the two sums
-            // may make one.
+            // The slide stays on its pulse: even the rounding of the two sums must not make
+            // one.
             self.locked_away += moved;
             return;
         }
@@ -153,14 +156,14 @@ impl Chain {
         self.correction = self.pitch_here();
     }
 
-    /// The axis is about to go this way: its backlash is given out beforehand.
+    /// Takes up the backlash before the axis moves by `way`.
     fn lean(&mut self, way: f64) {
         let increments = round_to_i64(way * self.per_mm);
         self.backlash.tick(increments.signum());
     }
 
-    /// Makes the place of a pulse count the coordinate zero; the coordinate of the
-    /// place where the axis stands now.
+    /// Makes the position of a pulse count the machine zero. Returns the coordinate of the
+    /// present position.
     fn zero_at(&mut self, count: i64) -> f64 {
         let from_base = count - self.base;
         let from_base = if self.reversed { -from_base } else { from_base };
@@ -173,12 +176,12 @@ impl Chain {
         self.locked_away = 0.0;
         self.increments = round_to_i64(self.commanded * self.per_mm);
         self.correction = self.pitch_here();
-        // At zero no pitch error is made up for.
+        // At zero no pitch error is compensated.
         self.without = self.backlash.given();
         self.commanded
     }
 
-    /// Stands at a pulse count, wherever it was; the coordinate there.
+    /// Takes a pulse count as the position. Returns its coordinate.
     fn stand_at(&mut self, count: i64) -> f64 {
         let from_base = count - self.base;
         let from_base = if self.reversed { -from_base } else { from_base };
@@ -188,7 +191,7 @@ impl Chain {
             let ceiled = (parts + self.multiply - 1) / self.multiply;
             from_base.signum() * ceiled
         };
-        // The correction is that of the place, which depends on the correction.
+        // The correction depends on the position, and the position on the correction.
         for _ in 0..3 {
             self.increments = increments - self.corrections() + self.without;
             self.commanded = self.origin + self.increments as f64 / self.per_mm;
@@ -200,7 +203,7 @@ impl Chain {
     }
 
     fn preset(&mut self, commanded: f64) {
-        // The origin moves along, so that the part of a pulse left over is kept.
+        // The origin moves along, so that the left-over fraction of a pulse is kept.
         self.origin += commanded - self.slide();
         self.commanded = commanded;
         self.locked_away = 0.0;
@@ -225,9 +228,9 @@ impl Chain {
     }
 }
 
-/// Positions to pulses for both axes. The pulse count follows from the absolute
-/// position and the direction of the last motion, never from a sum of steps: there
-/// is no drift.
+/// Converts positions to pulses for both axes. The pulse count follows from the absolute
+/// position and the direction of the last motion, never from a sum of steps: there is no
+/// drift.
 ///
 /// ```text
 ///  position ─► increments ─► + pitch error ─► + backlash ─► · CMR / CMD ─► direction ─► pulses
@@ -239,7 +242,7 @@ pub struct AxisChain {
 }
 
 impl AxisChain {
-    /// At machine coordinate zero and pulse count zero.
+    /// Starts at machine coordinate zero and pulse count zero.
     pub fn new(parameters: &Parameters, table: &PitchTable) -> Self {
         let chain = |axis| Chain::new(axis, parameters, table);
         Self {
@@ -247,14 +250,14 @@ impl AxisChain {
         }
     }
 
-    /// The slides follow the commanded position, except locked axes (machine
-    /// lock), which get no pulses. To be called once a tick.
+    /// Moves the slides to the commanded position. Locked axes (machine lock) get no
+    /// pulses. Call it once a tick.
     pub fn advance(&mut self, commanded: Point, locked: PerAxis<bool>) {
         self.chains.x.advance(commanded.x, locked.x);
         self.chains.z.advance(commanded.z, locked.z);
     }
 
-    /// The pulse count.
+    /// The commanded pulse count of each axis.
     #[inline]
     pub fn pulses(&self) -> PerAxis<Pulses> {
         PerAxis::new(
@@ -263,50 +266,49 @@ impl AxisChain {
         )
     }
 
-    /// The place between two pulses, in pulses: the count changes half way from one
-    /// to the next.
+    /// The position in fractional pulses. The whole count changes halfway between two
+    /// pulses.
     pub fn fine(&self) -> PerAxis<f64> {
         PerAxis::new(self.chains.x.fine(), self.chains.z.fine())
     }
 
-    /// Machine coordinate of the slides: the commanded position without what
-    /// machine lock has kept from them.
+    /// Machine coordinate of the slides, mm: the commanded position without the distance
+    /// that machine lock held back.
     pub fn slide(&self) -> Point {
         Point::new(self.chains.x.slide(), self.chains.z.slide())
     }
 
-    /// The axes are about to go this way, mm: their backlash is given out while they
-    /// stand.
+    /// Takes up the backlash for a motion by `way` (mm) while the axes stand still.
     pub(crate) fn lean(&mut self, way: Point) {
         self.chains.x.lean(way.x);
         self.chains.z.lean(way.z);
     }
 
-    /// Whether a backlash is still being given out.
+    /// Whether backlash is still being compensated.
     pub fn is_settling(&self) -> bool {
         !(self.chains.x.backlash.is_settled() && self.chains.z.backlash.is_settled())
     }
 
-    /// Gives the place where an axis stands another machine coordinate, mm (X in
+    /// Gives the present position of an axis another machine coordinate, mm (X as a
     /// radius), without a pulse: reference point, power-on, end of machine lock.
     pub fn preset(&mut self, axis: Axis, coordinate: f64) {
         self.chains.get_mut(axis).preset(coordinate);
     }
 
-    /// Makes the place of a pulse count the machine zero of an axis (the zero signal
-    /// came there); the machine coordinate, mm, of the place where it stands now.
+    /// Makes the position of a pulse count (where the zero signal came) the machine zero of
+    /// an axis. Returns the machine coordinate of the present position, mm.
     pub(crate) fn zero_at(&mut self, axis: Axis, count: Pulses) -> f64 {
         self.chains.get_mut(axis).zero_at(count.0)
     }
 
-    /// An axis was stopped on a pulse count that is not where it was commanded to;
-    /// the machine coordinate, mm, of that place.
+    /// Takes the pulse count at which an axis was stopped as its position. Returns its
+    /// machine coordinate, mm.
     pub fn stand_at(&mut self, axis: Axis, count: Pulses) -> f64 {
         self.chains.get_mut(axis).stand_at(count.0)
     }
 
-    /// Takes over changed parameters (001.2, 003.5, 006, 008, 010, 011, 013,
-    /// 015–018, 034, 035, 090–103) and pitch errors at standstill, without a pulse.
+    /// Takes over changed parameters (001.2, 003.5, 006, 008, 010, 011, 013, 015–018, 034,
+    /// 035, 090–103) and pitch errors at a standstill, without a pulse.
     pub(crate) fn reconfigure(&mut self, parameters: &Parameters, table: &PitchTable) {
         for axis in [Axis::X, Axis::Z] {
             let changed = Chain::new(axis, parameters, table);
@@ -434,7 +436,7 @@ mod tests {
                 for step in -4000..4000 {
                     chain.advance(f64::from(step) * 0.000_07 + 0.000_003, false);
                     let (count, fine) = (chain.pulses(), chain.fine());
-                    // Other ratios change up to an increment later.
+                    // Other gear ratios change the count up to an increment later.
                     let most = if multiply == 3 { 0.95 } else { 0.500_001 };
                     assert!(
                         (fine - count as f64).abs() <= most,
@@ -481,7 +483,7 @@ mod tests {
                     assert_eq!(chain.pulses(), count);
                     let off = (at - sign * count as f64 * weight).abs();
                     assert!(off < 0.001 + 2.0 * weight, "{count}: {off}");
-                    // Standing there makes no pulse.
+                    // Staying there makes no pulse.
                     chain.advance(at, false);
                     assert_eq!(chain.pulses(), count);
                 }

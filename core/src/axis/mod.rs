@@ -1,5 +1,5 @@
-//! From machine positions to drive pulses: backlash, pitch errors, electronic gear;
-//! and the software travel limits.
+//! Converts machine positions to drive pulses (backlash, pitch errors, electronic gear) and
+//! checks the software travel limits.
 
 mod backlash;
 mod chain;

@@ -1,5 +1,5 @@
-//! Pitch error compensation: what the screw is wrong by at a machine position (003.5,
-//! 013, 090, 091, 094, 095, 098, 099, 102, 103; manual III-10).
+//! Pitch error compensation: the error of the screw by machine position (003.5, 013, 090,
+//! 091, 094, 095, 098, 099, 102, 103; manual III-10).
 //!
 //! ```text
 //!  point    R-2      R-1       R       R+1      R+2
@@ -16,7 +16,7 @@ use crate::units::Axis;
 
 const POINTS: usize = 256;
 
-/// Corrections of one axis by position; nothing at all when it is off.
+/// Corrections of one axis by position. Empty when the compensation is off.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PitchCurve {
     /// Correction from each point on, counted from the reference point, increments.
@@ -28,8 +28,9 @@ pub struct PitchCurve {
 }
 
 impl PitchCurve {
-    /// `per_thousandth`: least output increments in 0.001 mm (or 0.0001 inch); 1: positions
-    /// and corrections are counted in 0.001 mm.
+    /// Builds the curve from parameters and table. `per_thousandth` is the number of least
+    /// output increments in 0.001 mm (or 0.0001 inch); with 1, positions and corrections
+    /// count in 0.001 mm.
     pub fn new(
         axis: Axis,
         parameters: &Parameters,
@@ -62,13 +63,13 @@ impl PitchCurve {
         }
     }
 
-    /// Whether it does nothing.
+    /// Whether the curve corrects nothing.
     pub const fn is_off(&self) -> bool {
         self.sums.is_empty()
     }
 
-    /// Correction at a machine position; both in increments. Beyond the table the
-    /// correction of its last point stays.
+    /// Correction at a machine position, both in increments. Beyond the table the
+    /// correction of the last point stays.
     pub fn at(&self, position: i64) -> i64 {
         if self.interval == 0 {
             return 0;

@@ -5,12 +5,12 @@ use serde::{Deserialize, Serialize};
 use crate::memory::Parameters;
 use crate::units::{Axis, PerAxis, Point};
 
-/// The limits in machine coordinates, made anew when a parameter changes.
+/// The limits in machine coordinates, mm, computed again when a parameter changes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SoftLimits {
     plus: Point,
     minus: Point,
-    /// How far an axis may pass its limit: rapid rate in m/min / 5, mm.
+    /// How far an axis may pass its limit, mm: rapid rate in m/min divided by 5.
     tolerance: Point,
 }
 
@@ -27,8 +27,8 @@ impl SoftLimits {
         }
     }
 
-    /// Whether a coordinate of an axis lies beyond its positive or negative limit. A
-    /// coordinate equal to its limit is allowed, whatever its last bit.
+    /// Whether a coordinate is beyond the positive or negative limit of an axis. A
+    /// coordinate equal to its limit is allowed.
     pub(crate) fn is_beyond(&self, axis: Axis, plus: bool, coordinate: f64) -> bool {
         if plus {
             coordinate - self.plus.get(axis) > 1e-6
@@ -37,8 +37,8 @@ impl SoftLimits {
         }
     }
 
-    /// Whether all limits are farther from a point than this way, mm: nothing that begins
-    /// and ends within it can overrun them.
+    /// Whether all limits are farther than a distance (mm) from a point: motion within that
+    /// distance cannot overrun them.
     pub(crate) fn are_far(&self, point: Point, way: f64) -> bool {
         point.x + way <= self.plus.x
             && point.x - way >= self.minus.x
@@ -46,8 +46,8 @@ impl SoftLimits {
             && point.z - way >= self.minus.z
     }
 
-    /// The limits X+, X-, Z+, Z- that an axis that is watched is beyond while it goes
-    /// on outwards, or would come to rest further beyond than the tolerance.
+    /// The limits X+, X-, Z+, Z- that a watched axis overruns: it moves outwards beyond the
+    /// limit, or it would stop farther beyond than the tolerance.
     pub(crate) fn overrun(
         &self,
         position: Point,

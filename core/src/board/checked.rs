@@ -1,4 +1,4 @@
-//! The parameters that a board was checked against when it was connected.
+//! The parameters that a board was configured with, compared with the present ones.
 
 use crate::alarm::{Alarm, number};
 use crate::memory::{Parameters, parameter};
@@ -6,16 +6,16 @@ use crate::units::Axis;
 use gsk_link::{AxisRates, Protocol};
 use gsk_messages::say;
 
-/// The electronic gear of X and of Z.
+/// Electronic gear of X and Z.
 const GEAR: [u16; 4] = [
     parameter::X_MULTIPLIER,
     parameter::Z_MULTIPLIER,
     parameter::X_DIVISOR,
     parameter::Z_DIVISOR,
 ];
-/// Radius programming and the inch machine: they make the increment another one.
+/// Radius programming and inch machine: both change the least increment.
 const INCREMENT: [(u16, u8); 2] = [(1, 2), (4, 0)];
-/// Rapid rate, its time constant and the highest feed, by axis.
+/// Rapid rate, its time constant and the highest feed of each axis.
 const RATES: [(Axis, [u16; 3]); 2] = [
     (
         Axis::X,
@@ -35,12 +35,12 @@ const RATES: [(Axis, [u16; 3]); 2] = [
     ),
 ];
 
-/// What they were.
+/// Parameter values at the time of the connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Checked {
     gear: [i32; 4],
     increment: [bool; 2],
-    /// For a board with rates of its own.
+    /// Set only for boards that plan with their own rates.
     rates: Option<[[i32; 3]; 2]>,
 }
 
@@ -54,16 +54,16 @@ impl Checked {
         }
     }
 
-    /// Why nothing begins to move before the board is connected again.
+    /// The alarm that forbids motion until the board is connected again; `None` if no
+    /// relevant parameter has changed.
     pub(crate) fn alarm(&self, parameters: &Parameters) -> Option<Alarm> {
         let number = self.outgrown(parameters)?;
         let why = say::parameter_since_connection(number);
         Some(Alarm::new(number::BOARD_SETTINGS).because(why))
     }
 
-    /// The first parameter that is not what the board was checked against: pulses would
-    /// be other ways, or the board would be slower than the control. Lower rates do no
-    /// harm.
+    /// The first parameter that differs in a harmful way: pulses would have another size,
+    /// or the board would be slower than the control. Lower rates do no harm.
     fn outgrown(&self, parameters: &Parameters) -> Option<String> {
         let mut gear = GEAR.into_iter().zip(self.gear);
         if let Some((number, _)) = gear.find(|&(number, was)| parameters.value(number) != was) {
@@ -90,7 +90,7 @@ impl Checked {
     }
 }
 
-/// How fast the board must let an axis go, by 022–025 and 027.
+/// Speed and acceleration that the board must allow an axis, from 022–025 and 027.
 pub(crate) fn board_rates(axis: Axis, parameters: &Parameters) -> AxisRates {
     AxisRates::new(
         parameters.rapid_rate(axis),

@@ -1,5 +1,5 @@
-//! What passes between the control and a pulse board that makes its motion, tick by
-//! tick: the board's part of [`Inputs`](crate::machine::Inputs) and
+//! Exchange between the control and the pulse board that makes its motion, tick by tick:
+//! the board's part of [`Inputs`](crate::machine::Inputs) and
 //! [`Outputs`](crate::machine::Outputs).
 
 mod checked;
@@ -19,62 +19,62 @@ pub(crate) use report::{BoardReport, Settled};
 pub(crate) use spindle::{BoardSpindle, SpindleTrouble, needs_spindle};
 pub(crate) use zero::ZeroWiring;
 
-/// What a board says to the control before a tick.
+/// What a board reports to the control before a tick.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct BoardInputs {
-    /// How it stands with the drives behind it.
+    /// State and abilities of the board with its drives.
     pub drives: BoardDrives,
-    /// What has happened since the last tick, in its order.
+    /// Events since the last tick, in order.
     pub reports: Vec<BoardReport>,
-    /// Outputs of the ladder that the board has dropped by itself, and keeps so.
+    /// Outputs of the ladder that the board has switched off and keeps off.
     pub dropped: Vec<BitAddress>,
-    /// The part that is made of a pass of a thread.
+    /// Fraction of the thread pass that the board has made, 0–1; `None` without a pass.
     pub pass_made: Option<f64>,
-    /// The slides stand, and the board has said where; none: not known yet.
+    /// Set when the slides stand still and the board has reported their position.
     pub settled: Option<Settled>,
 }
 
-/// The drives behind a board, as the control sees them.
+/// The board and its drives as the control sees them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BoardDrives {
-    /// Motion is taken.
+    /// Whether the board accepts motion.
     pub takes_motion: bool,
-    /// Motion is taken from this tick on, not only after an order under way.
+    /// Whether the board accepts motion from this tick on, without waiting for an order
+    /// under way.
     pub prepared: bool,
-    /// The board moves by motion that it was given.
+    /// Whether the board is executing motion from its queue.
     pub moving: bool,
-    /// The position of the slides is known.
+    /// Whether the position of the slides is known.
     pub known: bool,
-    /// Motion was handed over that has not been made yet.
+    /// Whether the board holds motion that it has not executed.
     pub behind: bool,
-    /// Ticks of motion that may not have been made yet.
+    /// Ticks of motion that may not have been executed yet.
     pub ahead: u64,
-    /// Stops so far after which the control went on from another position.
+    /// Number of stops after which the control continued from another position.
     pub stops: u64,
-    /// Spindle or coolant have still to be switched before the axes go on.
+    /// Whether the axes wait until the board has switched spindle or coolant.
     pub switching: bool,
-    /// Spindle and coolant switch at their place in the motion, without a standstill.
+    /// Whether the board switches spindle and coolant at their position in the motion,
+    /// without a standstill.
     pub timed: bool,
-    /// The spindle speed follows the motion.
+    /// Whether the spindle speed follows the motion.
     pub surface: bool,
-    /// Most pulses a second.
+    /// Highest pulse rates of the board.
     pub rates: PulseRates,
     /// Pulses per mm of slide travel.
     pub pulses_per_mm: [f64; 2],
-    /// Which threads it cuts.
+    /// Which threads the board can cut.
     pub threads: ThreadCapability,
-    /// The spindle whose index the board sees; none: it stays the simulated one.
+    /// The spindle whose index the board measures; `None`: the simulated spindle applies.
     pub spindle: Option<BoardSpindle>,
-    /// A pass that the board cuts begins without a ramp: not faster than this,
-    /// mm/min.
+    /// A pass that the board cuts begins without a ramp. This is its highest speed, mm/min.
     pub pass_speed: f64,
-    /// The return of one axis leaves the other where it is.
+    /// Whether the board's homing moves one axis without the other.
     pub alone: bool,
-    /// What the axes return to when the control drives the return; none: the board
-    /// makes it by itself.
+    /// Switches for a return that the control drives; `None`: the board homes by itself.
     pub zero: Option<PerAxis<ZeroWiring>>,
-    /// The switch at which the board is ready to stop the axis.
+    /// Input at which the board is armed to stop the axis.
     pub armed: PerAxis<Option<AwaitedInput>>,
-    /// The parameters that it was checked against.
+    /// The parameters that the board was configured with.
     pub checked: Option<Checked>,
 }

@@ -1,65 +1,65 @@
-//! What the control wants of a pulse board after a tick.
+//! Orders of the control to a pulse board after a tick.
 
 use crate::command::ProgramId;
 use crate::run_state::RunState;
 use crate::units::PerAxis;
 use gsk_link::{AwaitedInput, BoardOutputs, ThreadPass};
 
-/// Orders to the board, besides the pulses.
+/// Orders to the board beside the pulses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BoardOrders {
-    /// What the ladder and the spindle control want switched.
+    /// Outputs that the ladder and the spindle control command.
     pub outputs: BoardOutputs,
-    /// The parts of a pulse that the axes are beyond their count.
+    /// Fraction of a pulse by which the axes are beyond their count.
     pub fine: PerAxis<f64>,
-    /// Motion is under way or waits for the spindle.
+    /// Whether motion is under way or waits for the spindle.
     pub moving: bool,
-    /// The axes have speed.
+    /// Whether the axes have speed.
     pub feeding: bool,
-    /// The spindle that motion goes by.
+    /// How the motion depends on the spindle.
     pub spindle: SpindleOrders,
-    /// A pass of a thread that waits for the board.
+    /// A thread pass that waits for the board.
     pub pass: Option<ThreadPass>,
-    /// Returns to the machine zero.
+    /// Reference returns of the axes.
     pub returns: ReturnOrders,
-    /// The emergency stop stands.
+    /// Whether the emergency stop is in force.
     pub emergency_stop: bool,
-    /// RESET acts.
+    /// Whether RESET is active.
     pub resetting: bool,
-    /// An alarm of the board waits for RESET.
+    /// Whether an alarm of the board waits for RESET.
     pub board_alarm: bool,
-    /// Backlash is compensated: a stop may leave it half made.
+    /// Whether backlash is compensated: a stop may interrupt the compensation.
     pub backlash: bool,
-    /// The run.
+    /// State of the program run, for the log of the board.
     pub run: RunOrders,
 }
 
-/// How motion follows the spindle.
+/// How the motion depends on the spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SpindleOrders {
-    /// A thread waits for its angle.
+    /// Whether a thread waits for its start angle.
     pub waits: bool,
-    /// Lead of the thread under way, mm.
+    /// Lead of the thread under way, mm per revolution; `None` outside threads.
     pub lead: Option<f64>,
 }
 
-/// Returns to the machine zero.
+/// Reference returns of the axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ReturnOrders {
-    /// Axes whose return the board makes.
+    /// Axes that the board homes.
     pub by_board: PerAxis<bool>,
-    /// What the return of an axis waits for at the board.
+    /// Input of each axis that the control's return waits for.
     pub awaited: PerAxis<Option<AwaitedInput>>,
-    /// Axes with a reference.
+    /// Axes whose reference point is established.
     pub referenced: PerAxis<bool>,
 }
 
-/// The run of a program, for the log of the board.
+/// State of the program run, for the log of the board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RunOrders {
-    /// Its state.
+    /// State of the run after the tick.
     pub state: RunState,
-    /// A program that ended in this tick.
+    /// The program that ended in this tick, if any.
     pub ended: Option<ProgramId>,
 }
 

@@ -1,23 +1,23 @@
-//! How many pulses a second motion needs, against what the board makes.
+//! Compares the pulse rates that motion needs with those of the board.
 
 use super::BoardDrives;
 use crate::units::{Axis, Point};
 use gsk_messages::{Message, say};
 
-/// What rounding may add.
+/// Tolerance for rounding, as a factor.
 const ROUNDING: f64 = 1.0 + 1e-9;
 
-/// What needs more pulses than the board makes.
+/// The axes whose motion needs a higher pulse rate than the board has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Exceeding {
-    /// One axis.
+    /// One axis exceeds its own limit.
     One(Axis),
-    /// Both together.
+    /// Both axes together exceed the common limit.
     Both,
 }
 
 impl Exceeding {
-    /// In words.
+    /// The name of the axis or axes in a message.
     pub(crate) fn text(self) -> Message {
         match self {
             Self::One(axis) => say::as_written(format!("{axis:?}")),
@@ -32,11 +32,11 @@ impl BoardDrives {
         [speed.x.abs() / 60.0 * x, speed.z.abs() / 60.0 * z]
     }
 
-    /// Which axes a speed, mm/min, asks too much of: the pulses a second it needs and
-    /// those the board makes.
+    /// The first pulse rate of the board that a speed (mm/min) exceeds: the axes, the
+    /// needed and the available pulses per second. `None`: the speed is possible.
     pub(crate) fn exceeded(&self, speed: Point, on_arc: bool) -> Option<(Exceeding, f64, f64)> {
         let [x, z] = self.pulses(speed);
-        // On an arc the one axis is fastest where the other stands.
+        // On an arc one axis is fastest where the other one has no speed.
         let both = if on_arc { libm::hypot(x, z) } else { x + z };
         let [most_x, most_z] = self.rates.each;
         [
@@ -48,7 +48,7 @@ impl BoardDrives {
         .find(|(_, needed, made)| *needed > *made * ROUNDING)
     }
 
-    /// The fastest an axis may be moved by hand, mm/min, whatever the other one does.
+    /// Highest manual speed of an axis, mm/min, at any speed of the other axis.
     pub(crate) fn by_hand(&self, axis: Axis) -> f64 {
         let [each_x, each_z] = self.rates.each;
         let [per_x, per_z] = self.pulses_per_mm;

@@ -1,67 +1,69 @@
-//! What happens at the board, as the control is told of it.
+//! Events at the board, as the control receives them.
 
 use crate::alarm::Alarm;
 use crate::units::{Axis, PerAxis, Point, Pulses};
 use gsk_link::Uncertainty;
 
-/// Something that has happened; the control reacts at the begin of its next tick.
+/// An event at the board; the control handles it at the start of its next tick.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum BoardReport {
-    /// All motion ends here and now.
+    /// All motion ended at the current position.
     Halted,
-    /// The same, and a running program ends, too; which alarm says so comes later.
+    /// All motion ended and the program stops. The alarm that names the reason follows.
     Stopped,
-    /// The board has stopped the axes at a switch that was waited for: where, is to come.
+    /// The board stopped the axes at a switch that the control waits for. The position
+    /// follows.
     Paused,
-    /// The slides came to stand at this count, which may not be where the control is.
+    /// The slides stopped at this count, which may differ from the control's.
     StandsAt(PerAxis<Pulses>),
-    /// The motion of the last tick was not taken: the slides stand here, where they were.
+    /// The board rejected the motion of the last tick: the slides are still at this count.
     NotTaken(PerAxis<Pulses>),
-    /// A fault. That of a pass of a thread names the block which was begun last.
+    /// A fault. If a thread pass was under way, the alarm names the block that began last.
     Alarm {
-        /// It goes on to say where the slides stand.
+        /// The alarm; its detail later also names the position of the slides.
         alarm: Alarm,
-        /// A pass of a thread was under way.
+        /// Whether a thread pass was under way.
         in_pass: bool,
     },
-    /// A fault that stays whatever RESET does, until [`CauseGone`](Self::CauseGone).
+    /// A fault that RESET does not clear, until [`CauseGone`](Self::CauseGone).
     Standing(Alarm),
-    /// Whether the cause of the standing alarm is still there is asked anew.
+    /// The control checks again whether the cause of the persistent alarm is gone.
     CauseGone,
-    /// The board is there, is the right one and is set as it must be: nothing begins by
-    /// itself, and what was wrong with it is forgotten.
+    /// The board is connected, identified and configured. Earlier faults are cleared, and
+    /// no motion starts automatically.
     Opened,
-    /// Nobody knows any more where the slides stand.
+    /// The position of the slides is unknown from now on.
     ReferenceLost {
-        /// Where the axes could have moved on: an alarm says so.
+        /// Whether an alarm reports it to the operator, because the axes could have
+        /// continued.
         told: bool,
     },
-    /// An axis stands where its switch was met.
+    /// An axis stopped at its switch.
     Reached(Axis),
-    /// The board stands off the switches of these axes.
+    /// The board has homed and moved off the switches of these axes.
     Returned {
-        /// The axes.
+        /// Axes that have homed.
         axes: PerAxis<bool>,
-        /// Their machine coordinates there.
+        /// Machine coordinates of the axes after homing.
         at: Point,
     },
-    /// A fault that has nothing to do with where the slides stand.
+    /// A fault that does not concern the position of the slides.
     Failed(Alarm),
-    /// The returns under way end; the alarm says why.
+    /// The reference returns under way end; an alarm names the reason.
     ReturnsAbandoned,
-    /// It cannot take the pass that waits.
+    /// The board cannot cut the pass that waits for it.
     PassRefused(Alarm),
-    /// It has taken the pass that waited for it.
+    /// The board has started the pass that waited for it.
     PassBegan,
-    /// It stands at the end of its pass.
+    /// The board has stopped at the end of its pass, at this count.
     PassEnded(PerAxis<Pulses>),
 }
 
-/// What is known of a standstill.
+/// What the board knows about the position at a standstill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Settled {
-    /// The board has reported a position since it was opened.
+    /// Whether the board has reported a position since the connection was opened.
     pub reported: bool,
-    /// Why the position is not certain.
+    /// Why the position is uncertain; `None`: it is certain.
     pub uncertainty: Option<Uncertainty>,
 }

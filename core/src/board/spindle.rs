@@ -1,4 +1,4 @@
-//! The spindle that a board sees by its index.
+//! The spindle as a board measures it by its index signal.
 
 use super::BoardDrives;
 use crate::alarm::{Alarm, number};
@@ -7,31 +7,33 @@ use gsk_link::{MissingForThreads, ThreadCapability};
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-/// The spindle in a tick, at the moment at which the board makes its motion.
+/// The measured spindle during a tick, at the time at which the board executes the tick's
+/// motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BoardSpindle {
     /// Speed, r/min; negative in reverse.
     pub rpm: f64,
-    /// Angle around the tick.
+    /// Spindle angle before and after the tick.
     pub turn: SpindleTurn,
-    /// The index comes by in the tick.
+    /// Whether the index passes during the tick.
     pub passed: bool,
-    /// M03 or M04 is in force.
+    /// Whether M03 or M04 is in force.
     pub commanded: bool,
-    /// Greatest difference of its periods of late, a part of their mean.
+    /// Greatest difference between recent revolutions, as a fraction of their mean; `None`
+    /// if unknown.
     pub variation: Option<f64>,
-    /// What has gone wrong in a thread.
+    /// Fault of the spindle during a thread.
     pub trouble: Option<SpindleTrouble>,
 }
 
-/// Why a thread is not what it should be.
+/// Spindle fault that spoils a thread.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum SpindleTrouble {
-    /// An index came so far from where the axes were, turns.
+    /// The index came this many turns away from the commanded angle.
     Deviates(f64),
-    /// The speed has changed by more than No.106 allows, to so many r/min.
+    /// The speed changed to this value, r/min, by more than No.106 allows.
     Fluctuates(f64),
-    /// No index comes any more.
+    /// The index signal has stopped.
     Lost,
 }
 
@@ -45,7 +47,8 @@ impl SpindleTrouble {
     }
 }
 
-/// What needs the spindle's angle or speed, and what is missing for that.
+/// Message that names what a function needs from the spindle (angle or speed) and what the
+/// board lacks.
 pub(crate) fn needs_spindle(board: &BoardDrives, tapping: bool) -> Message {
     let what = if tapping {
         say::tapping()

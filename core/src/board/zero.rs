@@ -1,16 +1,18 @@
-//! How the switches of a machine zero are wired to a board.
+//! How the switches of a reference return are wired to a board.
 
-/// What an axis has at the board to return to.
+/// Inputs of one axis at the board that a reference return can use.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ZeroWiring {
-    /// Deceleration switch, zero signal, limit switch.
+    /// Whether the deceleration switch is wired.
     pub switch: bool,
+    /// Whether the zero signal of the drive is wired.
     pub signal: bool,
+    /// Whether the limit switch is wired.
     pub limit: bool,
-    /// The limit switch is operated.
+    /// Whether the limit switch is operated now.
     pub on_limit: bool,
-    /// How far it goes past the edge before it turns, or off the limit switch, mm.
+    /// Distance past the switch edge before the axis reverses, or off the limit switch, mm.
     pub off: f64,
-    /// Machine coordinate there, when the limit switch is the reference.
+    /// Machine coordinate at that position when the limit switch is the reference, mm.
     pub at: f64,
 }

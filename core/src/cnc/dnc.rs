@@ -1,10 +1,9 @@
-//! DNC operation: a program comes in through the serial line while it runs (manual
-//! PLC-II 3.6, 6.1).
+//! DNC operation: the serial line delivers a program while it runs (manual PLC-II 3.6,
+//! 6.1).
 //!
-//! Characters are handed in from outside and pass the line at its baud rate. The
-//! control asks for no more than it has room for: it sends DC1 (XON) at cycle start
-//! and when there is room again, DC3 (XOFF) when there is none and at the end of the
-//! run.
+//! The caller supplies characters, which pass the line at its baud rate. The control
+//! requests only what its buffer can hold: it sends DC1 (XON) at cycle start and when the
+//! buffer has space, DC3 (XOFF) when the buffer is full and at the end of the run.
 
 use std::collections::VecDeque;
 
@@ -16,38 +15,42 @@ use crate::alarm::{Alarm, number};
 use crate::command::{ProgramId, Source};
 use crate::program::{Inflow, LineTooLong};
 
-/// A PC talks at this rate or a higher one (manual III-9.3).
+/// Lowest baud rate for DNC (manual III-9.3).
 const SLOWEST: u32 = 4800;
-/// A character on the line: start bit, eight bits, stop bit; a thousand ticks a second.
+/// Bits of a character (start bit, eight bits, stop bit) times ticks per second.
 const CHARACTER: u32 = 10 * 1000;
-/// Characters between the partner and the buffer.
+/// Most characters between the partner and the buffer.
 const ON_THE_LINE: usize = 64;
 
 /// The serial line in DNC operation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct DncLine {
-    /// Somebody is at the other end.
+    /// Whether a partner is connected.
+    #[serde(rename = "partner")]
     partner: bool,
-    /// How often a program was called for.
+    /// Number of programs requested since power-on.
+    #[serde(rename = "calls")]
     calls: u32,
-    /// Characters on the line.
+    /// Characters on the line, not yet in the buffer.
+    #[serde(rename = "coming")]
     coming: VecDeque<u8>,
-    /// Bits that the line could have passed, times a thousand.
+    /// Bits that the line could have passed, times 1000.
     credit: u32,
-    /// The partner has no more.
+    /// Whether the partner has sent the whole program.
+    #[serde(rename = "ended")]
     ended: bool,
 }
 
 impl DncLine {
-    /// CTRD: characters come in.
+    /// CTRD: whether characters are being received.
     pub(super) fn receives(&self) -> bool {
         !self.coming.is_empty()
     }
 }
 
 impl Cnc {
-    /// A partner that sends programs is at the line, or no more. One that goes while
-    /// its program runs breaks it off: alarm 086.
+    /// Connects or disconnects a partner that sends programs. A disconnection while its
+    /// program runs ends the program with alarm 086.
     pub fn connect_dnc(&mut self, partner: bool) {
         let gone = self.dnc.partner && !partner;
         self.dnc.partner = partner;
@@ -56,12 +59,13 @@ impl Cnc {
         }
     }
 
-    /// How often a program was called for: a partner that can begins anew each time.
+    /// Number of programs requested since power-on. A partner sends its program from the
+    /// start each time the number changes.
     pub const fn dnc_calls(&self) -> u32 {
         self.dnc.calls
     }
 
-    /// How many characters may be sent now; none means XOFF.
+    /// Number of characters that may be sent now; 0 means XOFF.
     pub fn dnc_room(&self) -> usize {
         let coming = self.dnc.coming.len();
         match self.memory.programs.inflow() {
@@ -73,27 +77,27 @@ impl Cnc {
         }
     }
 
-    /// The partner sends characters. Returns how many were taken: as many as there is
-    /// room for.
+    /// Takes characters from the partner, up to [`dnc_room`](Self::dnc_room). Returns how
+    /// many were taken.
     pub fn dnc_send(&mut self, characters: &[u8]) -> usize {
         let taken = characters.len().min(self.dnc_room());
         self.dnc.coming.extend(characters.iter().take(taken));
         taken
     }
 
-    /// The partner has no more to send.
+    /// Notes that the partner has sent the whole program.
     pub const fn dnc_end(&mut self) {
         self.dnc.ended = true;
     }
 
-    /// The line broke; a program that comes in through it ends with alarm 086.
+    /// Notes that the line failed; a program that it delivers ends with alarm 086.
     pub fn dnc_broken(&mut self, reason: impl Into<Message>) {
         if self.memory.programs.inflow().is_some() {
             self.raise(Alarm::new(number::SERIAL_NOT_READY).because(reason));
         }
     }
 
-    /// Cycle start: DC1 goes out, and a program is taken in from its beginning.
+    /// Sends DC1 at cycle start and requests a program from its beginning.
     pub(crate) fn call_for_program(&mut self) -> Result<(), Alarm> {
         let refused = |reason: Message| Err(Alarm::new(number::SERIAL_NOT_READY).because(reason));
         if !self.memory.parameters.has_serial_port() {
@@ -118,13 +122,14 @@ impl Cnc {
         self.memory.parameters.baud()
     }
 
-    /// One millisecond of the line.
+    /// Advances the line by one tick (1 ms).
     pub(super) fn dnc_tick(&mut self) {
         if self.memory.programs.inflow().is_none() {
             return;
         }
         if !self.has_program_run() {
-            // RESET, the end of the program, an alarm: DC3, and what was not read goes.
+            // RESET, the end of the program or an alarm: DC3, and unread characters are
+            // dropped.
             self.memory.programs.set_inflow(None);
             self.dnc.coming.clear();
             return;
@@ -144,7 +149,7 @@ impl Cnc {
         self.take_in_what_arrived();
     }
 
-    /// Puts what has arrived behind what can be read.
+    /// Appends the received blocks to the readable part of the program.
     pub(crate) fn take_in_what_arrived(&mut self) {
         let Some(inflow) = self.memory.programs.inflow_mut() else {
             return;
@@ -162,7 +167,7 @@ impl Cnc {
 }
 
 impl DncLine {
-    /// What the line passes in a tick goes into the buffer.
+    /// Moves the characters that the line passes in a tick to the buffer.
     fn pass(&mut self, baud: u32, inflow: Option<&mut Inflow>) -> Result<(), LineTooLong> {
         let Some(inflow) = inflow else {
             return Ok(());

@@ -1,14 +1,14 @@
-//! Alarm and ready signals of the drives (manual III-12.3, IV-2.1.3).
+//! Checks the alarm and ready signals of the drives (manual III-12.3, IV-2.1.3).
 
 use crate::alarm::{Alarm, number};
 use crate::cnc::Cnc;
 use crate::machine::Inputs;
 use crate::units::{Axis, PerAxis};
 
-/// How long the ready signal of a drive may take to follow its enable, ms.
+/// Time in which the ready signal of a drive must follow its enable, ms.
 const FOLLOWS_WITHIN_MS: u16 = 100;
 
-/// What the signals of a drive say.
+/// State of a drive according to its signals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Said {
     Well,
@@ -17,8 +17,8 @@ enum Said {
 }
 
 impl Cnc {
-    /// Watches the drives, after their signals were sensed; once a millisecond. All axes
-    /// stop at once; RESET clears the alarm when the drive is well again.
+    /// Checks the drives after their signals were read; once per tick. In an alarm all axes
+    /// stop at once; RESET clears it when the drive is healthy again.
     pub(crate) fn watch_drives(&mut self, inputs: &Inputs) {
         let well = self.drives_are_well(inputs);
         self.drives.watch.ready = well && !self.emergency_stop;
@@ -51,7 +51,7 @@ impl Cnc {
         }
     }
 
-    /// No drive has an alarm, and those that have a ready line follow their enable.
+    /// Whether no drive has an alarm, and all ready lines follow their enable.
     fn drives_are_well(&self, inputs: &Inputs) -> bool {
         let well = self.drives.sensors.drive_well;
         let level = self.memory.parameters.drive_ready_level();
@@ -65,7 +65,7 @@ impl Cnc {
         let alarm = !*self.drives.sensors.drive_well.get(axis);
         let ready = *inputs.drive_ready.get(axis) == parameters.drive_ready_level();
         let enabled = !self.emergency_stop;
-        // A pulse board has no ready lines; it speaks for its drives itself.
+        // A pulse board has no ready lines; it reports its drives' alarms.
         let told = self.drives.board.is_none();
         let disagree = self.drives.watch.disagree.get_mut(axis);
         if ready == enabled || !told {

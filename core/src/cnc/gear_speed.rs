@@ -1,5 +1,5 @@
-//! Alarm 097: an electronic gear that multiplies lowers the highest speed of its axis
-//! (manual III-12.4).
+//! Checks alarm 097: an electronic gear that multiplies lowers the highest speed of its
+//! axis (manual III-12.4).
 
 use crate::alarm::Alarm;
 use crate::cnc::Cnc;
@@ -9,7 +9,7 @@ use crate::operation::check_gear_speed;
 use crate::units::{Axis, Feed, Point, percent_to_factor};
 
 impl Cnc {
-    /// Before a rapid or a cut: at the overrides as they are.
+    /// Checks a rapid or a cut before it begins, at the present overrides.
     pub(crate) fn check_gear_before(
         &self,
         kind: MoveKind,
@@ -37,7 +37,7 @@ impl Cnc {
         check_gear_speed(&self.drives.limits, top)
     }
 
-    /// Watches the speed of the last tick.
+    /// Checks the speed of the last tick.
     pub(crate) fn watch_gear_speed(&mut self) {
         if !self.drives.limits.gear_limits_speed() {
             return;

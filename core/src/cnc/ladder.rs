@@ -1,5 +1,5 @@
-//! Working on the ladder of a live control: halt and step, forced bits, a new
-//! ladder for the next power-on.
+//! Operations on the ladder of a running control: halt and step, forced bits, a new ladder
+//! for the next power-on.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use super::Cnc;
 use super::parts::PlcPort;
 use crate::memory::{Parameters, parameter};
 
-/// How far the halted ladder goes on.
+/// Step of a halted ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LadderStep {
     /// One rung.
@@ -38,8 +38,8 @@ pub(super) const TIMER_PRESETS: [(u16, u16); 14] = [
 /// K9: the mode that the ladder restores at power-on.
 const MODE_AT_POWER_ON: u16 = 9;
 
-/// What the control tells the PLC before its first scan: timer presets, and the
-/// mode of 174 (manual III-1.3; MDOK = 0: the one at power-off, which K9 holds).
+/// Sets the PLC memory before its first scan: timer presets, and the mode of 174 (manual
+/// III-1.3; MDOK = 0: the mode at power-off, which K9 holds).
 pub(super) fn preset_plc(memory: &mut PlcMemory, parameters: &Parameters) {
     for (entry, parameter) in TIMER_PRESETS {
         memory.set_dt(entry, parameters.timer_ms(parameter));
@@ -60,14 +60,14 @@ pub(super) fn preset_plc(memory: &mut PlcMemory, parameters: &Parameters) {
 }
 
 impl PlcPort {
-    /// The ladder that power-on finds.
+    /// The ladder that the next power-on runs.
     pub(super) fn ladder_at_power_on(&self) -> Arc<Ladder> {
         Arc::clone(self.next_ladder.as_ref().unwrap_or(self.engine.ladder()))
     }
 }
 
 impl Cnc {
-    /// Lets the halted ladder go on by a step; what it decides acts at once.
+    /// Steps the halted ladder; its signals act at once.
     pub(super) fn step_ladder(&mut self, step: LadderStep) {
         if !self.plc.halted {
             return;

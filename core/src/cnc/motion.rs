@@ -1,20 +1,20 @@
-//! The motion's part of a tick, and where it has brought the slides.
+//! The motion's part of a tick, and the resulting position of the slides.
 
 use super::Cnc;
 use crate::motion::{DryRun, MotionInputs, RapidOverride};
 use crate::operation::{JOG_RATE_MAX, Mode, RunState, jog_rate};
 use crate::units::{Axis, PerAxis, Point, percent_to_factor};
 
-/// Motions shorter than a tick that are carried out in one.
+/// Most motions shorter than a tick that are executed in one tick.
 const MOTIONS_PER_TICK: usize = 16;
 
-/// Whether two coordinates of one axis are the same, whatever their last bit, mm.
+/// Whether two coordinates of one axis are equal except for rounding, mm.
 fn is_same(one: f64, other: f64) -> bool {
     (one - other).abs() < 1e-6
 }
 
 impl Cnc {
-    /// What the motion depends on in a tick.
+    /// Inputs of the motion in this tick.
     pub(super) fn motion_inputs(&self) -> MotionInputs {
         MotionInputs {
             feed_override: self.feed_override_factor(),
@@ -28,7 +28,7 @@ impl Cnc {
         }
     }
 
-    /// Whether feed hold keeps the motion of a program waiting.
+    /// Whether feed hold stops the motion of a program.
     fn is_motion_held(&self) -> bool {
         self.run.automatic.state == RunState::Hold
             && self.run.held.is_none()
@@ -56,7 +56,7 @@ impl Cnc {
         self.watch_gear_speed();
     }
 
-    /// The feed override that acts, as a factor: 1 when OVC (G6.4) cancels it.
+    /// The feed override in force, as a factor: 1 when OVC (G6.4) cancels it.
     pub fn feed_override_factor(&self) -> f64 {
         if self.plc.signals.override_cancel || self.run.registers.off.feed_override() {
             return 1.0;
@@ -64,9 +64,9 @@ impl Cnc {
         percent_to_factor(self.plc.signals.feed_override)
     }
 
-    /// Rates of the dry run (manual III-5.3.3): cuts at the jog rate, or at its
-    /// highest step with manual rapid on; rapids at the jog rate unless manual
-    /// rapid is on or 004.6 RDRN = 1.
+    /// Rates of the dry run (manual III-5.3.3): cuts at the jog rate, or at its highest
+    /// step with manual rapid on; rapids at the jog rate, unless manual rapid is on or
+    /// 004.6 RDRN = 1. `None`: no dry run.
     pub(crate) fn dry_run(&self) -> Option<DryRun> {
         if !self.plc.signals.dry_run || !matches!(self.run.mode, Mode::Auto | Mode::Dnc) {
             return None;
@@ -83,9 +83,9 @@ impl Cnc {
         self.plc.signals.machine_lock.x && self.plc.signals.machine_lock.z
     }
 
-    /// Before a run: the distance that machine lock kept from the slides moves from
-    /// the motion into the frame. The display stays, the slides stay, and machine
-    /// coordinates are true again.
+    /// Moves the distance that machine lock held back from the motion into the frame,
+    /// before a run. The display and the slides stay, and machine coordinates are valid
+    /// again.
     pub(crate) fn settle_coordinates(&mut self) {
         let slide = self.drives.chain.slide();
         let away = self.position() - slide;
@@ -98,17 +98,18 @@ impl Cnc {
         interpreter.set_frame(frame, &world);
     }
 
-    /// Where the slides really are, machine coordinates.
+    /// Real position of the slides, machine coordinates.
     pub(crate) fn slide(&self) -> Point {
         self.drives.chain.slide()
     }
 
-    /// Where the axes would come to rest if they braked now.
+    /// Position at which the axes stop if they brake now.
     pub(crate) fn stopping_point(&self) -> Point {
         self.drives.interpolator.stopping_point(&self.drives.limits)
     }
 
-    /// The zero lamps go out when an axis leaves its reference point or the program zero.
+    /// Switches the zero lamps off when an axis leaves its reference point or the program
+    /// zero.
     pub(super) fn watch_reference(&mut self) {
         let slide = self.slide();
         let at_zero = self.stands_on_program_zero();
@@ -121,14 +122,14 @@ impl Cnc {
         }
     }
 
-    /// ZP and PRO end at an emergency stop and at an alarm of the drives, until the axes
-    /// come to these points again (manual PLC-II 5.1, 5.2).
+    /// Ends ZP and PRO at an emergency stop and at a drive alarm, until the axes reach
+    /// these points again (manual PLC-II 5.1, 5.2).
     pub(super) fn leave_zero_points(&mut self) {
         self.coordinates.at_reference = PerAxis::default();
         self.coordinates.program_zero_ended = PerAxis::new(true, true);
     }
 
-    /// Axes whose slide is where the last G50 was carried out.
+    /// Axes whose slide is at the position of the last G50.
     fn stands_on_program_zero(&self) -> PerAxis<bool> {
         let Some(zero) = self.coordinates.program_zero else {
             return PerAxis::default();
@@ -137,7 +138,7 @@ impl Cnc {
         PerAxis::new(is_same(slide.x, zero.x), is_same(slide.z, zero.z))
     }
 
-    /// PRO: axes at the program zero point.
+    /// PRO: axes at the program zero.
     pub(super) fn at_program_zero(&self) -> PerAxis<bool> {
         let stands = self.stands_on_program_zero();
         let ended = self.coordinates.program_zero_ended;

@@ -1,5 +1,5 @@
-//! The PLC's part of a tick: contacts in, its slot, and what passes between it and
-//! the control.
+//! The PLC's part of a tick: samples the contacts, runs its slot, and exchanges signals
+//! with the control.
 
 use super::{Cnc, SerialPort};
 use crate::alarm::{Alarm, number};
@@ -11,12 +11,12 @@ use crate::operation::{FromPlc, InputFilter, Mode, Return, RunState, ToPlc};
 use crate::program::Inflow;
 use crate::units::{Axis, PerAxis, Point};
 
-/// Outputs as bits.
+/// Bit mask of output numbers.
 fn mask(outputs: &[u8]) -> u32 {
     outputs.iter().fold(0, |bits, output| bits | 1 << output)
 }
 
-/// The limit switch at a side.
+/// The limit switch at a side of an axis.
 const fn over_limit(side: Side) -> OverLimit {
     match side {
         Side::Plus => OverLimit::Plus,
@@ -24,18 +24,18 @@ const fn over_limit(side: Side) -> OverLimit {
     }
 }
 
-/// F54 to F56: outputs that a program switches by itself.
+/// F54 to F56: outputs that a program switches directly.
 const PROGRAM_OUTPUTS: u16 = 54;
 
 impl Cnc {
-    /// Outputs that a program switches by itself; after `ms` those that went on go off.
+    /// Switches outputs of a program; after `ms` those in `on` switch off again.
     pub(super) fn switch_outputs(&mut self, on: u32, off: u32, ms: u32) {
         let now = self.program_outputs();
         let then = self.plc.output_timers.switch(now, on, off, ms);
         self.set_program_outputs(then);
     }
 
-    /// Outputs whose time is over go off.
+    /// Switches off the outputs whose time has elapsed.
     pub(super) fn output_tick(&mut self) {
         let over = self.plc.output_timers.tick();
         if over != 0 {
@@ -61,15 +61,15 @@ impl Cnc {
         self.input(input) == high
     }
 
-    /// The level of an input as the model counts them.
+    /// Level of an input by its number on the model.
     fn input(&self, input: u8) -> bool {
         let contact = self.memory.model.record().first_input + input;
         let byte = self.plc.engine.memory().x(u16::from(contact / 8));
         byte >> (contact % 8) & 1 == 1
     }
 
-    /// What the inputs of the model and the contacts of the machine say of each other: a
-    /// switch acts whichever of the two tells it, and both show it.
+    /// Combines the inputs of the model with the contacts of the machine: a switch acts
+    /// through either of them, and both show it.
     fn join_wires(&self, inputs: &Inputs, contacts: &mut [u8]) {
         let record = self.memory.model.record();
         let is_on = |(byte, bit): pins::Pin| {
@@ -86,7 +86,7 @@ impl Cnc {
             let contact = record.first_input + input;
             let own = (contact / 8, contact % 8);
             let (pin, operated) = match *wire {
-                // The loop of the emergency stop is closed.
+                // The contact of the emergency-stop loop opens.
                 Wire::EmergencyStop => (pins::EMERGENCY_STOP, false),
                 Wire::Limit(axis, side) => {
                     if *inputs.over_limit.get(axis) == Some(over_limit(side)) {
@@ -105,7 +105,7 @@ impl Cnc {
         }
     }
 
-    /// The limit switch of an axis that an input of the model tells.
+    /// The limit switch of an axis that an input of the model reports.
     pub(super) fn wired_limit(&self, axis: Axis) -> Option<OverLimit> {
         let wires = &self.memory.model.record().wires;
         wires.iter().find_map(|(input, wire)| match *wire {
@@ -114,7 +114,7 @@ impl Cnc {
         })
     }
 
-    /// Outputs of the model go with those that the ladder has switched.
+    /// Switches the outputs of the model that follow outputs of the ladder.
     fn follow_outputs(&mut self) {
         let record = self.memory.model.record();
         if record.followers.is_empty() && record.brake_output.is_none() {
@@ -154,8 +154,8 @@ impl Cnc {
         }
     }
 
-    /// Inputs that act by themselves while the machine is moved by hand: their edges
-    /// change outputs over, or start an M function.
+    /// Handles inputs with an own function during manual operation: their edges switch
+    /// outputs, or start an M function.
     fn watch_edges(&mut self) {
         let record = self.memory.model.record();
         if record.edges.is_empty() {
@@ -187,7 +187,7 @@ impl Cnc {
         }
     }
 
-    /// The outputs of an M code, as in a program.
+    /// Switches the outputs of an M code, as a program does.
     fn act_by_hand(&mut self, code: u8) {
         let model = &self.memory.model;
         let Some(function) = model.record().m_function(code) else {
@@ -231,7 +231,7 @@ impl Cnc {
         }
     }
 
-    /// What the ladder has decided acts.
+    /// Applies the signals of the ladder.
     pub(super) fn read_signals(&mut self, was: &FromPlc) {
         self.plc.signals = FromPlc::read(self.plc.engine.memory());
         if self.memory.parameters.override_code_is_inverted() {
@@ -303,7 +303,7 @@ impl Cnc {
         message.write(self.plc.engine.memory_mut(), g);
     }
 
-    /// Axes that move, MV: machine lock keeps them where they are.
+    /// MV: axes that move. Machine lock keeps an axis at its position.
     fn axes_moving(&self) -> PerAxis<bool> {
         let velocity = self.drives.interpolator.velocity();
         let locked = self.plc.signals.machine_lock;
@@ -313,7 +313,7 @@ impl Cnc {
         )
     }
 
-    /// What the last motion leaves in MVD and RPDO; once a millisecond.
+    /// Updates MVD and RPDO from the last motion; once per tick.
     pub(super) fn note_motion(&mut self) {
         let velocity = self.drives.interpolator.velocity();
         if velocity == Point::default() {
@@ -330,8 +330,8 @@ impl Cnc {
         }
     }
 
-    /// Whether the motion under way goes at a rapid rate, by program or by hand; `None`
-    /// while what was selected comes to rest.
+    /// Whether the motion under way is at a rapid rate, programmed or manual; `None` while
+    /// the axes decelerate after it.
     fn selects_rapid(&self) -> Option<bool> {
         let returns = [Axis::X, Axis::Z].map(|axis| *self.coordinates.returns.get(axis));
         if returns.iter().any(Option::is_some) {
@@ -343,10 +343,10 @@ impl Cnc {
             };
             return Some(returns.iter().any(rapid));
         }
-        // Motion laid aside for jogging is not under way.
+        // Motion suspended for manual motion is not under way.
         let programmed = self.run.automatic.action();
         if let Some(action) = programmed.filter(|_| self.run.held.is_none()) {
-            // A dry run without manual rapid has its rapids at the jog rate.
+            // A dry run without manual rapid executes rapids at the jog rate.
             let at_rapid_rate = self.dry_run().is_none_or(|dry| dry.rapid.is_none());
             return match action {
                 Action::Rapid { .. } => Some(at_rapid_rate),

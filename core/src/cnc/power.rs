@@ -1,4 +1,4 @@
-//! The control at power-on, and what stays over a power-off.
+//! Power-on of the control, and the state that a power-off keeps.
 
 use gsk_plc::Plc;
 use gsk_plc::address::{Area, BitAddress};
@@ -18,7 +18,7 @@ use crate::units::{Axis, PerAxis};
 const M03_OUTPUT: BitAddress = BitAddress::new(Area::Y, 1, 2);
 
 impl Cnc {
-    /// A control at power-on.
+    /// Creates a control at power-on.
     pub fn new(setup: Setup) -> Self {
         let tool = setup.tool_in_position();
         let referenced = PerAxis::new(setup.is_referenced(Axis::X), setup.is_referenced(Axis::Z));
@@ -81,8 +81,8 @@ impl Cnc {
         cnc
     }
 
-    /// Power off and on: what is retained stays, all else starts anew. The
-    /// absolute coordinates stay with 004.7 ABOT = 0 (manual III-2.1).
+    /// Switches the power off and on: retained data stays, all else starts again. With
+    /// 004.7 ABOT = 0 the absolute coordinates stay (manual III-2.1).
     pub fn power_cycle(&mut self) {
         let position = self.position();
         let setup = Setup {

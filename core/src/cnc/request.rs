@@ -1,4 +1,4 @@
-//! What the panel may ask of the control; the control decides.
+//! Requests of the panel to the control, which decides about them.
 
 mod data;
 mod programs;
@@ -23,178 +23,176 @@ use crate::units::Axis;
 /// A request of the panel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
-    /// Relative coordinate of one axis to zero.
+    /// Sets the relative coordinate of one axis to zero.
     ZeroRelative(Axis),
-    /// The place where one axis stands becomes its machine zero; for axes without a
-    /// zero switch.
+    /// Makes the present position of an axis its machine zero, if the axis has no zero
+    /// switch.
     SetMachineZero(Axis),
-    /// Part counter to zero.
+    /// Sets the part counter to zero.
     ClearParts,
-    /// Cutting time to zero.
+    /// Sets the cutting time to zero.
     ClearCuttingTime,
     /// Selects a stored program.
     SelectProgram(u16),
-    /// Puts the cursor on a line of the selected program, from 1.
+    /// Moves the cursor to a line of the selected program, from 1.
     CursorTo(u32),
-    /// A search on the program page found nothing; `sequence`: it was one for a
-    /// sequence number.
+    /// A search on the program page found nothing: raises its alarm.
     NotFound {
         /// Whether a sequence number was searched.
         sequence: bool,
     },
     /// Creates a program that holds only its name.
     CreateProgram(u16),
-    /// Stores the selected program under another number as well (另存).
+    /// Stores the selected program under another number too (另存).
     SaveProgramAs(u16),
     /// Gives the selected program another number.
     RenameProgram(u16),
     /// Deletes a program.
     DeleteProgram(u16),
-    /// Deletes every program that may be deleted.
+    /// Deletes all programs that may be deleted.
     DeleteAllPrograms,
-    /// Asks whether a program may be edited: raises the alarm that says why not.
+    /// Checks whether a program may be edited; raises the alarm that refuses it.
     AskToEdit(u16),
-    /// Asks whether a program may be sent: raises the alarm that says why not.
+    /// Checks whether a program may be sent; raises the alarm that refuses it.
     AskToSend(u16),
-    /// Asks whether a program may come in: raises the alarm that says why not.
+    /// Checks whether a program may be received; raises the alarm that refuses it.
     AskToReceive(u16),
-    /// What the serial port does from now on (F213).
+    /// State of the serial port from now on (F213).
     SerialPort(SerialPort),
-    /// What came in through the serial port.
+    /// Data received through the serial port.
     Receive(Received),
     /// Stores the edited text of a program.
     StoreEdited {
-        /// Its number.
+        /// O number of the program.
         number: u16,
-        /// The text.
+        /// The whole edited program.
         program: Program,
     },
-    /// Stores a program text in the program memory.
+    /// Stores a program text in the program memory and selects it.
     StoreProgram(String),
     /// Opens a program outside the memory, read-only.
     OpenExternal(Program),
-    /// One word for the MDI block.
+    /// Adds one word to the MDI block.
     MdiWord(String),
-    /// A value for a common macro variable, keyed in on its page.
+    /// Sets a common macro variable from its page.
     SetVariable {
-        /// #200–#231, #500–#515.
+        /// Variable number: #200–#231, #500–#515.
         number: u16,
-        /// −2³² to 2³² − 1.
+        /// Value, −2³² to 2³² − 1.
         value: i64,
     },
-    /// A macro variable where programs are in macro B, or of the Huaxing lathes.
+    /// Sets a real variable: of macro B, or of the Huaxing lathes.
     SetMacroVariable {
-        /// #1–#33 of the run that stands, #100–#231, #500–#999; or #1–#99.
+        /// Variable number: #1–#33 of the present run, #100–#231, #500–#999; or #1–#99.
         number: u16,
-        /// Its value; none: null.
+        /// Value; `None`: null.
         value: Option<f64>,
     },
-    /// A point of the pitch error table.
+    /// Sets a point of the pitch error table.
     SetPitch {
-        /// Axis.
+        /// The axis whose table is changed.
         axis: Axis,
         /// Point, 0–255.
         point: u8,
-        /// −255 to 255, in 0.001 mm.
+        /// Correction, −255 to 255, in 0.001 mm.
         value: i16,
     },
-    /// A value for a tool offset, keyed in on its page.
+    /// Sets a tool offset from its page.
     SetOffset {
-        /// 000–032.
+        /// Offset number, 000–032.
         number: u8,
-        /// What is given.
+        /// The value and how it is entered.
         entry: OffsetEntry,
     },
-    /// A whole parameter; a status parameter as a byte.
+    /// Sets a whole parameter; a status parameter as a byte.
     SetParameter {
-        /// Number.
+        /// Parameter number.
         number: u16,
-        /// Value.
+        /// New value.
         value: i32,
     },
-    /// One bit of a status parameter.
+    /// Sets one bit of a status parameter.
     SetParameterBit {
-        /// Number.
+        /// Parameter number.
         number: u16,
-        /// Bit.
+        /// Bit number, 0–7.
         bit: u8,
-        /// Value.
+        /// New state.
         on: bool,
     },
-    /// A row of the setting page.
+    /// Sets a row of the setting page.
     SetSetting(Setting, bool),
-    /// 参数开关.
+    /// Switches 参数开关, which permits changes of parameters.
     SetParameterSwitch(bool),
-    /// 程序开关.
+    /// Switches 程序开关, which permits changes of programs.
     SetProgramSwitch(bool),
-    /// 取消 and 复位 together: alarm 100 goes, the switch stays.
+    /// 取消 and 复位 together: clears alarm 100, the switch stays on.
     CancelSwitchAlarm,
     /// Reads an electronic disk into the memory.
     LoadDisk(Disk),
     /// Saves parameters and offsets on an electronic disk.
     SaveDisk(Disk),
-    /// A password: its level becomes the operation level.
+    /// Enters a password: its level becomes the operation level.
     EnterPassword(String),
-    /// A new password in place of an old one.
+    /// Replaces a password.
     ChangePassword {
-        /// The old one.
+        /// The present password.
         old: String,
-        /// The new one.
+        /// The password that replaces it.
         new: String,
     },
-    /// Down to level 5.
+    /// Lowers the operation level to 5.
     LeaveLevel,
-    /// A soft switch of the machine panel page changes over.
+    /// Toggles a soft switch of the machine panel page.
     ToggleSoftSwitch(SoftSwitch),
-    /// DGN.075: the tool that is in position.
+    /// DGN.075: sets the tool that is in position.
     SetTool(u8),
-    /// A preset of the PLC: a D byte, or the preset of a timer or counter.
+    /// Sets a preset of the PLC: a D byte, or the preset of a timer or counter.
     SetPreset(ByteAddress, i32),
-    /// What the handwheel was turned by and the axis has not followed is not made.
+    /// Drops the handwheel motion that the axis has not followed yet.
     DropWheel,
-    /// The OUTPUT key went down or up.
+    /// Reports whether the OUTPUT key is down.
     OutputKey(bool),
-    /// A switch of the page 机床面板: the request goes to the ladder as F75.
+    /// Sets a switch of the page 机床面板; the request reaches the ladder as F75.
     SoftSwitch(SoftSwitch, bool),
-    /// Holds a bit of PLC memory at a value; `None` lets it go.
+    /// Forces a bit of PLC memory to a value; `None` releases it.
     ForceBit(BitAddress, Option<bool>),
-    /// Halts the ladder, or lets it run on.
+    /// Halts the ladder, or lets it run again.
     HaltLadder(bool),
-    /// The halted ladder goes on by a step.
+    /// Steps the halted ladder.
     StepLadder(LadderStep),
-    /// A ladder for the next power-on, as a download does.
+    /// Loads a ladder for the next power-on, as a download does.
     LoadLadder(Arc<Ladder>),
 }
 
-/// What is keyed in on the offset page.
+/// An entry of the offset page.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OffsetEntry {
-    /// X or Z with a value in the unit of the display: stored, or measured
-    /// (012.5 DOFSI).
+    /// X or Z with a value in the unit of the display: stored, or taken as measured
+    /// coordinate (012.5 DOFSI).
     Length(Axis, f64),
-    /// X or Z as the table holds it, mm: stored, whatever 012.5 DOFSI says.
+    /// X or Z in mm: stored, regardless of 012.5 DOFSI.
     Stored(Axis, f64),
-    /// U or W with a value: added.
+    /// U or W with a value: added to the offset.
     Change(Axis, f64),
-    /// U or W alone: the relative coordinate.
+    /// U or W alone: takes the relative coordinate.
     Counter(Axis),
-    /// R: nose radius, in the unit of the display.
+    /// R: nose radius in the unit of the display.
     NoseRadius(f64),
-    /// Nose radius as the table holds it, mm.
+    /// Nose radius in mm.
     StoredRadius(f64),
-    /// T: position of the imaginary tool nose.
+    /// T: number of the imaginary tool nose position.
     NoseNumber(u8),
 }
 
 impl Cnc {
-    /// Carries out a request, or raises the alarm that says why not. A refusal
-    /// that the manual gives no alarm for is silent.
+    /// Executes a request, or raises the alarm that refuses it. Where the manual specifies
+    /// no alarm, the refusal is silent; see [`refuses`](Self::refuses).
     ///
     /// # Errors
-    /// The alarm that was raised: 031 or 071 program not found, 060 sequence number
-    /// not found, 068, 072, 074 and 110 of the program memory, 030 and 043 of
-    /// offsets and parameters, 111 and 115 for variables, and those of the MDI
-    /// words.
+    /// The alarm that was raised: 031 or 071 program not found, 060 sequence number not
+    /// found, 068, 072, 074 and 110 of the program memory, 030 and 043 of offsets and
+    /// parameters, 111 and 115 for variables, and those of the MDI words.
     pub fn request(&mut self, request: Request) -> Result<(), Alarm> {
         let done = self.carry_out_request(request);
         if let Err(alarm) = &done {
@@ -319,7 +317,7 @@ impl Cnc {
         Ok(())
     }
 
-    /// Who may write what at this moment.
+    /// The write permissions at this moment.
     pub fn rights(&self) -> Rights<'_> {
         Rights {
             parameters: &self.memory.parameters,
@@ -351,8 +349,8 @@ impl Cnc {
     }
 }
 
-/// Whether a program operation may go on; a level that is too low has an alarm,
-/// the other refusals are silent.
+/// Whether a program operation may proceed. A level that is too low raises an alarm; other
+/// refusals are silent.
 fn allowed(rights: Result<(), Refusal>) -> Result<bool, Alarm> {
     match rights {
         Ok(()) => Ok(true),

@@ -6,22 +6,22 @@ use crate::machine::Inputs;
 use crate::memory::SwitchedOff;
 use crate::operation::RunState;
 
-/// RST stands at least this long, so that a whole cycle of level 2 sees it.
+/// Minimum duration of RST, so that a whole cycle of level 2 sees it.
 const LEVEL_2_CYCLE_MS: u32 = 32;
 
 impl Cnc {
-    /// Whether the reset signal RST stands.
+    /// Whether the reset signal RST is active.
     pub(crate) const fn resetting(&self) -> bool {
         self.reset_left > 0
     }
 
-    /// AL: an alarm or a PLC message stands.
+    /// AL: an alarm or a PLC message is in force.
     pub(crate) fn alarm_state(&self) -> bool {
         !self.alarms.is_empty() || self.plc.message
     }
 
-    /// Raises an alarm. A running program stops: the axes decelerate and the rest
-    /// of the block is dropped.
+    /// Raises an alarm. A running program stops: the axes decelerate and the rest of the
+    /// block is dropped.
     pub(crate) fn raise(&mut self, alarm: Alarm) {
         let alarm = alarm.of_model(self.memory.model.record());
         if !self.alarms.raise(alarm.clone()) {
@@ -33,13 +33,13 @@ impl Cnc {
         }
     }
 
-    /// Ends the run: the axes decelerate, nothing that was read is carried out.
+    /// Ends the run: the axes decelerate, and commands that were read are not executed.
     pub(crate) fn stop_run(&mut self, state: RunState) {
         self.abandon_current();
         self.abandon_returns();
         self.drives.interpolator.decelerate();
         self.run.held = None;
-        // The next start begins at the block where this run broke off.
+        // The next start begins at the block where this run was interrupted.
         if let Some(source) = self.run.automatic.broken_off() {
             self.run.cursor_line = source.line;
         }
@@ -47,7 +47,7 @@ impl Cnc {
         self.run.automatic.state = state;
     }
 
-    /// RESET key, external reset, or the end of an emergency stop.
+    /// Handles the RESET key, an external reset, or the start of an emergency stop.
     pub(crate) fn reset(&mut self) {
         self.stop_run(RunState::Reset);
         self.run.handshake.reset();
@@ -55,7 +55,7 @@ impl Cnc {
         let outside = self.still_outside();
         self.alarms.reset(|number| outside.contains(&Some(number)));
         if !self.emergency_stop {
-            // A board tells of a chain that opened too shortly to be seen here.
+            // A board reports an open chain that was too short to be seen here.
             self.alarms.remove(number::EMERGENCY_STOP);
         }
         self.run.registers.off = SwitchedOff::default();
@@ -73,7 +73,7 @@ impl Cnc {
         }
     }
 
-    /// Watches the causes of reset and the emergency stop; once a millisecond.
+    /// Checks the causes of reset and the emergency stop; once per tick.
     pub(crate) fn watch_reset(&mut self, contacts_closed: bool, inputs: &Inputs) {
         let emergency = !contacts_closed || self.plc.signals.emergency_stop;
         if emergency {
@@ -86,7 +86,7 @@ impl Cnc {
                     detail,
                     ..Alarm::new(number::EMERGENCY_STOP)
                 });
-                // Methods B and C lose their reference with the pulses.
+                // Methods B and C lose their reference together with the pulses.
                 self.coordinates.referenced = self.reference_without_switch();
                 self.leave_zero_points();
             }
@@ -106,7 +106,7 @@ impl Cnc {
         }
     }
 
-    /// 准备未绪: emergency stop or a drive that is not ready.
+    /// 准备未绪: emergency stop, or a drive that is not ready.
     pub(crate) fn is_not_ready(&self) -> bool {
         self.alarms
             .list()

@@ -1,8 +1,8 @@
 //! The keys of the machine panel page (manual III-2.6.2).
 //!
-//! The ladder sets its latch when a soft switch (F75) goes up and clears it when it
-//! goes down. The page shows the latch, which the panel's own key moves as well; so
-//! a switch that already stands where it is wanted first goes the other way.
+//! The ladder sets its latch when a soft switch (F75) goes to 1 and clears it when it goes
+//! to 0. The page shows the latch, which the panel's key changes too. A switch that already
+//! has the wanted state is therefore first set to the other one.
 
 use gsk_plc::address::{Area, BitAddress};
 
@@ -10,10 +10,10 @@ use super::Cnc;
 use super::parts::PlcPort;
 use crate::operation::{SoftSwitch, Turning};
 
-/// How long a switch stands the other way first: more than a cycle of level 2.
+/// Time for which a switch first has the other state: more than a cycle of level 2.
 const TURN_MS: u32 = 64;
 
-/// The F bit that reports what a switch asks for.
+/// The F bit that reports the state of a switch's function.
 const fn state(switch: SoftSwitch) -> BitAddress {
     let (byte, bit) = match switch {
         SoftSwitch::MachineLock => (4, 1),
@@ -60,7 +60,7 @@ impl PlcPort {
         }
     }
 
-    /// Once a millisecond.
+    /// Advances the change of a switch by one tick (1 ms).
     pub(super) fn soft_switch_tick(&mut self) {
         let Some(turning) = &mut self.turning else {
             return;
@@ -84,7 +84,7 @@ impl Cnc {
         self.plc.soft_switch(switch)
     }
 
-    /// Whether what a soft switch asks for is in force.
+    /// Whether the function of a soft switch is in force.
     pub fn soft_switch_state(&self, switch: SoftSwitch) -> bool {
         self.plc.soft_switch_state(switch)
     }

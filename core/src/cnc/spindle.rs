@@ -34,7 +34,7 @@ impl Cnc {
         }
     }
 
-    /// SPHD counts with an analog spindle and in the modes of manual motion
+    /// Whether spindle jog SPHD is active: only with an analog spindle and in manual modes
     /// (manual PLC-II 9.2).
     pub(super) fn spindle_jog(&self) -> bool {
         self.plc.signals.spindle_jog
@@ -42,13 +42,13 @@ impl Cnc {
             && self.memory.parameters.analog_spindle()
     }
 
-    /// SPZD: the ladder brakes the spindle.
+    /// SPZD: whether the ladder brakes the spindle.
     pub(crate) fn brake_output(&self) -> bool {
         self.plc.engine.memory().bit(BRAKE_OUTPUT)
     }
 
-    /// The X that the surface speed counts on, machine coordinate: the programmed
-    /// one, and in a rapid that of its end (manual I-2.6.2).
+    /// The X for the surface speed, machine coordinate: the programmed X; in a rapid the X
+    /// of its end point (manual I-2.6.2).
     fn surface_x(&mut self) -> f64 {
         let position = self.position();
         let Some(current) = &self.run.automatic.current else {

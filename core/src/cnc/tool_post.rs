@@ -1,10 +1,10 @@
-//! The tool post as the control follows it: T display, 075, the tool-change key.
+//! Follows the tool post: T display, 075, the tool-change key.
 
 use super::Cnc;
 use crate::operation::Strobe;
 
 impl Cnc {
-    /// The T display follows the tool post when it was turned by hand.
+    /// Updates the T display when the tool post was turned manually.
     pub(super) fn follow_tool(&mut self, before: u8) {
         let now = self.plc.signals.current_tool;
         if now != before && (self.run.indexing_by_hand || !self.run.handshake.strobe(Strobe::T)) {
@@ -17,12 +17,12 @@ impl Cnc {
         }
     }
 
-    /// 075 holds the tool in position; numbers beyond its range are not kept.
+    /// Stores the tool in position in 075; numbers beyond its range are not stored.
     pub(crate) fn remember_tool(&mut self, tool: u8) {
         self.memory.parameters.remember_tool(tool);
     }
 
-    /// The tool-change key: the next station, after the last the first.
+    /// Turns the tool post to the next station, from the last one to the first.
     pub(super) fn index_tool(&mut self) {
         let stations = i32::from(self.memory.parameters.stations());
         if self.run.handshake.busy() || stations == 0 {

@@ -1,4 +1,4 @@
-//! What the pages and the command line may read of the control.
+//! Read access to the control for pages and command line.
 
 use std::collections::VecDeque;
 
@@ -21,29 +21,29 @@ use crate::spindle::SpindleControl;
 use crate::units::{Axis, PerAxis, Point, Pulses, TICK_S};
 use gsk_link::SpindleDirection;
 
-/// How far a pulse board is behind the control.
+/// Lag of a pulse board after the control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoardLag {
-    /// Ticks of motion that it may not have made yet.
+    /// Ticks of motion that the board may not have executed yet.
     pub ticks: u64,
-    /// Stops so far behind which the control went on from another place: what was not
-    /// made by then never will be.
+    /// Number of stops after which the control continued from another position. Motion that
+    /// was pending at such a stop is never executed.
     pub stops: u64,
 }
 
-/// The block in execution, or the one the next cycle start begins with.
+/// The block in execution, or the block at which the next cycle start begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cursor {
-    /// Its program; `None` with an empty memory.
+    /// The program that contains the block; `None` with an empty memory.
     pub program: Option<ProgramId>,
     /// Line, from 1.
     pub line: u32,
-    /// The last sequence number met.
+    /// The last sequence number before or in the block.
     pub sequence: Option<u32>,
 }
 
 impl Cnc {
-    /// Operating mode.
+    /// Operating mode that the ladder has selected.
     pub const fn mode(&self) -> Mode {
         self.run.mode
     }
@@ -63,28 +63,28 @@ impl Cnc {
         self.run.automatic.state
     }
 
-    /// Machine coordinates of the slides (radius, mm).
+    /// Machine coordinates of the slides (mm, X as a radius).
     pub fn position_machine(&self) -> Point {
         self.slide()
     }
 
-    /// Pulses commanded so far.
+    /// Pulses commanded since power-on.
     pub fn pulses(&self) -> PerAxis<Pulses> {
         self.drives.chain.pulses()
     }
 
-    /// Absolute coordinates in the work coordinate system (radius, mm).
+    /// Absolute coordinates in the work coordinate system (mm, X as a radius).
     pub fn position_absolute(&self) -> Point {
         self.coordinates.frame.program(self.position())
     }
 
-    /// Relative coordinates U, W (radius, mm).
+    /// Relative coordinates U, W (mm, X as a radius).
     pub fn position_relative(&self) -> Point {
         self.relative_base() - self.coordinates.relative_zero
     }
 
-    /// What the relative coordinates are counted from: absolute coordinates, with the
-    /// tool offset unless 004.1 PROD = 1.
+    /// The base of the relative coordinates: absolute coordinates, with the tool offset
+    /// unless 004.1 PROD = 1.
     pub(crate) fn relative_base(&self) -> Point {
         let absolute = self.position_absolute();
         if self.memory.parameters.relative_is_programmed() {
@@ -94,7 +94,7 @@ impl Cnc {
         }
     }
 
-    /// What is left of the motion under way (radius, mm).
+    /// Distance to go of the motion under way (mm, X as a radius).
     pub fn distance_to_go(&self) -> Point {
         self.drives.interpolator.distance_to_go()
     }
@@ -109,7 +109,7 @@ impl Cnc {
         self.drives.interpolator.is_moving() || self.rests()
     }
 
-    /// Whether the motion under way is a rapid, programmed or by hand.
+    /// Whether the motion under way is a rapid, programmed or manual.
     pub fn moves_at_rapid(&self) -> bool {
         let by_hand = |axis| {
             matches!(
@@ -124,7 +124,7 @@ impl Cnc {
         }
     }
 
-    /// Whether the motion under way follows the angle of the spindle.
+    /// Whether the motion under way follows the spindle angle.
     pub const fn in_thread(&self) -> bool {
         self.drives.interpolator.in_thread()
     }
@@ -134,7 +134,7 @@ impl Cnc {
         self.run.modal.feed
     }
 
-    /// The thread lead in force, mm; zero = none yet.
+    /// The thread lead in force, mm; 0 = none yet.
     pub const fn thread_lead(&self) -> f64 {
         self.run.interpreter.thread_lead()
     }
@@ -164,25 +164,24 @@ impl Cnc {
         self.plc.signals.spindle_override
     }
 
-    /// The spindle speed that the S display shows (manual III-2.1.1): the measured
-    /// one with an encoder, also at standstill, r/min; without one `None`.
+    /// Spindle speed on the S display (manual III-2.1.1), r/min: the measured one, also at
+    /// standstill; `None` without an encoder.
     pub fn spindle_measured(&self) -> Option<f64> {
         let fitted = self.spindle.control.encoder_fitted();
         fitted.then(|| self.spindle.control.actual_rpm())
     }
 
-    /// Measured spindle speed, r/min.
+    /// Measured spindle speed, r/min; 0 without an encoder.
     pub fn spindle_actual(&self) -> f64 {
         self.spindle.control.actual_rpm()
     }
 
-    /// Commanded spindle speed, r/min.
+    /// Commanded spindle speed, r/min, after override and limits.
     pub fn spindle_commanded(&self) -> f64 {
         self.spindle.control.commanded_rpm()
     }
 
-    /// The speed the spindle is to turn at as it is switched, r/min: 0 behind M05,
-    /// negative in reverse.
+    /// Commanded spindle speed with its direction, r/min: 0 after M05, negative in reverse.
     pub fn spindle_switched(&self) -> f64 {
         match pins::spindle_direction(self.plc.engine.memory()) {
             SpindleDirection::Stop => 0.0,
@@ -191,12 +190,12 @@ impl Cnc {
         }
     }
 
-    /// The spindle control.
+    /// The control's side of the spindle: speeds, gear, limits.
     pub const fn spindle(&self) -> &SpindleControl {
         &self.spindle.control
     }
 
-    /// Tool and offset number on the T display.
+    /// Tool number and offset number on the T display.
     pub const fn tool(&self) -> (u8, u8) {
         self.run.tool
     }
@@ -211,22 +210,22 @@ impl Cnc {
         self.memory.counters
     }
 
-    /// Parameters.
+    /// Parameters as stored; some values act only after the next power-on.
     pub const fn parameters(&self) -> &Parameters {
         &self.memory.parameters
     }
 
-    /// Which control it is.
+    /// The control model with its model-specific parameters.
     pub const fn model(&self) -> &ControlModel {
         &self.memory.model
     }
 
-    /// Pitch error table.
+    /// Pitch error table of both axes.
     pub const fn pitch(&self) -> &PitchTable {
         &self.memory.pitch
     }
 
-    /// What the battery keeps when the power goes now.
+    /// The memory that the battery would keep at a power-off now.
     pub fn battery(&self) -> Memory {
         Memory {
             programs: self.memory.programs.retained(),
@@ -234,24 +233,24 @@ impl Cnc {
         }
     }
 
-    /// Tool offsets.
+    /// Tool offsets by number.
     pub const fn offsets(&self) -> &Offsets {
         &self.memory.offsets
     }
 
-    /// Macro variables.
+    /// Macro variables, common and real ones.
     pub const fn variables(&self) -> &Variables {
         &self.memory.variables
     }
 
-    /// What is left of a dwell, s, on a model whose overall page shows it (NC-B08).
+    /// Remaining time of a dwell, s, on a model whose overall page shows it (NC-B08).
     pub fn dwell_shown(&self) -> Option<f64> {
         let shows = self.memory.model.record().g_code(4) == Some(GCode::DwellSecondsFirst);
         let left = f64::from(self.run.automatic.dwell_left) * TICK_S;
         (shows && self.run.automatic.dwelling()).then_some(left)
     }
 
-    /// The numbers of the variables that the page lists.
+    /// Numbers of the variables that the page lists.
     pub fn variable_numbers(&self) -> Vec<u16> {
         if self.memory.model.record().own_variables {
             Variables::numbers_of_huaxing().collect()
@@ -268,7 +267,7 @@ impl Cnc {
         self.memory.settings.macro_b || self.memory.model.record().own_variables
     }
 
-    /// The value of one of them; `None`: null.
+    /// Value of a real variable; `None`: null.
     pub fn real_variable(&self, number: u16) -> Option<f64> {
         let variables = &self.memory.variables;
         if self.memory.model.record().own_variables {
@@ -295,7 +294,7 @@ impl Cnc {
         &self.memory.authority
     }
 
-    /// The electronic disks.
+    /// The electronic disks that hold sets of parameter values.
     pub const fn disks(&self) -> &Disks {
         &self.memory.disks
     }
@@ -315,7 +314,7 @@ impl Cnc {
         self.plc.signals.memory_protect
     }
 
-    /// Program memory.
+    /// Program memory with the stored programs and the external one.
     pub const fn programs(&self) -> &ProgramMemory {
         &self.memory.programs
     }
@@ -325,7 +324,7 @@ impl Cnc {
         &self.run.mdi
     }
 
-    /// Where the program stands.
+    /// Position of the run in its program.
     pub fn cursor(&self) -> Cursor {
         let running = self.run.automatic.state != RunState::Reset;
         let aside = self.run.automatic.source_aside();
@@ -348,18 +347,18 @@ impl Cnc {
         }
     }
 
-    /// Alarms that stand, newest first.
+    /// Alarms in force, newest first.
     pub fn alarms(&self) -> &[Alarm] {
         self.alarms.list()
     }
 
-    /// Messages of the machine's ladder that stand: number and text.
+    /// Messages of the machine's ladder that are in force: number and text.
     pub fn plc_messages(&self) -> impl Iterator<Item = (u16, &str)> {
         self.plc.engine.active_messages()
     }
 
-    /// The first message of the ladder that stands, at the block it holds: no cycle
-    /// start acts before its cause is gone and RESET has cleared it.
+    /// The first message of the ladder in force, at the block it holds. Cycle start has no
+    /// effect until its cause is gone and RESET has cleared it.
     pub fn standing_message(&self) -> Option<Alarm> {
         if !self.plc.message {
             return None;
@@ -374,24 +373,25 @@ impl Cnc {
         })
     }
 
-    /// Whether 准备未绪 stands on the status line.
+    /// Whether the status line shows 准备未绪.
     pub fn not_ready(&self) -> bool {
         self.is_not_ready() || self.is_position_unknown()
     }
 
-    /// Whether real slides stand where nobody knows: they want their reference return.
+    /// Whether the position of real slides is unknown, so that they need a reference
+    /// return.
     pub fn is_position_unknown(&self) -> bool {
         self.drives.board.is_some_and(|board| !board.known)
     }
 
-    /// Whether a pulse board makes the motion: the slides of the lathe beside the
-    /// control are not the real ones.
+    /// Whether a pulse board makes the motion: the slides of the simulated lathe are then
+    /// not the real ones.
     pub const fn has_board(&self) -> bool {
         self.drives.board.is_some()
     }
 
-    /// How far the pulse board that makes the motion is behind this tick; none: the
-    /// simulated lathe makes it at once.
+    /// Lag of the pulse board after this tick; `None`: the simulated lathe makes the motion
+    /// at once.
     pub fn board_lag(&self) -> Option<BoardLag> {
         self.drives.board.map(|board| BoardLag {
             ticks: board.ahead,
@@ -399,25 +399,25 @@ impl Cnc {
         })
     }
 
-    /// The speed of the spindle whose index the board sees, r/min; negative in reverse.
+    /// Speed of the spindle whose index the board measures, r/min; negative in reverse.
     pub fn spindle_of_board(&self) -> Option<f64> {
         Some(self.drives.board?.spindle?.rpm)
     }
 
-    /// Whether an alarm or a message stands (AL, F1.0).
+    /// Whether an alarm or a message is in force (AL, F1.0).
     pub fn in_alarm(&self) -> bool {
         self.alarm_state()
     }
 
-    /// Whether 暂停 stands on the status line: feed hold, *SP open, or a stop of single
-    /// block between two moves of one block.
+    /// Whether the status line shows 暂停: feed hold, *SP open, or a stop of single block
+    /// between two moves of one block.
     pub fn in_feed_hold(&self) -> bool {
         self.run.automatic.state == RunState::Hold
             || self.run.automatic.stands_within_block()
             || self.plc.signals.feed_hold
     }
 
-    /// Axes with a reference.
+    /// Axes whose reference point is established.
     pub const fn referenced(&self) -> PerAxis<bool> {
         self.coordinates.referenced
     }
@@ -432,12 +432,12 @@ impl Cnc {
         &self.events
     }
 
-    /// Whether cycles explain their passes ([`Event::Explained`]); off at power-on.
+    /// Switches the explanations of cycle passes ([`Event::Explained`]); off at power-on.
     pub fn explain(&mut self, on: bool) {
         self.run.explanations = on.then(VecDeque::new);
     }
 
-    /// The control's clock: date as YYYYMMDD and time of day as hhmmss.
+    /// The control's date as YYYYMMDD and time of day as hhmmss.
     pub fn date_and_time(&self) -> (u32, u32) {
         let registers = &self.run.registers;
         (

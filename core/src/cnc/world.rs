@@ -1,4 +1,4 @@
-//! The control as the interpreter sees it.
+//! The control as the interpreter reads it.
 
 use gsk_plc::PlcMemory;
 
@@ -8,12 +8,12 @@ use crate::memory::{Counters, Offsets, Parameters, Registers, Settings, Variable
 use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
 
-/// G54: UI0, #1000.
+/// G54: macro inputs UI0 and up, #1000.
 const MACRO_INPUTS: u16 = 54;
-/// F54 to F59: UO0, #1100, and on.
+/// F54 to F59: macro outputs UO0 and up, #1100.
 const MACRO_OUTPUTS: core::ops::RangeInclusive<u16> = 54..=59;
 
-/// A view of the control for the interpreter, at one instant.
+/// The view of the control that the interpreter reads, at one instant.
 pub(crate) struct World<'a> {
     pub memory: &'a mut battery::Memory,
     pub registers: &'a mut Registers,
@@ -24,7 +24,7 @@ pub(crate) struct World<'a> {
     pub referenced: PerAxis<bool>,
     pub block_skip: bool,
     pub settled: bool,
-    /// The slides have made all that was commanded.
+    /// Whether the slides have executed all commanded motion.
     pub stands: bool,
     pub cursor_line: u32,
 }

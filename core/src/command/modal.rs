@@ -1,8 +1,8 @@
-//! The modal state of the program language.
+//! The modal state of a part program.
 
 use serde::{Deserialize, Serialize};
 
-/// What stays in force from block to block, as the pages show it.
+/// Codes and words that stay in force from block to block, as the pages show them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Modal {
     /// Group 01: G00 G01 G02 G03 G32 G33 G34 G90 G92 G94, by number.
@@ -11,19 +11,19 @@ pub struct Modal {
     pub surface_speed: bool,
     /// Group 03: feed per revolution (G99) or per minute (G98).
     pub feed_per_revolution: bool,
-    /// Group 04: 40, 41 or 42.
+    /// Group 04: G40, G41 or G42, by number.
     pub nose_compensation: u8,
     /// Inch input (G20) or metric (G21).
     pub inch: bool,
-    /// The feed word in force, in the unit of its group-03 code; zero = none yet.
+    /// F word in force, in the unit of its group-03 code; 0 = none yet.
     pub feed: f64,
-    /// The S word in force: r/min, m/min or a step number.
+    /// S word in force: r/min, m/min or a step number.
     pub spindle: f64,
-    /// Tool number in force.
+    /// Tool number in force, 0 = none.
     pub tool: u8,
-    /// Offset number in force.
+    /// Offset number in force, 0 = none.
     pub offset: u8,
-    /// The last output M code of a block, if any.
+    /// The last M code that a block output; `None` if there is none.
     pub m: Option<u8>,
 }
 

@@ -1,4 +1,4 @@
-//! What the parameters say of the drives behind a board.
+//! Drive settings of a board from the control's parameters.
 
 use gsk_link::Drives;
 
@@ -7,7 +7,7 @@ use crate::board::board_rates;
 use crate::memory::Parameters;
 use crate::units::{Axis, PerAxis};
 
-/// The drives that a board is opened for (015–018, 022–025, 027).
+/// Pulse weights and rates for opening a board, from 015–018, 022–025 and 027.
 pub fn drives(parameters: &Parameters) -> Drives {
     let both = |axis| {
         (

@@ -1,4 +1,4 @@
-//! What the control hears of the board, and the board of the control.
+//! Events from the board to the control, and orders from the control to the board.
 
 use gsk_plc::address::{Area, BitAddress};
 
@@ -16,7 +16,7 @@ use gsk_link::{
 use gsk_messages::say;
 
 impl Linked {
-    /// What the control hears of its board in the next tick.
+    /// Collects the board's inputs for the control's next tick.
     pub(super) fn inputs_of_tick(&mut self) -> BoardInputs {
         let (reports, settled) = self.reports.take();
         let stands = |report: &&BoardReport| matches!(report, BoardReport::StandsAt(_));
@@ -37,8 +37,8 @@ impl Linked {
             _ if timed => false,
             None => true,
             Some(switched) if self.is_behind() => {
-                // Another speed waits for the next standstill, a spindle that stands
-                // or coolant that is missing does not.
+                // A change of speed waits for the next standstill. A spindle or coolant
+                // that must still be switched on does not.
                 (switched.spindle, switched.coolant) != (wanted.spindle, wanted.coolant)
             }
             Some(switched) => switched != wanted,
@@ -74,7 +74,7 @@ impl Linked {
         }
     }
 
-    /// What an axis has at the board to return to.
+    /// The switches of an axis that are wired to the board.
     fn zero_wiring(&self, axis: Axis) -> ZeroWiring {
         let (wires, at) = match axis {
             Axis::X => (&self.config.x, self.config.x.home_at / 2.0),
@@ -94,7 +94,7 @@ impl Linked {
         }
     }
 
-    /// The board looks at what the returns of the control wait for.
+    /// Arms the board for the switches that the control's returns wait for.
     fn await_switches(&mut self) {
         for axis in [Axis::X, Axis::Z] {
             let wanted = *self.control.orders.returns.awaited.get(axis);
@@ -106,14 +106,14 @@ impl Linked {
             }
             *self.returns.sought_from.get_mut(axis) = *self.control.pulses.get(axis);
             match wanted {
-                // Not yet possible: once more with the next look.
+                // Not possible yet: the next call tries again.
                 Some(awaited) => drop(self.link.arm(awaited)),
                 None => self.link.disarm(axis),
             }
         }
     }
 
-    /// A switch that does not come within the length of the slide will never come.
+    /// Abandons a return whose switch did not come within the travel of the slide.
     fn check_length(&mut self, axis: Axis, awaited: AwaitedInput) {
         let (scale, name) = match axis {
             Axis::X => (2.0, 'x'),
@@ -138,7 +138,7 @@ impl Linked {
         self.report(BoardReport::Failed(alarm));
     }
 
-    /// Keys, outputs and the ends of programs go to the link.
+    /// Passes keys, outputs and ends of programs to the link.
     pub(super) fn follow(&mut self) {
         let dropped = self.has_dropped_outputs();
         let orders = self.control.orders;
@@ -161,7 +161,7 @@ impl Linked {
             self.link.stop(Stop::Kill);
         } else if self.keys.resetting && !resetting {
             self.report(BoardReport::Halted);
-            // A pass is stopped dead: there is no place to go on from.
+            // A pass ends with a dead stop: there is no position to continue from.
             let passing = self.thread.pass.take().is_some();
             if self.link.state() == LinkState::Moving && !passing {
                 self.stopping.flush();
@@ -171,9 +171,9 @@ impl Linked {
         }
     }
 
-    /// Whether spindle and coolant at the board are off whatever the control wants: it
-    /// failed, and was reset or told so. A line board that is not heard goes on with them,
-    /// unless the holder of the port has stopped it.
+    /// Whether spindle and coolant at the board are off although the control commands them:
+    /// the board failed and was reset or stopped. A line board that does not answer keeps
+    /// them on, unless the guard process has stopped it.
     fn has_dropped_outputs(&self) -> bool {
         self.connection.withheld
             && match self.link.state() {
@@ -185,7 +185,7 @@ impl Linked {
             }
     }
 
-    /// The outputs of the ladder that the board switches and has dropped.
+    /// Outputs of the ladder that the board drives and has switched off.
     fn dropped_outputs(&self) -> Vec<BitAddress> {
         if !self.has_dropped_outputs() {
             return Vec::new();
@@ -204,7 +204,7 @@ impl Linked {
             .collect()
     }
 
-    /// The link has something to say.
+    /// Handles one event of the link.
     pub(super) fn hear(&mut self, event: LinkEvent) {
         match event {
             LinkEvent::State(state) => self.change(state),
@@ -228,9 +228,9 @@ impl Linked {
                         self.report(BoardReport::Halted);
                     }
                     self.stopped_at(pulses);
-                    // On the way to its zero an axis has long made up for it.
+                    // A reference return took up the backlash long before.
                     if !reached && self.control.orders.backlash {
-                        // Whether the play was made up for there nobody knows.
+                        // It is unknown whether the backlash was taken up at this position.
                         self.link.invalidate_position(Uncertainty::Play);
                         self.report(BoardReport::ReferenceLost { told: true });
                     }
@@ -276,7 +276,7 @@ impl Linked {
             LinkState::Locked | LinkState::Tripped | LinkState::Fault | LinkState::Lost
         );
         let found = core::mem::take(&mut self.returns.homed) && state == LinkState::Locked;
-        // A return that moves both axes leaves none where it was, however it ends.
+        // A return that moves both axes leaves neither at its position, even if it fails.
         let moves_all = state == LinkState::Homing && !self.link.homes_alone();
         if moves_all {
             self.report(BoardReport::ReferenceLost { told: false });
@@ -310,10 +310,10 @@ impl Linked {
         });
     }
 
-    /// What the operator has asked for and the board can do now.
+    /// Issues the operator's requests that the board can execute now.
     pub(super) fn settle(&mut self) {
         if !self.reports.are_heard() {
-            // What the control wants now it says after its next tick.
+            // The control's orders follow after its next tick.
             return;
         }
         let Control { pulses, orders } = self.control;
@@ -327,7 +327,7 @@ impl Linked {
                 false
             }
             LinkState::Locked | LinkState::Ready if returning.x || returning.z => {
-                // Not yet possible: once more with the next report.
+                // Not possible yet: the next report tries again.
                 let _ = self.link.home(returning);
                 false
             }
@@ -347,8 +347,8 @@ impl Linked {
         self.note_stops(orders.run.state);
     }
 
-    /// A stop of a program is noted with what was counted there; its end also when
-    /// nothing had moved since the last one.
+    /// Logs a stop of the program with the board's count. The end of a program is logged
+    /// even if no axis has moved since the last stop.
     fn note_stops(&mut self, state: RunState) {
         if self.link.state() != LinkState::Ready || self.is_behind() || state == RunState::Run {
             return;

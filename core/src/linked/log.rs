@@ -1,42 +1,43 @@
-//! What the owner should find in the log of a link.
+//! Entries of the link's log.
 
 use crate::command::ProgramId;
 use crate::units::{PerAxis, Pulses};
 use gsk_link::SettingDifference;
 
-/// Something for the log of the link.
+/// An entry of the link's log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Note {
-    /// The board's count was compared with the commanded one.
+    /// The board's count was compared with the commanded count.
     Checked {
-        /// The program that has just ended, if it was that.
+        /// The program that has just ended, if its end caused the comparison.
         program: Option<ProgramId>,
-        /// What was commanded.
+        /// Pulses that the control commanded.
         commanded: PerAxis<Pulses>,
-        /// What the board has counted, where it said so.
+        /// Count of the board in the control's pulses; `None` if it reported none.
         counted: Option<PerAxis<Pulses>>,
-        /// They agree.
+        /// Whether both counts agree.
         agrees: bool,
     },
-    /// What a board said it understands, for [`Linked::know`](super::Linked::know) at the next opening.
+    /// The data dictionary of a board, for [`Linked::know`](super::Linked::know) at the
+    /// next opening.
     Learned {
-        /// Processor and version.
+        /// Processor and firmware version.
         name: String,
-        /// As it goes over the wire.
+        /// Compressed dictionary as the board sent it.
         packed: Vec<u8>,
     },
-    /// A setting of the board is not what it has to be.
+    /// A setting of the board differs from what the control needs.
     Differs(SettingDifference),
 }
 
-/// Notes, and what is still to become one.
+/// Log entries, and state for entries to come.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Log {
-    /// Somebody wants to know whether the counts agree; the board has been asked.
+    /// Set while a requested comparison of the counts is under way.
     pub(super) checking: bool,
-    /// A count that agreed at a standstill and has not been noted yet.
+    /// A count that agreed at a standstill and is not logged yet.
     pub(super) agreed: Option<PerAxis<Pulses>>,
-    /// The program that ended and whose end has not been checked yet.
+    /// A program that ended and whose final count is not checked yet.
     pub(super) ended: Option<ProgramId>,
     pub(super) notes: Vec<Note>,
 }

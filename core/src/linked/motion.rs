@@ -1,17 +1,18 @@
-//! What was commanded of the board.
+//! The motion that was commanded to the board.
 
 use crate::units::{PerAxis, Pulses};
 use gsk_link::RunTime;
 
-/// Motion of the control that the board was given.
+/// Motion of the control that was passed to the board.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Commanded {
     pub(super) pulses: PerAxis<Pulses>,
     /// End of the last tick that made a pulse.
     pub(super) last: RunTime,
-    /// The last tick made one.
+    /// Whether the last tick made a pulse.
     pub(super) moved: bool,
-    /// Stops since the opening behind which the control went on from another position.
+    /// Number of stops since the opening after which the control continued from another
+    /// position.
     pub(super) stops: u64,
 }
 
@@ -25,7 +26,7 @@ impl Commanded {
         }
     }
 
-    /// The control stands here, without having moved there.
+    /// Sets the count without a motion to it.
     pub(super) const fn stand_at(&mut self, pulses: PerAxis<Pulses>) {
         self.pulses = pulses;
         self.moved = false;

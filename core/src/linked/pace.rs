@@ -1,4 +1,4 @@
-//! When the kernel may make its next tick, and when the board ran dry.
+//! Decides when the kernel may make its next tick, and detects a board that ran dry.
 
 use core::time::Duration;
 
@@ -8,27 +8,28 @@ use crate::run_state::RunState;
 use gsk_link::{HostTime, LinkState, Protocol, RunTime};
 use gsk_messages::{Message, say};
 
-/// Ticks of the host's clock that are caught up at most.
+/// Most ticks of the host's clock that the kernel catches up.
 const MOST_DUE: u64 = 40;
-/// Shorter gaps between two looks at the port are everyday.
+/// Gaps between two polls of the port up to this are normal.
 const EVERYDAY: Duration = Duration::from_millis(30);
-/// The board may have made so much more than it has reported: it is asked every 20 ms.
+/// Motion that the board may have made since its last report: it is queried every 20 ms.
 const UNREPORTED: Duration = Duration::from_millis(25);
-/// A program that stood still for so long, in a dwell or waiting, does not go on by itself.
+/// A program that was halted for this long, in a dwell or a wait, does not continue on its
+/// own.
 const ASLEEP: Duration = Duration::from_secs(1);
-/// The board may make motion this much later than the host's clock says.
+/// The board may execute motion this much later than the host's clock says.
 const PATIENCE: Duration = Duration::from_millis(100);
 const TICK: Duration = Duration::from_millis(1);
 
-/// Time of the host that the kernel has not used.
+/// Host time that the kernel has not used.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pace {
     passed: Duration,
-    /// Since when moving slides have had no room, and how long that may take.
+    /// Since when moving slides have had no free lookahead, and how long that may last.
     blocked: Option<(HostTime, Duration)>,
 }
 
-/// Time of the host and of the kernel.
+/// Host time and kernel time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Clock {
     pub(super) now: HostTime,
@@ -46,7 +47,7 @@ impl Clock {
         }
     }
 
-    /// The host's clock goes on; by how much.
+    /// Advances the host time and returns the difference.
     pub(super) fn passes(&mut self, now: HostTime) -> Duration {
         let gap = now.saturating_sub(self.now);
         self.now = self.now.max(now);
@@ -55,21 +56,22 @@ impl Clock {
     }
 }
 
-/// What a tick says of the power of the control.
+/// What a tick shows about the power of the control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PowerEvent {
     /// The control has ticked.
     Tick,
-    /// Its power has just gone off or come back: its count of pulses begins anew.
+    /// The power has just gone off or come back: the pulse count starts again.
     Lost,
-    /// It is still off.
+    /// The power is still off.
     None,
 }
 
-/// Power of the control, as its ticks show it.
+/// Power state of the control, derived from its tick count.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Power {
-    /// Ticks of the control at the last look: a stop or a jump back is the power.
+    /// The control's tick count at the last check. If it stops or jumps back, the power was
+    /// off.
     ticks: u64,
     on: bool,
 }
@@ -79,7 +81,7 @@ impl Power {
         Self { ticks, on: true }
     }
 
-    /// A tick is over, and the control counts so many.
+    /// Compares the control's tick count after a tick with the last one.
     pub(super) const fn tick(&mut self, ticks: u64) -> PowerEvent {
         let before = core::mem::replace(&mut self.ticks, ticks);
         let was_on = self.on;
@@ -111,18 +113,18 @@ impl Pace {
 }
 
 impl Linked {
-    /// Whether the kernel may make a tick now. While slides move the board sets the
-    /// time, else the host's clock does.
+    /// Whether the kernel may make a tick now. While slides move the board sets the time,
+    /// otherwise the host's clock does.
     pub fn may_tick(&mut self) -> bool {
         if self.thread.pass.is_some() || !self.reports.are_heard() {
-            // The board cuts by itself, the control looks on; or it is to hear what
-            // happened, whatever there is room for.
+            // The board cuts the pass and the control follows, or reports wait for the
+            // control. The free lookahead does not matter in either case.
             self.clock.pace.blocked = None;
             return self.clock.pace.take();
         }
-        // A thread that waits for its index takes time in the board, and keeps as far
-        // ahead of it as motion does: a pause of the host must not part its begin from
-        // the index that it was shown.
+        // A thread that waits for its index takes time in the board and stays as far ahead
+        // of it as motion does. A pause of the host must not separate the start of the
+        // thread from the index that the control saw.
         let orders = &self.control.orders;
         let waits = self.spindle.view.is_some() && orders.spindle.waits;
         let moves = self.motion.moved || orders.moving || waits;
@@ -131,7 +133,7 @@ impl Linked {
             return self.clock.pace.take();
         }
         let room = self.link.free_lookahead();
-        // Time without a pulse, at the lowest feeds, is ahead of the board too.
+        // Time without a pulse, at the lowest feeds, is also ahead of the board.
         let unheard = self.clock.run.saturating_sub(self.motion.last);
         if room > unheard
             || (waits && room > Duration::ZERO)
@@ -153,10 +155,11 @@ impl Linked {
         false
     }
 
-    /// The host was away for so long, by its own clock or by the one on the wall: motion
-    /// that the board has run out of does not go on, and after a sleep no program does.
+    /// Handles an absence of the host, measured by its own clock or by the wall clock.
+    /// Motion that the board has run out of does not continue, and after a sleep no program
+    /// does.
     pub fn judge_absence(&mut self, gap: Duration) {
-        // A board of timed steps notices by itself.
+        // A board of timed steps detects the absence on its own.
         if self.config.protocol != Protocol::Line || self.thread.pass.is_some() {
             return;
         }
@@ -172,7 +175,8 @@ impl Linked {
         }
     }
 
-    /// What was handed over is made; nothing more follows, and the count is compared.
+    /// Ends the run: the motion in the board is executed, no more follows, and the counts
+    /// are compared.
     fn stop_late(&mut self, why: Message) {
         self.report(BoardReport::Stopped);
         self.reports.late = Some((why, self.clock.now));

@@ -1,5 +1,5 @@
-//! A pass of a thread that the board cuts by itself: handed over at rest, followed by
-//! its reports, and taken up again where it has ended.
+//! A thread pass that the board cuts: passed to it at a standstill, followed by its
+//! reports, and resumed by the control where the board stopped.
 
 use super::Linked;
 use crate::alarm::Alarm;
@@ -7,7 +7,7 @@ use crate::board::BoardReport;
 use crate::units::{PerAxis, Pulses};
 use gsk_link::{HostTime, PassError, ThreadPass};
 
-/// A thread that the board cuts by itself.
+/// State of a thread that the board cuts.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Thread {
     /// The pass under way.
@@ -15,7 +15,7 @@ pub(super) struct Thread {
     waiting: Option<Waiting>,
 }
 
-/// What a pass waits for, and since when.
+/// Why a pass waits, and since when.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Waiting {
     why: PassError,
@@ -23,7 +23,7 @@ struct Waiting {
 }
 
 impl Linked {
-    /// A pass that waits goes to the board as soon as the board can take it.
+    /// Passes a waiting pass to the board as soon as the board accepts it.
     pub(super) fn offer_pass(&mut self) {
         let waiting = self.control.orders.pass;
         let asked = waiting.filter(|_| self.thread.pass.is_none());
@@ -57,12 +57,12 @@ impl Linked {
         }
     }
 
-    /// The control stands where the board was seen last: the part of the pass made.
+    /// Fraction of the pass that the board has made by its last count.
     pub(super) fn pass_made(&self) -> Option<f64> {
         Some(made(&self.thread.pass?, self.link.counted()?))
     }
 
-    /// The board has made its pass, and its count says so.
+    /// Ends the pass: the board's count has confirmed its end.
     pub(super) fn end_pass(&mut self) {
         let Some(pass) = self.thread.pass.take() else {
             return;
@@ -73,7 +73,7 @@ impl Linked {
     }
 }
 
-/// The part of a pass that is made.
+/// Fraction of a pass at a pulse count, measured along its longer axis.
 fn made(pass: &ThreadPass, at: PerAxis<Pulses>) -> f64 {
     let way = |from: Pulses, to: Pulses| (to.0 - from.0) as f64;
     let whole = [way(pass.from.x, pass.end.x), way(pass.from.z, pass.end.z)];

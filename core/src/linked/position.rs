@@ -1,4 +1,4 @@
-//! Where the slides stand after a stop that the control has not made.
+//! The position of the slides after a stop that the control did not make.
 
 use super::Linked;
 use crate::alarm::{Alarm, number};
@@ -6,16 +6,17 @@ use crate::board::{BoardReport, Settled};
 use crate::units::{PerAxis, Pulses};
 use gsk_link::{HostTime, LinkState, RunTime};
 
-/// The moment of the motion that a picture shows.
+/// The moment of motion that a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stamp {
     at: RunTime,
-    /// Stops since the opening behind which the control went on from another place.
+    /// Number of stops since the opening after which the control continued from another
+    /// position.
     stops: u64,
 }
 
 impl Linked {
-    /// The moment of the motion that a picture taken now shows.
+    /// The moment of motion that a picture taken now shows.
     pub const fn stamp(&self) -> Stamp {
         Stamp {
             at: self.motion.last,
@@ -23,21 +24,20 @@ impl Linked {
         }
     }
 
-    /// Whether the board has made all motion up to a moment: pictures of it may be
-    /// shown.
+    /// Whether the board has executed all motion up to a moment: its pictures may be shown.
     pub fn has_made(&self, stamp: Stamp) -> bool {
         !self.is_behind() || self.link.executed() >= stamp.at
     }
 
-    /// Whether the motion up to a moment may never have been made: pictures of it are
-    /// not to be shown any more.
+    /// Whether the board may never execute the motion up to a moment: its pictures must be
+    /// dropped.
     pub const fn is_void(&self, stamp: Stamp) -> bool {
         stamp.stops != self.motion.stops
     }
 
-    /// Ticks of the kernel whose motion may not have been made yet.
+    /// Ticks of the kernel whose motion may not have been executed yet.
     pub(super) fn ticks_ahead(&self) -> u64 {
-        // Behind a fault nobody knows before the board has said where it stands.
+        // After a fault this is unknown until the board has reported its position.
         if self.link.takes_motion() && !self.is_behind() {
             return 0;
         }
@@ -45,19 +45,19 @@ impl Linked {
         ahead.as_micros().div_ceil(1000) as u64
     }
 
-    /// The control goes on from where the slides are.
+    /// Takes the count of the stopped slides as the control's position.
     pub(super) fn stopped_at(&mut self, pulses: PerAxis<Pulses>) {
         self.report(BoardReport::StandsAt(pulses));
         self.motion.stand_at(pulses);
     }
 
-    /// The slides are on their way, or being stopped.
+    /// Whether the slides move or are being stopped.
     fn is_under_way(&self) -> bool {
         self.is_behind() || !self.stopping.is_none() || self.thread.pass.is_some()
     }
 
-    /// Behind a fault or a loss the pages show what the board has made by its last
-    /// count, not what was commanded.
+    /// After a fault or a loss the control takes the board's last count: the pages show
+    /// what was executed, not what was commanded.
     pub(super) fn adopt_count(&mut self) {
         if self.link.takes_motion() || self.is_under_way() {
             return;
@@ -71,7 +71,8 @@ impl Linked {
         }
     }
 
-    /// The control hears that the slides stand, and what is known of where.
+    /// Reports to the control that the slides stand still, and what the board knows of
+    /// their position.
     pub(super) fn report_standstill(&mut self) {
         let stand = !(self.is_under_way() || self.link.is_stopping());
         self.reports.settled = stand.then(|| Settled {
@@ -80,7 +81,8 @@ impl Linked {
         });
     }
 
-    /// Motion came too late to a board that answers; one that is lost is another matter.
+    /// Raises the alarm for late motion once the board has answered. A lost board has its
+    /// own alarm.
     pub(super) fn report_late(&mut self) {
         let lost = matches!(self.link.state(), LinkState::Lost | LinkState::Fault);
         let answered = |late: HostTime| self.link.has_answered_since(late);

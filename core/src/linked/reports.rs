@@ -1,4 +1,4 @@
-//! What the control is going to hear of the board in its next tick.
+//! Reports of the board that wait for the control's next tick.
 
 use super::Linked;
 use crate::alarm::Alarm;
@@ -10,31 +10,32 @@ use gsk_messages::Message;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reports {
     waiting: Vec<BoardReport>,
-    /// The slides stand, and the board has said where.
+    /// Set when the slides stand still and the board has reported their position.
     pub(super) settled: Option<Settled>,
-    /// Why motion came late, and when: it is not sure yet that the board is there.
+    /// Why and when motion came too late. The alarm waits until the board has answered.
     pub(super) late: Option<(Message, HostTime)>,
 }
 
 impl Reports {
-    /// Whether the control has heard everything: only then are its orders an answer.
+    /// Whether the control has received all reports: only then are its orders based on
+    /// them.
     pub(super) const fn are_heard(&self) -> bool {
         self.waiting.is_empty()
     }
 
-    /// What goes into a tick.
+    /// Takes the reports and the standstill for a tick.
     pub(super) fn take(&mut self) -> (Vec<BoardReport>, Option<Settled>) {
         (core::mem::take(&mut self.waiting), self.settled.take())
     }
 }
 
 impl Linked {
-    /// The control is told of it in its next tick.
+    /// Queues a report for the control's next tick.
     pub(super) fn report(&mut self, report: BoardReport) {
         self.reports.waiting.push(report);
     }
 
-    /// An alarm, which is going to say where the slides stand.
+    /// Queues an alarm; its detail later names the position of the slides.
     pub(super) fn raise(&mut self, alarm: Alarm) {
         let in_pass = self.thread.pass.take().is_some();
         self.report(BoardReport::Alarm { alarm, in_pass });

@@ -1,17 +1,17 @@
-//! The spindle of the control is the one whose index the board sees.
+//! Passes the spindle that the board measures to the control.
 
 use super::Linked;
 use crate::board::{BoardSpindle, SpindleTrouble};
 use crate::spindle::SpindleTurn;
 use gsk_link::{SpindleDirection, SpindleView};
 
-/// What an axis behind the spindle may be corrected by in a tick, mm: 2 µm in 10 ms.
+/// Greatest correction of an axis that follows the spindle, mm per tick: 2 µm in 10 ms.
 const GIVE: f64 = 0.0002;
 
-/// The spindle as the control was last shown it.
+/// The spindle as the control last received it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spindle {
-    /// Way it turns as it was last switched, 1 or -1, and the index it last passed, turns.
+    /// Direction of the last switching, 1 or -1, and the angle of the last index, turns.
     way: f64,
     index: f64,
     pub(super) view: Option<SpindleView>,
@@ -28,7 +28,7 @@ impl Default for Spindle {
 }
 
 impl Linked {
-    /// The spindle in the control's next tick; none: it stays the simulated one.
+    /// The spindle in the control's next tick; `None`: the simulated one applies.
     pub(super) fn read_spindle(&mut self, wanted: SpindleDirection) -> Option<BoardSpindle> {
         let way = match wanted {
             SpindleDirection::Forward => 1.0,

@@ -1,40 +1,40 @@
-//! A stop of the board that is under way.
+//! The kind of stop under way at the board.
 
-/// What is being waited for until the board says where it has come to stand.
+/// What the link waits for until the board reports the position at which it stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stopping {
-    /// Nothing.
+    /// No stop is under way.
     None,
-    /// The control stops the board, and goes on from where that comes to stand.
+    /// The control stops the board and continues from the position where it stops.
     Flushing,
-    /// The board stops the axes by itself.
+    /// The board stops the axes on its own.
     Halting,
-    /// It stops them at a switch that was waited for.
+    /// The board stops the axes at a switch that the control waits for.
     Reaching,
 }
 
 impl Stopping {
-    /// Whether nothing is being stopped.
+    /// Whether no stop is under way.
     pub(super) fn is_none(self) -> bool {
         self == Self::None
     }
 
-    /// The control stops the board.
+    /// Notes that the control stops the board.
     pub(super) const fn flush(&mut self) {
         if matches!(self, Self::None) {
             *self = Self::Flushing;
         }
     }
 
-    /// It waits for that no more; what the board does by itself goes on.
+    /// Ends the wait for a stop by the control. A stop that the board began stays.
     pub(super) const fn end_flush(&mut self) {
         if matches!(self, Self::Flushing) {
             *self = Self::None;
         }
     }
 
-    /// The board stops the axes by itself, `reached`: at a switch that was waited for.
-    /// Whether nothing else stops them.
+    /// Notes that the board stops the axes on its own; `reached`: at a switch that the
+    /// control waits for. Returns whether that switch is the only reason.
     pub(super) fn halt(&mut self, reached: bool) -> bool {
         let reaching = reached && self.is_none();
         *self = if reaching {
@@ -45,7 +45,7 @@ impl Stopping {
         reaching
     }
 
-    /// The board has come to stand: what it was stopped for.
+    /// Ends the stop and returns its kind: the board has stopped.
     pub(super) const fn take(&mut self) -> Self {
         core::mem::replace(self, Self::None)
     }

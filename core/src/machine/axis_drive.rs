@@ -1,4 +1,4 @@
-//! One slide: drive, screw, switches, zero signal.
+//! One simulated slide: drive, screw, switches, zero signal.
 //!
 //! ```text
 //!  pulses ─► servo ─► motor ─► screw with its play ─► slide
@@ -13,27 +13,28 @@ use crate::axis::{motor_reversed, pulse_weight};
 use crate::memory::Parameters;
 use crate::units::{Axis, Pulses, TICK_S, round_to_i64};
 
-/// Part of a motor turn for which the zero signal stands.
+/// Fraction of a motor revolution in which the zero signal is on: one in this number.
 const INDEX_PART: i64 = 50;
 
 /// The position loop of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Servo {
-    /// Seconds of way that the motor is behind at a steady speed.
+    /// Lag of the motor at a steady speed, s.
     lag_s: f64,
-    /// What is left of a deviation after a tick.
+    /// Fraction of a deviation that remains after a tick.
     tick_decay: f64,
     /// Following error that trips the drive, pulses.
+    #[serde(rename = "largest")]
     largest: f64,
 }
 
-/// A stretch of the motor's way, to the place before its end, on which the one-turn
-/// signal does not change.
+/// A range of motor positions, `from` to before `end`, within which the one-turn signal
+/// does not change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct IndexStretch {
     from: i64,
     end: i64,
-    /// The signal stands.
+    /// Level of the signal in the range.
     on: bool,
 }
 
@@ -43,46 +44,52 @@ impl IndexStretch {
     }
 }
 
-/// A slide with its drive.
+/// A simulated slide with its drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct AxisDrive {
     /// Slide travel of one pulse, mm; negative with a reversed motor.
+    #[serde(rename = "pulse")]
     pulse: f64,
-    /// Where the command is, in pulses from the reference point towards plus.
+    /// Commanded position, pulses from the reference point towards plus.
     commanded: i64,
-    /// How far the motor is behind it, pulses: the following error.
+    /// Following error: distance from the motor to the command, pulses.
+    #[serde(rename = "behind")]
     behind: f64,
-    /// Physical place of the slide, pulses; it lies between the motor's and that
+    /// Physical position of the slide, pulses. It is between the motor's position and that
     /// plus the play of the screw.
     slide: i64,
+    #[serde(rename = "play")]
     play: i64,
-    /// Last command count.
+    /// Command count at the last tick.
+    #[serde(rename = "last")]
     last: i64,
     servo: Option<Servo>,
-    /// The following error became too large, or a stepper met the end of its slide:
-    /// the drive is off.
+    /// Set when the following error became too large, or a stepper met the end of its
+    /// slide. The drive is then off.
     tripped: bool,
-    /// The slide does not move.
+    /// Whether the slide is jammed (fault).
     pub blocked: bool,
-    /// Pulses of one motor turn.
+    /// Pulses per motor revolution.
+    #[serde(rename = "turn")]
     turn: i64,
     limits: Option<(i64, i64)>,
-    /// Where the slide can go no farther.
+    /// Mechanical ends of the slide, pulses.
     ends: (i64, i64),
-    /// A real slide follows the pulses, whose ends nobody knows.
+    /// Whether a real slide follows the pulses. Its ends are unknown.
     #[serde(default)]
     pub real: bool,
     dog: Option<(i64, i64)>,
-    /// Places of motor and slide before the last tick.
+    /// Positions of motor and slide before the last tick.
+    #[serde(rename = "before")]
     before: (i64, i64),
-    /// It gives a one-turn signal.
+    /// Whether the drive has a one-turn signal.
     has_index: bool,
-    /// Where the motor was on its turn when it was last looked for: it stays there for
-    /// many ticks.
+    /// The range around the motor's position, kept because the motor stays in it for many
+    /// ticks.
     #[serde(default)]
     index_stretch: IndexStretch,
-    /// Errors of the screw, mm (X in radius): by how much the slide is beyond the place
-    /// that the pulses say. Switches and ends are met by the pulses.
+    /// Errors of the screw, mm (X in radius): distance of the slide beyond the position of
+    /// the pulses. Switches and ends are compared with the pulses.
     #[serde(default)]
     screw: Vec<ScrewError>,
 }
@@ -97,7 +104,7 @@ impl AxisDrive {
             Some(pulse) if pulse.is_finite() && pulse != 0.0 => pulse.abs(),
             _ => pulse_weight(axis, parameters),
         };
-        // All places in pulses, so that a tick compares whole numbers.
+        // All positions in pulses, so that a tick compares integers.
         let place = |mm: f64| (mm * scale / weight).round() as i64;
         let ends = config.slide_ends(axis);
         let servo = config.servo.as_ref().map(|servo| {
@@ -143,7 +150,7 @@ impl AxisDrive {
         }
     }
 
-    /// By how much the slide is beyond a place that the pulses say, mm.
+    /// Distance of the slide beyond the position of the pulses, mm.
     fn screw_error(&self, place: f64) -> f64 {
         if self.real {
             return 0.0;
@@ -162,12 +169,12 @@ impl AxisDrive {
         }
     }
 
-    /// The motor's turns towards positive coordinates.
+    /// Converts drive pulses to pulses towards positive coordinates.
     const fn towards_plus(&self, pulses: i64) -> i64 {
         if self.pulse < 0.0 { -pulses } else { pulses }
     }
 
-    /// Where the motor stands.
+    /// Position of the motor, pulses.
     fn motor(&self) -> i64 {
         if self.behind == 0.0 {
             return self.commanded;
@@ -175,8 +182,8 @@ impl AxisDrive {
         self.commanded - round_to_i64(self.behind)
     }
 
-    /// Follows the command count for a tick. A drive that is not enabled, or has
-    /// tripped, lets the pulses go by.
+    /// Follows the command count for one tick. A drive that is not enabled, or has tripped,
+    /// ignores the pulses.
     pub fn follow(&mut self, command: Pulses, enabled: bool) {
         let way = self.towards_plus(command.0 - self.last);
         self.last = command.0;
@@ -192,7 +199,7 @@ impl AxisDrive {
             return;
         }
         match self.servo {
-            // A stepper that is blocked loses its steps.
+            // A blocked stepper loses its steps.
             None if self.blocked => {}
             None => self.commanded += way,
             Some(servo) => {
@@ -207,7 +214,8 @@ impl AxisDrive {
         }
     }
 
-    /// A servo after a tick in which its command went this way.
+    /// Updates the following error of a servo whose command moved by `way` pulses in the
+    /// tick.
     fn fall_behind(&mut self, servo: &Servo, way: i64) {
         let settled = way as f64 / TICK_S * servo.lag_s;
         self.behind = if self.blocked {
@@ -221,13 +229,13 @@ impl AxisDrive {
         self.tripped = self.behind.abs() > servo.largest;
     }
 
-    /// A motor that would push the slide past its end stands: a servo falls behind
-    /// its command until that trips it, a stepper's drive switches off at once. Where it
-    /// stands then.
+    /// Stops a motor that would push the slide past its end. The following error of a servo
+    /// grows until it trips; a stepper's drive switches off at once. Returns the motor's
+    /// position.
     fn meet_ends(&mut self) -> i64 {
         let ((minus, plus), before) = (self.ends, self.before.0);
         let motor = self.motor();
-        // A slide that was put beyond its end goes no farther, and comes back.
+        // A slide placed beyond its end can move back, but no farther.
         let stands = motor
             .max((minus - self.play).min(before))
             .min(plus.max(before));
@@ -247,15 +255,15 @@ impl AxisDrive {
         stands
     }
 
-    /// Takes a count for the place where the slide stands, without moving.
+    /// Takes a count for the present position, without motion.
     pub fn stand_at(&mut self, command: Pulses) {
         self.last = command.0;
         self.before = (self.motor(), self.slide);
     }
 
-    /// Puts the slide elsewhere, mm from the reference point (X in radius).
+    /// Moves the slide to another position, mm from the reference point (X in radius).
     pub fn put(&mut self, place: f64) {
-        // What the screw must say for it: its errors change little from place to place.
+        // The screw position for it, by iteration: the screw errors change slowly.
         let mut said = place;
         for _ in 0..4 {
             said = place - self.screw_error(said);
@@ -266,23 +274,24 @@ impl AxisDrive {
         self.before = (self.commanded, self.slide);
     }
 
-    /// Where the slide stands, mm from the reference point (X in radius).
+    /// Position of the slide, mm from the reference point (X in radius).
     pub fn place(&self) -> f64 {
         let said = self.slide as f64 * self.pulse.abs();
         said + self.screw_error(said)
     }
 
-    /// How far the motor is behind the command, mm (X in radius).
+    /// Following error: distance from the motor to the command, mm (X in radius).
     pub fn following_error(&self) -> f64 {
         self.behind * self.pulse.abs()
     }
 
-    /// The following error has become too large.
+    /// Whether the drive has switched off because of a following error or an end of the
+    /// slide.
     pub const fn tripped(&self) -> bool {
         self.tripped
     }
 
-    /// The limit switch that is tripped.
+    /// The limit switch that the slide presses; `None` if none.
     pub fn over_limit(&self) -> Option<OverLimit> {
         let (minus, plus) = self.limits?;
         if self.slide < minus {
@@ -297,13 +306,13 @@ impl AxisDrive {
             .is_some_and(|(from, to)| (from..=to).contains(&self.slide))
     }
 
-    /// Pulses of a turn on which the one-turn signal stands: it begins at zero.
+    /// Pulses per revolution in which the one-turn signal is on; they begin at zero.
     const fn index_width(&self) -> i64 {
         (self.turn + INDEX_PART - 1) / INDEX_PART
     }
 
-    /// The one-turn signal, whose rising edge is at zero going positive, and the command
-    /// count at which it changed in the last tick.
+    /// State of the one-turn signal, whose rising edge is at zero in the positive
+    /// direction, and the command count at its change in the last tick.
     #[inline]
     pub fn index(&self) -> (bool, Option<Pulses>) {
         if !self.has_index {
@@ -318,7 +327,7 @@ impl AxisDrive {
         (self.stretch_around(to).on, change)
     }
 
-    /// The stretch between two changes of the one-turn signal around a place.
+    /// The range between two changes of the one-turn signal around a position.
     #[cold]
     const fn stretch_around(&self, place: i64) -> IndexStretch {
         let (on_turn, width) = (place.rem_euclid(self.turn), self.index_width());
@@ -331,7 +340,7 @@ impl AxisDrive {
         }
     }
 
-    /// The command count at the first change of the one-turn signal on a way.
+    /// The command count at the first change of the one-turn signal on a travel.
     #[cold]
     fn index_change(&self, way: (i64, i64)) -> Option<Pulses> {
         let starts = [0, self.index_width()];
@@ -341,7 +350,7 @@ impl AxisDrive {
         })
     }
 
-    /// The command count at which the switch changed in the last tick.
+    /// The command count at which the deceleration switch changed in the last tick.
     pub(crate) fn dog_latch(&self) -> Option<Pulses> {
         let (from, to) = self.dog?;
         let way = (self.before.1, self.slide);
@@ -350,9 +359,9 @@ impl AxisDrive {
         })
     }
 
-    /// The command count at the first change of a signal in the last tick, on the
-    /// way of motor or slide. `below(place)`: the last boundary at or before a place;
-    /// a boundary is the first place of its stretch.
+    /// The command count at the first change of a signal in the last tick, on the travel of
+    /// motor or slide. `below(place)` is the last boundary at or before a position; a
+    /// boundary is the first position of its range.
     fn first_change(
         &self,
         (from, to): (i64, i64),
@@ -362,17 +371,18 @@ impl AxisDrive {
             return None;
         }
         let place = if to > from {
-            // The first boundary ahead of where it was.
+            // The first boundary after the start.
             let mut first = below(to).filter(|at| *at > from)?;
             while let Some(earlier) = below(first - 1).filter(|at| *at > from) {
                 first = earlier;
             }
             first
         } else {
-            // Going back, the place before a boundary is the first beyond it.
+            // In the negative direction the position before a boundary is the first beyond
+            // it.
             below(from).filter(|at| *at > to)? - 1
         };
-        // Counted from the end: at a steady speed a servo goes as fast as its command.
+        // Counted from the end: at a steady speed a servo moves as fast as its command.
         Some(Pulses(self.last - self.towards_plus(to - place)))
     }
 }

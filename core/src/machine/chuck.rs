@@ -1,17 +1,19 @@
-//! Things with two places moved by two outputs: chuck, tailstock; and gears.
+//! Cylinders with two end positions and two outputs (chuck, tailstock), and the gearbox.
 
 use serde::{Deserialize, Serialize};
 
-/// A cylinder between two places; without output it stays where it is.
+/// A cylinder with two end positions. Without an output it keeps its position.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Cylinder {
-    /// 0 = second place … `travel` = first place, ms of travel.
+    /// Position, ms of travel: 0 = second end, `travel` = first end.
+    #[serde(rename = "place")]
     place: u32,
+    #[serde(rename = "travel")]
     travel: u32,
 }
 
 impl Cylinder {
-    /// In its second place.
+    /// Starts at the second end.
     pub fn new(travel_ms: u32) -> Self {
         Self {
             place: 0,
@@ -19,7 +21,7 @@ impl Cylinder {
         }
     }
 
-    /// One millisecond.
+    /// Advances by one tick (1 ms).
     pub fn tick(&mut self, to_first: bool, to_second: bool) {
         if to_first && !to_second {
             self.place = (self.place + 1).min(self.travel);
@@ -28,18 +30,18 @@ impl Cylinder {
         }
     }
 
-    /// In the first place.
+    /// Whether the cylinder is at the first end.
     pub(crate) const fn in_first(&self) -> bool {
         self.place == self.travel
     }
 
-    /// In the second place.
+    /// Whether the cylinder is at the second end.
     pub(crate) const fn in_second(&self) -> bool {
         self.place == 0
     }
 }
 
-/// The gearbox: the gear of the output is in position some time after it.
+/// The gearbox: a gear is in position some time after its output switches on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Gearbox {
     gear: u8,
@@ -48,7 +50,7 @@ pub(super) struct Gearbox {
 }
 
 impl Gearbox {
-    /// In gear 1, in position.
+    /// Starts in gear 1, in position.
     pub fn new(travel_ms: u32) -> Self {
         Self {
             gear: 1,
@@ -57,7 +59,7 @@ impl Gearbox {
         }
     }
 
-    /// One millisecond; `output` is the gear whose output is on.
+    /// Advances by one tick (1 ms); `output` is the gear whose output is on.
     pub fn tick(&mut self, output: Option<u8>) {
         match output {
             Some(gear) if gear != self.gear => {
@@ -68,12 +70,12 @@ impl Gearbox {
         }
     }
 
-    /// The gear engaged or being engaged.
+    /// The gear that is engaged or being engaged.
     pub const fn gear(&self) -> u8 {
         self.gear
     }
 
-    /// Whether this gear is in position.
+    /// Whether the given gear is in position.
     pub(crate) const fn in_position(&self, gear: u8) -> bool {
         self.gear == gear && self.since >= self.travel
     }

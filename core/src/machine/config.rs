@@ -1,15 +1,15 @@
-//! The lathe a user may describe in a file (RON); every field has a default.
+//! The machine file (RON), which describes a lathe; all fields have defaults.
 
 use serde::{Deserialize, Serialize};
 
 use crate::units::{Axis, Diameter, Point};
 use gsk_link::LinkConfig;
 
-/// How far behind its limit switches a slide meets its end, mm of slide travel.
+/// Default distance from a limit switch to the end of the slide, mm of slide travel.
 const OVERRUN_MM: f64 = 10.0;
-/// The longest stroke that a program can name (alarm 043).
+/// The longest travel that a program can command, mm (alarm 043).
 const STROKE_MM: f64 = 9999.999;
-/// Where the limit switches of the training lathe trip.
+/// Limit switches of the training lathe.
 const X_LIMITS: LimitSwitches = LimitSwitches {
     minus: -310.0,
     plus: 10.0,
@@ -21,20 +21,20 @@ const Z_LIMITS: LimitSwitches = LimitSwitches {
 
 /// Description of a simulated lathe.
 ///
-/// Lengths of X are slide travel on the *diameter* scale of the displays, as they
-/// stand on a machine's plate; all places are machine coordinates, zero = reference
-/// point.
+/// Lengths of X are slide travel on the *diameter* scale of the displays, as on a machine's
+/// rating plate. All positions are machine coordinates, zero = reference point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LatheConfig {
-    /// Name shown to the user.
+    /// Name of the lathe in lists and titles.
     pub name: String,
-    /// Rear tool post (behind the spindle axis), as the pictures of the manual.
+    /// Whether the tool post is on the rear side of the spindle axis, as in the pictures of
+    /// the manual.
     pub rear_tool_post: bool,
-    /// Cross slide; lengths in diameter.
+    /// Cross slide; lengths in diameter, mm.
     #[serde(with = "CrossSlide")]
     pub x: AxisConfig,
-    /// Carriage.
+    /// Carriage; lengths in mm.
     pub z: AxisConfig,
     /// Tool post.
     pub turret: TurretConfig,
@@ -42,12 +42,12 @@ pub struct LatheConfig {
     pub spindle: SpindleConfig,
     /// Chuck and tailstock.
     pub chuck: ChuckConfig,
-    /// The pulse board of a real lathe.
+    /// The pulse board of a real lathe; `None`: the lathe is simulated only.
     pub link: Option<LinkConfig>,
 }
 
 impl Default for LatheConfig {
-    /// The training lathe: 4 stations, dogs, limit switches, ends behind them.
+    /// The training lathe: 4 stations, dogs, limit switches, and slide ends beyond them.
     fn default() -> Self {
         Self {
             name: "training lathe".to_owned(),
@@ -63,9 +63,8 @@ impl Default for LatheConfig {
 }
 
 impl LatheConfig {
-    /// A lathe without dogs and limit switches, standing at its machine zero, whose
-    /// slides end with the longest stroke: for runs whose coordinates have nothing to
-    /// do with a real machine.
+    /// A lathe without dogs and limit switches, at its machine zero, with the longest
+    /// possible slides: for runs whose coordinates do not belong to a real machine.
     pub fn free() -> Self {
         let unbound = |axis: AxisConfig| AxisConfig {
             start: 0.0,
@@ -86,13 +85,13 @@ impl LatheConfig {
         }
     }
 
-    /// Where the slides stand at the beginning, machine coordinates.
+    /// Positions of the slides at the start, machine coordinates.
     pub const fn start(&self) -> Point {
         Point::from_diameter(Diameter(self.x.start), self.z.start)
     }
 
-    /// The training lathe with long slides to both sides of its machine zero: for
-    /// operator scripts that name no machine. It stands at its machine zero.
+    /// The training lathe with long slides on both sides of its machine zero, for operator
+    /// scripts that name no machine. It starts at its machine zero.
     pub fn roomy() -> Self {
         let long = |axis: AxisConfig, to: f64| AxisConfig {
             start: 0.0,
@@ -113,43 +112,44 @@ impl LatheConfig {
     }
 }
 
-/// One slide.
+/// One slide with its screw, drive and switches.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct AxisConfig {
-    /// Where the slide stands at the beginning, mm.
+    /// Position of the slide at the start, mm.
     pub start: f64,
     /// Limit switches; they open the emergency-stop loop.
     pub limits: Option<LimitSwitches>,
-    /// Where the slide meets its end; `None`: 10 mm of slide travel behind the limit
-    /// switches, without those where the training lathe has its ends.
+    /// Mechanical ends of the slide. `None`: 10 mm of slide travel beyond the limit
+    /// switches; without switches, the ends of the training lathe.
     pub ends: Option<SlideEnds>,
     /// Deceleration dog of the reference point.
     pub dog: Option<Dog>,
-    /// Travel of one motor turn, mm: the zero signal comes once in it, at zero.
+    /// Travel per motor revolution, mm. The zero signal comes once per revolution, at zero.
     pub motor_turn: f64,
-    /// Slide travel of one pulse, mm in radius; `None`: set to fit the parameters
-    /// (CMR, CMD, direction) found when the lathe is wired.
+    /// Slide travel of one pulse, mm in radius. `None`: set to match the parameters (CMR,
+    /// CMD, direction) at the time of wiring.
     pub pulse: Option<f64>,
-    /// Play of the screw, mm: what 034 and 035 make up for.
+    /// Play of the screw, mm, which 034 and 035 compensate.
     pub backlash: f64,
-    /// Errors of the screw, from minus to plus; in between they are evenly spread, beyond
-    /// the last ones they stay: what the pitch error table makes up for.
+    /// Errors of the screw, from minus to plus, which the pitch error table compensates.
+    /// Between two points the error is interpolated, beyond the last ones it stays
+    /// constant.
     pub pitch_errors: Vec<ScrewError>,
-    /// The drive's position loop; `None`: a stepper, which follows every pulse.
+    /// Position loop of the drive; `None`: a stepper, which follows each pulse.
     pub servo: Option<ServoConfig>,
-    /// The motor is mounted the other way round than 008 takes for granted: the
-    /// slide moves against its command until 008 is set for it.
+    /// Whether the motor turns opposite to the default of 008: the slide moves against its
+    /// command until 008 is changed.
     pub reversed: bool,
-    /// The drive gives a one-turn signal; without it zero return needs one switch
-    /// for deceleration and zero (007 ZC = 1).
+    /// Whether the drive has a one-turn signal. Without it reference return needs one
+    /// switch for deceleration and zero (007 ZC = 1).
     pub one_turn_signal: bool,
-    /// The drive's alarm output is wired to the control.
+    /// Whether the drive's alarm output is wired to the control.
     pub alarm_line: bool,
 }
 
-/// The fields of the cross slide in a file: what is left out is that of the
-/// training lathe's cross slide, not of its carriage.
+/// Fields of the cross slide in a file. Missing fields have the values of the training
+/// lathe's cross slide, not of its carriage.
 #[derive(Serialize, Deserialize)]
 #[serde(
     remote = "AxisConfig",
@@ -172,8 +172,7 @@ struct CrossSlide {
 }
 
 impl AxisConfig {
-    /// Where the slide meets its ends, those of the machine file or those that go
-    /// without saying.
+    /// The mechanical ends of the slide: those of the machine file, or their defaults.
     pub fn slide_ends(&self, axis: Axis) -> SlideEnds {
         self.ends.unwrap_or_else(|| {
             let (usual, overrun) = match axis {
@@ -226,7 +225,7 @@ impl Default for AxisConfig {
     }
 }
 
-/// The position loop of a servo drive: the motor follows the pulses at a distance.
+/// Position loop of a servo drive: the motor follows the pulses with a following error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ServoConfig {
@@ -245,17 +244,17 @@ impl Default for ServoConfig {
     }
 }
 
-/// An error of the screw at one place, mm.
+/// Error of the screw at one position, mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScrewError {
-    /// Where the turns of the screw say that the slide is.
+    /// Position of the slide according to the turns of the screw.
     pub at: f64,
-    /// How far the slide is beyond that, towards plus.
+    /// Distance of the slide beyond that position, towards plus.
     pub error: f64,
 }
 
-/// Where the limit switches trip, mm.
+/// Positions at which the limit switches trip, mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LimitSwitches {
@@ -265,7 +264,7 @@ pub struct LimitSwitches {
     pub plus: f64,
 }
 
-/// Where a slide can go no farther, mm.
+/// Mechanical ends of a slide, mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SlideEnds {
@@ -275,32 +274,33 @@ pub struct SlideEnds {
     pub plus: f64,
 }
 
-/// A stretch on which the deceleration switch is pressed, mm.
+/// Range in which the deceleration switch is pressed, mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Dog {
-    /// Its negative end.
+    /// Negative end of the range.
     pub from: f64,
-    /// Its positive end.
+    /// Positive end of the range.
     pub to: f64,
 }
 
-/// The tool post.
+/// The tool post: stations, station switches and times.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TurretConfig {
-    /// Number of stations; `None`: as many as 084 says when the lathe is wired.
+    /// Number of stations; `None`: the value of 084 at the time of wiring.
     pub stations: Option<u8>,
-    /// The post tells its station as a binary number on T01, T02, T03 …, and
-    /// nothing between stations; otherwise each station has a contact of its own.
+    /// Whether the post reports its station as a binary number on T01, T02, T03 …, and
+    /// nothing between stations. Otherwise each station has its contact.
     pub coded: bool,
-    /// Station in place at the beginning, from 1.
+    /// Station in position at the start, from 1.
     pub first: u8,
     /// Time from station to station, ms.
     pub station_ms: u32,
-    /// Time TL- needs to clamp, ms.
+    /// Time for clamping by TL-, ms.
     pub clamp_ms: u32,
-    /// Part of a pitch, to either side, in which a station switch is closed.
+    /// Range to either side of a station in which its switch is active, as a fraction of
+    /// the pitch.
     pub window: f64,
 }
 
@@ -321,14 +321,14 @@ impl Default for TurretConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SpindleConfig {
-    /// Speed at 10 V in gears 1–4, r/min; `None`: as 037–040 say when the lathe is
-    /// wired, so that commanded and real speed agree.
+    /// Speed at 10 V in gears 1–4, r/min. `None`: the values of 037–040 at the time of
+    /// wiring, so that commanded and real speed agree.
     pub top: Option<[f64; 4]>,
     /// Speeds of the steps S1–S4 without inverter, r/min.
     pub steps: [f64; 4],
-    /// Time to come within 1 % of a new speed, ms.
+    /// Time until the speed is within 1 % of a new command, ms.
     pub settle_ms: u32,
-    /// Encoder lines; `None`: as 070 says.
+    /// Encoder lines; `None`: the value of 070.
     pub encoder_lines: Option<u32>,
 }
 
@@ -343,11 +343,11 @@ impl Default for SpindleConfig {
     }
 }
 
-/// Times of chuck, tailstock and gears.
+/// Travel times of chuck, tailstock and gears.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ChuckConfig {
-    /// From the output to «in position», ms.
+    /// Time from the output to «in position», ms.
     pub travel_ms: u32,
 }
 

@@ -1,4 +1,4 @@
-//! The rules of a machine file.
+//! Checks the rules of a machine file.
 
 use core::fmt;
 
@@ -7,17 +7,17 @@ use crate::units::Axis;
 use gsk_link::LinkConfig;
 use gsk_messages::{Message, say};
 
-/// A field of the machine file that cannot be, and the rule it breaks.
+/// A field of the machine file with an invalid value, and the rule it breaks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConfigError {
-    /// The field, as `x.limits.minus`.
+    /// Path of the field, such as `x.limits.minus`.
     pub field: String,
-    /// What is wrong and what is wanted.
+    /// What is wrong and which values are valid.
     pub rule: Message,
 }
 
 impl ConfigError {
-    /// Field and rule.
+    /// Field and rule as one message.
     pub fn message(&self) -> Message {
         say::machine_field(&self.field, self.rule.clone())
     }
@@ -31,15 +31,15 @@ impl fmt::Display for ConfigError {
 
 impl core::error::Error for ConfigError {}
 
-/// Longest slide, and fastest spindle, that make sense.
+/// Longest slide, fastest spindle and longest time that are accepted.
 const LONGEST_MM: f64 = 9999.999;
 const FASTEST_RPM: f64 = 99_999.0;
 const LONGEST_MS: u32 = 600_000;
-/// The largest error of a screw, and its largest change, mm a mm: beyond that it is no screw.
+/// Greatest error of a screw, and its greatest change, mm per mm.
 const LARGEST_SCREW_ERROR_MM: f64 = 1.0;
 const STEEPEST_SCREW: f64 = 0.01;
 
-/// Station contacts T01 to T08, and stations that 084 can say.
+/// Number of station contacts T01 to T08, and highest number of stations in 084.
 const CONTACTS: u8 = 8;
 const MOST_STATIONS: u8 = 32;
 
@@ -138,7 +138,7 @@ impl Check {
 }
 
 impl Check {
-    /// Errors of a screw: in order, and none that would turn a motion round.
+    /// Checks the screw errors: in order, and none large enough to reverse a motion.
     fn screw(&mut self, axis: &AxisConfig, field: &impl Fn(&str) -> String) {
         for point in &axis.pitch_errors {
             self.length(point.at, field("pitch_errors.at"));
@@ -167,7 +167,7 @@ impl Check {
         }
     }
 
-    /// Start, switches and dog lie where the slide can go.
+    /// Checks that start, switches and dog are within the travel of the slide.
     fn ends(&mut self, which: Axis, axis: &AxisConfig, field: &impl Fn(&str) -> String) {
         if let Some(ends) = axis.ends {
             self.length(ends.minus, field("ends.minus"));
@@ -187,7 +187,7 @@ impl Check {
                 field("limits"),
                 say::machine_limits_beyond_slide(limits.minus, limits.plus, said()),
             );
-            // Within them is all the rest.
+            // The limits include the start and the dog.
             return;
         }
         self.rule(
@@ -206,10 +206,10 @@ impl Check {
 }
 
 impl LatheConfig {
-    /// Checks every rule.
+    /// Checks all rules of the machine file.
     ///
     /// # Errors
-    /// All fields that break one, in the order of the file.
+    /// All fields that break a rule, in the order of the file.
     pub fn check(&self) -> Result<(), Vec<ConfigError>> {
         let mut check = Check(Vec::new());
         check.rule(

@@ -1,67 +1,67 @@
-//! What can go wrong with the lathe: one table of faults, for training.
+//! The faults of the simulated lathe: one table, for training.
 
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-/// Something broken.
+/// A fault of the simulated lathe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Fault {
     /// The tool post does not turn.
     TurretBlocked,
-    /// The tool post's clamp switch never answers.
+    /// The tool post's clamp switch never reports that the post is clamped.
     TurretUnclamped,
-    /// The station switch that answers now goes on answering.
+    /// The station switch that is active stays active.
     TurretContactStuck,
-    /// No station switch answers.
+    /// All station switches stay inactive.
     TurretContactsOpen,
     /// The spindle does not turn.
     SpindleBlocked,
-    /// No gear reports that it is in position.
+    /// No gear reports its position.
     GearStuck,
     /// The chuck does not move.
     ChuckStuck,
-    /// The encoder gives no counts.
+    /// The encoder sends no counts.
     EncoderLost,
     /// The encoder's counts jitter.
     EncoderNoise,
-    /// The encoder gives no one-turn signal.
+    /// The encoder sends no one-turn signal.
     SpindleIndexLost,
-    /// The X motor gives no one-turn signal.
+    /// The X motor sends no one-turn signal.
     IndexX,
-    /// The Z motor gives no one-turn signal.
+    /// The Z motor sends no one-turn signal.
     IndexZ,
     /// The X deceleration switch stays pressed.
     DogX,
     /// The Z deceleration switch stays pressed.
     DogZ,
-    /// A limit switch of X is tripped.
+    /// A limit switch of X stays tripped.
     LimitX,
-    /// A limit switch of Z is tripped.
+    /// A limit switch of Z stays tripped.
     LimitZ,
-    /// Alarm of the X drive.
+    /// The X drive reports an alarm.
     DriveX,
-    /// Alarm of the Z drive.
+    /// The Z drive reports an alarm.
     DriveZ,
     /// The X slide is jammed: a servo trips, a stepper loses steps.
     SlideX,
-    /// The Z slide is jammed.
+    /// The Z slide is jammed: a servo trips, a stepper loses steps.
     SlideZ,
     /// Hydraulic or air pressure is low.
     PressureLow,
     /// The guard door is open.
     DoorOpen,
-    /// Every machine contact chatters when it changes.
+    /// All machine contacts chatter when they change.
     InputBounce,
-    /// The emergency-stop loop is broken.
+    /// The emergency-stop loop is interrupted.
     EmergencyStop,
 }
 
-/// A fault with its names and what it does.
+/// A fault with its names and its effect.
 #[derive(Clone, Copy, Debug)]
 pub struct FaultRow {
-    /// The fault.
+    /// The fault that the row describes.
     pub fault: Fault,
-    /// The name that scripts use.
+    /// The name of the fault in scripts.
     pub name: &'static str,
     label: fn() -> Message,
     effect: fn() -> Message,
@@ -82,12 +82,12 @@ const fn row(
 }
 
 impl FaultRow {
-    /// What is broken.
+    /// The name of the fault for the operator.
     pub fn label(&self) -> Message {
         (self.label)()
     }
 
-    /// What the control makes of it.
+    /// What the operator sees at the control.
     pub fn effect(&self) -> Message {
         (self.effect)()
     }
@@ -241,7 +241,7 @@ pub static FAULTS: [FaultRow; 24] = [
     ),
 ];
 
-/// Names and faults, for the list of a script.
+/// Names and faults, for scripts.
 const fn names() -> [(&'static str, Fault); FAULTS.len()] {
     let mut names = [("", Fault::EmergencyStop); FAULTS.len()];
     let mut at = 0;
@@ -253,16 +253,16 @@ const fn names() -> [(&'static str, Fault); FAULTS.len()] {
 }
 
 impl Fault {
-    /// Every fault with the name scripts use.
+    /// All faults with their names in scripts.
     pub const ALL: [(&'static str, Self); FAULTS.len()] = names();
 
-    /// Its row of the table.
+    /// The table row of the fault.
     pub fn row(self) -> &'static FaultRow {
-        // The table stands in the order of the enumeration (tested below).
+        // The table is in the order of the enumeration (tested below).
         &FAULTS[self as usize]
     }
 
-    /// The fault of a name.
+    /// The fault with a given script name; `None` if there is none.
     pub fn from_name(name: &str) -> Option<Self> {
         FAULTS
             .iter()
@@ -271,47 +271,47 @@ impl Fault {
     }
 }
 
-/// The faults that stand.
+/// The active faults, as bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Faults(u32);
 
 impl Faults {
-    /// Whether a fault stands.
+    /// Whether a fault is active.
     pub const fn has(self, fault: Fault) -> bool {
         self.0 >> (fault as u32) & 1 == 1
     }
 
-    /// How many stand.
+    /// Number of active faults.
     pub const fn count(self) -> usize {
         self.0.count_ones() as usize
     }
 
-    /// Breaks or mends something.
+    /// Sets or clears a fault.
     pub const fn set(&mut self, fault: Fault, on: bool) {
         let mask = 1 << (fault as u32);
         self.0 = if on { self.0 | mask } else { self.0 & !mask };
     }
 }
 
-/// Contacts that chatter, and counts that jitter: always the same way, so that
-/// a run can be repeated.
+/// Chattering contacts and jittering counts. They are deterministic, so that a run can be
+/// repeated.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Disturbance {
     /// Level of X0 and X1 before the last change of each contact, as bits.
     last: u16,
-    /// How long each contact goes on chattering, ms.
+    /// Remaining chatter time of each contact, ms.
     chatter: [u8; 16],
     seed: u32,
 }
 
-/// How long a contact chatters, ms, and how long each of its levels lasts.
+/// How long a contact chatters, and how long each of its levels lasts, ms.
 const CHATTER_MS: u8 = 30;
 const CHATTER_LEVEL_MS: u8 = 5;
-/// Most counts that the encoder is off.
+/// Greatest error of the encoder, counts.
 const NOISE_COUNTS: i64 = 40;
 
 impl Disturbance {
-    /// A contact that has changed reads wrong half of the time for a while.
+    /// Makes a changed contact read wrong half of the time for a while.
     pub(crate) fn bounce(&mut self, contacts: &mut [u8], on: bool) {
         let [low, high, ..] = contacts else { return };
         let now = u16::from_le_bytes([*low, *high]);
@@ -334,12 +334,12 @@ impl Disturbance {
         [*low, *high] = seen.to_le_bytes();
     }
 
-    /// How many counts the encoder is off in this tick.
+    /// Error of the encoder in this tick, counts.
     pub const fn noise(&mut self, on: bool) -> i64 {
         if !on {
             return 0;
         }
-        // Numerical Recipes' linear congruence.
+        // Linear congruential generator of Numerical Recipes.
         self.seed = self
             .seed
             .wrapping_mul(1_664_525)

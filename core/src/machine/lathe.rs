@@ -1,4 +1,4 @@
-//! The simulated lathe as a whole.
+//! The simulated lathe: its state, one tick of it, and its contacts.
 
 use gsk_plc::address::{Area, BitAddress};
 use serde::{Deserialize, Serialize};
@@ -15,10 +15,10 @@ use super::wiring::{SharedPin, Wiring};
 use crate::memory::Parameters;
 use crate::units::{Axis, PerAxis, Point, Pulses};
 
-/// Bytes of X that come from the machine and may be forced.
+/// Bytes of X that come from the machine and can be forced.
 const X_BYTES: usize = 30;
 
-/// The simulated lathe; plain data.
+/// The simulated lathe; plain data, which can be saved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Lathe {
     config: LatheConfig,
@@ -36,20 +36,21 @@ pub struct Lathe {
     overtravel_release: bool,
     faults: Faults,
     disturbance: Disturbance,
-    /// The station whose switch is stuck.
+    /// The station whose switch is stuck, if any.
     stuck_station: Option<u8>,
-    /// Count at the last one-turn signal of the spindle before it was lost.
+    /// Count at the last one-turn signal before the signal was lost.
     lost_index: i64,
     handwheel: i32,
     forced: [u8; X_BYTES],
+    #[serde(rename = "forced_to")]
     forced_to: [u8; X_BYTES],
-    /// The slides are those of a real lathe: their switches are not simulated.
+    /// Whether the slides belong to a real lathe. Their switches are then not simulated.
     #[serde(default)]
     real_slides: bool,
 }
 
 impl Lathe {
-    /// Builds and wires the lathe to fit the parameters found now.
+    /// Builds and wires the lathe to match the present parameters.
     pub fn new(config: LatheConfig, parameters: &Parameters) -> Self {
         let stations = config.turret.stations.unwrap_or(parameters.stations());
         let contacts = if config.turret.coded {
@@ -87,15 +88,15 @@ impl Lathe {
         }
     }
 
-    /// A pulse board moves real slides from now on, or no more: what is simulated of
-    /// them says nothing about their switches.
+    /// Sets whether a pulse board moves real slides. The simulated slides then no longer
+    /// determine the switches.
     pub(crate) const fn set_real_slides(&mut self, real: bool) {
         self.real_slides = real;
         self.axes.x.real = real;
         self.axes.z.real = real;
     }
 
-    /// The contacts that a pulse board has wired, over the simulated ones.
+    /// Replaces the contacts that are wired to a pulse board.
     pub(crate) fn add_board_contacts(&self, inputs: &mut Inputs, board: &BoardContacts) {
         for (byte, (wired, closed)) in board.wired.iter().zip(board.closed).enumerate() {
             inputs.x[byte] = inputs.x[byte] & !wired | wired & closed;
@@ -128,9 +129,8 @@ impl Lathe {
         }
     }
 
-    /// One millisecond. What the sensors say after it is written over what they said
-    /// before: copied a moment after it is put together, it would have to wait. The
-    /// contacts are read separately ([`Self::read_contacts`]).
+    /// Advances by one tick (1 ms) and writes the sensors into `inputs` in place, which
+    /// avoids a copy. The contacts are read separately ([`Self::read_contacts`]).
     pub fn tick(&mut self, outputs: &Outputs, inputs: &mut Inputs) {
         let on = |pin: Pin| outputs.output(usize::from(pin.0), pin.1);
         self.axes.x.follow(outputs.pulses.x, outputs.enable.x);
@@ -167,20 +167,20 @@ impl Lathe {
         inputs.encoder += self.disturbance.noise(noisy);
     }
 
-    /// Reads the contacts after a tick: needed where the control samples them in the next
-    /// one, and every millisecond while they bounce.
+    /// Reads the contacts after a tick: in ticks before the control samples them, and in
+    /// all ticks while contacts bounce.
     pub fn read_contacts(&mut self, inputs: &mut Inputs) {
         self.contacts(&mut inputs.x);
         let bouncing = self.contacts_bounce();
         self.disturbance.bounce(&mut inputs.x, bouncing);
     }
 
-    /// Whether contacts bounce.
+    /// Whether contacts bounce (fault).
     pub(crate) fn contacts_bounce(&self) -> bool {
         self.faults.has(Fault::InputBounce)
     }
 
-    /// What the contacts and sensors say now.
+    /// The present state of all contacts and sensors.
     pub fn inputs(&self) -> Inputs {
         let mut inputs = Inputs::default();
         self.sense(&mut inputs);
@@ -216,7 +216,7 @@ impl Lathe {
         *inputs.over_limit.get_mut(axis) = self.limit_switch(axis);
     }
 
-    /// The zero signal of an axis, and the count at which it changed in the last tick.
+    /// The zero signal of an axis, and the count at its change in the last tick.
     #[inline(always)]
     fn zero_signal(&self, axis: Axis) -> (bool, Option<Pulses>) {
         let lost = match axis {
@@ -232,7 +232,7 @@ impl Lathe {
         }
     }
 
-    /// The deceleration switch of a slide is pressed, or stuck.
+    /// Whether the deceleration switch of a slide is pressed, or stuck.
     fn on_dog(&self, axis: Axis) -> bool {
         let stuck = match axis {
             Axis::X => Fault::DogX,
@@ -241,7 +241,7 @@ impl Lathe {
         (!self.real_slides && self.axes.get(axis).on_dog()) || self.faults.has(stuck)
     }
 
-    /// The limit switch of a slide that is tripped, or stuck.
+    /// The limit switch of a slide that is pressed, or stuck.
     fn limit_switch(&self, axis: Axis) -> Option<OverLimit> {
         if self.real_slides {
             return None;
@@ -254,7 +254,7 @@ impl Lathe {
         self.axes.get(axis).over_limit().or_else(stuck)
     }
 
-    /// Whether a drive has switched itself off.
+    /// Whether a drive has switched off.
     fn drive_failed(&self, axis: Axis) -> bool {
         let fault = match axis {
             Axis::X => Fault::DriveX,
@@ -263,7 +263,7 @@ impl Lathe {
         self.faults.has(fault) || self.axes.get(axis).tripped()
     }
 
-    /// The alarm line of a drive; one that is not wired stays at rest.
+    /// Level of a drive's alarm line; a line that is not wired stays at rest.
     fn alarm_signal(&self, axis: Axis, failed: bool) -> bool {
         let wired = match axis {
             Axis::X => self.config.x.alarm_line,
@@ -272,13 +272,13 @@ impl Lathe {
         (wired && failed) == *self.wiring.drive_alarm.get(axis)
     }
 
-    /// The ready line of a drive: enabled, and not switched off by itself.
+    /// Level of a drive's ready line: ready when enabled and not switched off.
     fn ready_signal(&self, axis: Axis, failed: bool) -> bool {
         let ready = *self.enable.get(axis) && !failed;
         ready == self.wiring.drive_ready
     }
 
-    /// The station switches that answer, T01 in bit 0, up to T08.
+    /// Active station switches, T01 in bit 0, up to T08.
     fn station_switches(&self) -> u8 {
         if self.faults.has(Fault::TurretContactsOpen) {
             return 0;
@@ -294,12 +294,13 @@ impl Lathe {
 
     fn contacts(&self, x: &mut [u8; X_BYTES]) {
         let wiring = &self.wiring;
-        // X0 in the low byte, X1 in the high one: no others are wired. All are open at first.
+        // X0 in the low byte, X1 in the high one; no other contacts are wired. All are open
+        // at first.
         let mut closed = 0u16;
         let mut set = |pin: Pin, level: bool| closed |= u16::from(level) << (pin.0 * 8 + pin.1);
         let switches = self.station_switches();
         let station_at = |number: u8| (switches >> (number - 1) & 1 == 1) == wiring.in_station;
-        // T01–T04 have their pins to themselves.
+        // T01–T04 do not share their pins.
         for (number, pin) in (1u8..=4).zip(pins::STATIONS) {
             set(pin, station_at(number));
         }
@@ -354,15 +355,15 @@ impl Lathe {
         }
     }
 
-    /// The loop of the emergency button and the limit switches, which the release
-    /// button bridges.
+    /// Whether the loop of the emergency button and the limit switches is closed. The
+    /// release button bridges the limit switches.
     pub fn emergency_loop_closed(&self) -> bool {
         !self.emergency_button
             && !self.faults.has(Fault::EmergencyStop)
             && (self.overtravel_release || !self.over_limit())
     }
 
-    /// Whether a limit switch is tripped.
+    /// Whether any limit switch is tripped.
     pub fn over_limit(&self) -> bool {
         let over = self.axes.x.over_limit().or(self.axes.z.over_limit());
         (over.is_some() && !self.real_slides)
@@ -370,8 +371,8 @@ impl Lathe {
             || self.faults.has(Fault::LimitZ)
     }
 
-    /// Holds a machine input at a value; `None` gives it back to its sensor.
-    /// Anything but X0.0–X29.7 is ignored.
+    /// Forces a machine input to a level; `None` releases it to its sensor. Addresses other
+    /// than X0.0–X29.7 are ignored.
     pub fn force_input(&mut self, address: BitAddress, state: Option<bool>) {
         let byte = usize::from(address.byte);
         if address.area != Area::X || byte >= X_BYTES || address.bit > 7 {
@@ -386,7 +387,7 @@ impl Lathe {
         }
     }
 
-    /// Breaks or mends something.
+    /// Sets or clears a fault.
     pub fn set_fault(&mut self, fault: Fault, on: bool) {
         if self.faults.has(fault) == on {
             return;
@@ -406,12 +407,12 @@ impl Lathe {
         }
     }
 
-    /// Whether a fault stands.
+    /// Whether a fault is active.
     pub const fn has_fault(&self, fault: Fault) -> bool {
         self.faults.has(fault)
     }
 
-    /// The value a machine input is held at; `None` while its sensor has it.
+    /// The level that a machine input is forced to; `None` if it is not forced.
     pub fn forced_input(&self, address: BitAddress) -> Option<bool> {
         let byte = usize::from(address.byte);
         let bit = |bytes: &[u8]| {
@@ -423,18 +424,18 @@ impl Lathe {
         held.then(|| bit(&self.forced_to))
     }
 
-    /// How many machine inputs are held at a value.
+    /// Number of forced machine inputs.
     pub fn forced_inputs(&self) -> usize {
         let bits = self.forced.iter().map(|byte| byte.count_ones() as usize);
         bits.sum()
     }
 
-    /// How many faults stand.
+    /// Number of active faults.
     pub const fn faults(&self) -> usize {
         self.faults.count()
     }
 
-    /// Mends everything and gives every input back to its sensor.
+    /// Clears all faults and releases all forced inputs.
     pub fn mend(&mut self) {
         for (_, fault) in Fault::ALL {
             self.set_fault(fault, false);
@@ -443,57 +444,57 @@ impl Lathe {
         self.forced_to = [0; X_BYTES];
     }
 
-    /// The emergency button: pressed it stays in (the panel latches it).
+    /// Sets the emergency button; a pressed button stays in (the panel latches it).
     pub const fn set_emergency_button(&mut self, pressed: bool) {
         self.emergency_button = pressed;
     }
 
-    /// The overtravel release button, while it is held.
+    /// Sets the overtravel release button, true while it is held.
     pub const fn set_overtravel_release(&mut self, held: bool) {
         self.overtravel_release = held;
     }
 
-    /// Turns the handwheel, detents, clockwise positive.
+    /// Turns the handwheel by a number of detents, clockwise positive.
     pub const fn turn_handwheel(&mut self, detents: i32) {
         self.handwheel = self.handwheel.wrapping_add(detents);
     }
 
-    /// Inverter or switched speeds, with or without gears: connected while the power
-    /// is off, as the parameters found then say (001.4, 005.5, 164.7, 164.6).
+    /// Wires the spindle as inverter or switched speeds, with or without gears, by the
+    /// present parameters (001.4, 005.5, 164.7, 164.6). A technician does this while the
+    /// power is off.
     pub fn fit_spindle(&mut self, parameters: &Parameters) {
         self.wiring.fit_spindle(parameters);
         self.spindle.fit(&self.wiring);
     }
 
-    /// Takes the control's pulse count for the place where the slides stand.
+    /// Takes the control's pulse count for the present position of the slides.
     pub fn stand_at(&mut self, pulses: PerAxis<Pulses>) {
         self.axes.x.stand_at(pulses.x);
         self.axes.z.stand_at(pulses.z);
     }
 
-    /// Puts the slides elsewhere, mm from the reference point (X in radius).
+    /// Moves the slides to another position, mm from the reference point (X in radius).
     pub fn put_slides(&mut self, place: Point) {
         self.axes.x.put(place.x);
         self.axes.z.put(place.z);
     }
 
-    /// Lets the spindle turn already (r/min, negative in reverse) until M03 or M04
-    /// takes over.
+    /// Lets the spindle turn (r/min, negative in reverse) until M03 or M04 takes over.
     pub const fn turn_spindle(&mut self, rpm: f64) {
         self.spindle.coast(rpm);
     }
 
-    /// Its description.
+    /// The description from which the lathe was built.
     pub const fn config(&self) -> &LatheConfig {
         &self.config
     }
 
-    /// Where the slides stand, mm from the reference point (X in radius).
+    /// Position of the slides, mm from the reference point (X in radius).
     pub fn slides(&self) -> Point {
         Point::new(self.axes.x.place(), self.axes.z.place())
     }
 
-    /// How far the motors are behind their pulses, mm (X in radius).
+    /// Following error of the motors, mm (X in radius).
     pub fn following_error(&self) -> Point {
         Point::new(self.axes.x.following_error(), self.axes.z.following_error())
     }
@@ -509,12 +510,12 @@ impl Lathe {
         (turns - turns.floor()) * 360.0
     }
 
-    /// Turns of the spindle since the start; backwards they count down.
+    /// Revolutions of the spindle since the start; in reverse they decrease.
     pub const fn spindle_turns(&self) -> f64 {
         self.spindle.turns()
     }
 
-    /// The station in place, from 1; none between stations or without tool post.
+    /// The station in position, from 1; `None` between stations or without tool post.
     pub fn station(&self) -> Option<u8> {
         self.turret.station()
     }
@@ -538,7 +539,7 @@ impl Lathe {
         self.tailstock.in_first()
     }
 
-    /// Gear engaged, 1–4.
+    /// The engaged gear, 1–4.
     pub const fn gear(&self) -> u8 {
         self.gears.gear()
     }

@@ -1,5 +1,5 @@
-//! What hangs on the control: the contacts, pulses and voltages between them, and
-//! the simulated lathe.
+//! The machine at the control: contacts, pulses and voltages between both, and the
+//! simulated lathe.
 //!
 //! ```text
 //!                 Outputs: Y contacts, pulses, SVC, drive enable

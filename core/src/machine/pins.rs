@@ -1,5 +1,5 @@
-//! Where the machine's signals are wired (manual III-2.2, plugs XS39 and XS40):
-//! byte and bit. Some pins carry one of several signals.
+//! Contacts of the machine signals by byte and bit (manual III-2.2, plugs XS39 and XS40).
+//! Some pins carry one of several signals.
 
 use gsk_link::SpindleDirection;
 use gsk_plc::PlcMemory;
@@ -55,7 +55,7 @@ pub(crate) const COOLANT: Pin = (0, 3);
 /// M32.
 pub(crate) const LUBRICATION: Pin = (1, 1);
 
-/// Which way the spindle is to turn, as the ladder switches its outputs.
+/// Direction of the spindle, from the outputs of the ladder.
 pub(crate) fn spindle_direction(memory: &PlcMemory) -> SpindleDirection {
     let on = |(byte, bit): Pin| memory.y(u16::from(byte)) >> bit & 1 == 1;
     match (on(FORWARD), on(REVERSE), on(BRAKE)) {

@@ -1,5 +1,5 @@
-//! Inverter, spindle and encoder: the speed follows its command as a first-order
-//! lag; the brake stops it five times as fast.
+//! The simulated inverter, spindle and encoder. The speed follows its command as a
+//! first-order lag; the brake stops the spindle five times as fast.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,38 +8,40 @@ use super::wiring::Wiring;
 use crate::memory::Parameters;
 use crate::units::{TICK_S, floor_to_i64};
 
-/// Below this the spindle stands, and a speed has been reached, r/min.
+/// Speed differences below this count as zero, r/min.
 const NOTHING: f64 = 0.01;
 
-/// The spindle.
+/// The simulated spindle with its drive and encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct SpindleDrive {
     analog: bool,
     top: [f64; 4],
     steps: [f64; 4],
-    /// Part of the missing speed made up in a tick, running and braking.
+    /// Fraction of the speed difference made up in a tick, running and braking.
     lag: f64,
     braking_lag: f64,
-    /// Encoder counts of one encoder turn, and encoder turns of one spindle turn.
+    /// Counts per encoder revolution, and encoder revolutions per spindle revolution.
+    #[serde(rename = "counts")]
     counts: i64,
     encoder_ratio: f64,
     rpm: f64,
-    /// Spindle turns since the start.
+    /// Spindle revolutions since the start.
     turns: f64,
-    /// Speed of a spindle that turns without M03 or M04.
+    /// Speed of a spindle that turns without M03 or M04, r/min.
     coasting: Option<f64>,
-    /// It does not turn (fault).
+    /// Whether the spindle is jammed (fault).
     pub blocked: bool,
-    /// The encoder gives nothing (fault).
+    /// Whether the encoder sends no counts (fault).
     pub encoder_lost: bool,
     encoder: i64,
-    /// Whole encoder turns, and count at the last index pulse.
+    /// Whole encoder revolutions, and count at the last index pulse.
+    #[serde(rename = "whole")]
     whole: i64,
     index: i64,
     index_now: bool,
 }
 
-/// What drives the spindle in a tick.
+/// Outputs that drive the spindle in a tick.
 pub(super) struct SpindleDemand {
     pub forward: bool,
     pub reverse: bool,
@@ -81,28 +83,28 @@ impl SpindleDrive {
         }
     }
 
-    /// Driven by the inverter or by switched speeds.
+    /// Selects inverter or switched speeds.
     pub const fn fit(&mut self, wiring: &Wiring) {
         self.analog = wiring.analog;
     }
 
-    /// Lets the spindle turn already, until M03 or M04 takes over.
+    /// Lets the spindle turn until M03 or M04 takes over.
     pub const fn coast(&mut self, rpm: f64) {
         self.coasting = Some(rpm);
         self.rpm = rpm;
     }
 
-    /// Speed, r/min; negative in reverse.
+    /// Spindle speed, r/min; negative in reverse.
     pub const fn rpm(&self) -> f64 {
         self.rpm
     }
 
-    /// Spindle turns since the start.
+    /// Spindle revolutions since the start.
     pub const fn turns(&self) -> f64 {
         self.turns
     }
 
-    /// Encoder count, count at the last index pulse, and whether it came just now.
+    /// Encoder count, count at the last index pulse, and whether it came in this tick.
     pub const fn encoder(&self) -> (i64, i64, bool) {
         (self.encoder, self.index, self.index_now)
     }
@@ -123,7 +125,7 @@ impl SpindleDrive {
         }
     }
 
-    /// One millisecond.
+    /// Advances by one tick (1 ms).
     pub fn tick(&mut self, demand: &SpindleDemand) {
         if demand.forward || demand.reverse {
             self.coasting = None;

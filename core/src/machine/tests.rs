@@ -1,4 +1,4 @@
-//! The simulated lathe by itself.
+//! Tests of the simulated lathe without a control.
 
 use gsk_plc::address::BitAddress;
 
@@ -26,7 +26,7 @@ fn outputs(on: &[(usize, u8)]) -> Outputs {
     outputs
 }
 
-/// Ticks until the condition holds; how many it took.
+/// Returns the number of ticks until the condition is met.
 fn ticks_until(lathe: &mut Lathe, outputs: &Outputs, done: impl Fn(&Lathe) -> bool) -> u32 {
     for ticks in 1..10_000 {
         tick(lathe, outputs);
@@ -214,7 +214,7 @@ fn the_slides_follow_the_pulses() {
     assert_eq!(lathe.slides(), Point::new(-50.0, -150.0));
     drive_to(&mut lathe, 2000, -1000);
     assert_eq!(lathe.slides(), Point::new(-49.0, -151.0));
-    // A motor wired the other way round counts down towards plus.
+    // A reversed motor counts down towards plus.
     let mut reversed = self::lathe(&[(8, 0)]);
     drive_to(&mut reversed, 2000, -1000);
     assert_eq!(reversed.slides(), Point::new(-51.0, -149.0));
@@ -233,7 +233,8 @@ fn a_servo_is_behind_by_speed_over_gain_and_arrives() {
         gain: 25.0,
         ..ServoConfig::default()
     });
-    // Z at 60 mm/s, X (0.0005 mm a pulse) at 30 mm/s back: behind by 2.4 and 1.2 mm.
+    // Z at 60 mm/s, X (0.0005 mm a pulse) at 30 mm/s back: following errors of 2.4 and 1.2
+    // mm.
     for tick in 1..=500 {
         drive_to(&mut lathe, -60 * tick, 60 * tick);
     }
@@ -261,7 +262,7 @@ fn a_jammed_slide_trips_its_servo_until_the_drive_is_enabled_anew() {
     assert!(inputs.drive_ready.z && !inputs.drive_ready.x);
     lathe.set_fault(Fault::SlideZ, false);
     assert!(drive_to(&mut lathe, 0, 2500).drive_alarm.z);
-    // Emergency stop: the drive is switched off, and forgets what it was behind.
+    // Emergency stop: the drive is switched off and drops its following error.
     let off = Outputs {
         pulses: PerAxis::new(Pulses(0), Pulses(2500)),
         ..Outputs::default()
@@ -293,7 +294,7 @@ fn a_stepper_that_meets_the_end_of_its_slide_switches_off() {
     assert!(inputs.drive_alarm.z && !inputs.drive_alarm.x);
     drive_to(&mut lathe, 0, 200_000);
     assert_eq!(lathe.slides(), Point::new(-50.0, 15.0));
-    // Switched off and on it comes back.
+    // After the drive was switched off and on the slide moves back.
     tick(
         &mut lathe,
         &Outputs {
@@ -314,7 +315,7 @@ fn a_servo_that_meets_the_end_of_its_slide_falls_behind_until_it_trips() {
     // X from -100, a pulse of 0.0005 mm: the end at -330 is 230 000 pulses away.
     let inputs = (1..=2400).map(|tick| drive_to(&mut lathe, -100 * tick, 0));
     let tripped = inputs.take_while(|inputs| !inputs.drive_alarm.x).count();
-    // The motor takes up the play, and is 10 mm behind on the diameter then.
+    // The motor takes up the play; its following error is then 10 mm on the diameter.
     assert!((2300..=2402).contains(&tripped), "{tripped}");
     assert_eq!(lathe.slides().x, -165.0);
 }
@@ -367,7 +368,7 @@ fn dogs_index_pulse_and_limit_switches() {
 #[test]
 fn the_zero_signal_latches_the_count_of_its_first_change() {
     let mut lathe = lathe(&[]);
-    // Z from -150, one turn 10 mm, the signal stands for a fiftieth: 0.2 mm.
+    // Z from -150, one turn 10 mm, the signal is on for a fiftieth: 0.2 mm.
     let mut latch = |z| {
         drive_to(&mut lathe, 0, z)
             .index_latch
@@ -379,7 +380,7 @@ fn the_zero_signal_latches_the_count_of_its_first_change() {
     assert_eq!(latch(10_004), Some(10_000));
     assert_eq!(latch(10_150), None);
     assert_eq!(latch(10_230), Some(10_200));
-    // Going back, the first place that reads otherwise lies below the edge.
+    // In the negative direction, the first position with the other level is below the edge.
     assert_eq!(latch(10_190), Some(10_199));
     assert_eq!(latch(9_990), Some(9_999));
     // More than one change in a tick: the first counts.

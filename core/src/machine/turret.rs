@@ -1,4 +1,4 @@
-//! The tool post: TL+ turns it, TL- seats and clamps it (manual II-2.8.2).
+//! The simulated tool post: TL+ turns it, TL- seats and clamps it (manual II-2.8.2).
 //!
 //! ```text
 //!  TL+   ▁▁▔▔▔▔▔▔▔▔▔▔▔▔▔▔▔▁▁▁▁▁▁▁▁▁▁▁▁▁
@@ -11,20 +11,21 @@ use serde::{Deserialize, Serialize};
 
 use super::config::TurretConfig;
 
-/// A turning tool post.
+/// A tool post that turns in one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Turret {
     stations: u8,
-    /// Place, in milliseconds of turning; station n stands at (n - 1) · `pitch`.
+    /// Position, ms of turning; station n is at (n - 1) · `pitch`.
+    #[serde(rename = "place")]
     place: u32,
     pitch: u32,
-    /// Half the width in which a station switch answers, ms of turning.
+    /// Half the width in which a station switch is active, ms of turning.
     window: u32,
     clamp_ms: u32,
     /// How long TL- has pressed against the seat, ms.
     pressed: u32,
     clamped: bool,
-    /// It does not turn (fault).
+    /// Whether the post is jammed (fault).
     pub blocked: bool,
 }
 
@@ -45,7 +46,7 @@ impl Turret {
         }
     }
 
-    /// The station whose switch answers, from 1.
+    /// The station whose switch is active, from 1; `None` between stations.
     pub fn station(&self) -> Option<u8> {
         if self.stations == 0 {
             return None;
@@ -53,7 +54,7 @@ impl Turret {
         let nearest = (self.place + self.pitch / 2) / self.pitch;
         let off = self.place.abs_diff(nearest * self.pitch);
         let stations = u32::from(self.stations);
-        // After the last one comes the first, and only there is a division wanted.
+        // The first station follows the last one; a division is necessary only there.
         let station = if nearest < stations {
             nearest
         } else {
@@ -67,7 +68,7 @@ impl Turret {
         self.clamped
     }
 
-    /// One millisecond.
+    /// Advances by one tick (1 ms).
     pub fn tick(&mut self, forward: bool, reverse: bool) {
         if self.stations == 0 || forward == reverse {
             return;
@@ -80,7 +81,7 @@ impl Turret {
             }
             return;
         }
-        // TL- drives the post against the pawl of the station it has reached.
+        // TL- drives the post against the pawl of the station that it has reached.
         let seat = (self.place + self.window) / self.pitch * self.pitch;
         if self.place != seat && !self.blocked {
             self.place = if self.place < seat {

@@ -1,29 +1,29 @@
-//! How the machine builder has wired the contacts: once, by the parameters found
-//! then. A parameter changed later does not rewire the machine.
+//! The contacts as the machine builder has wired them, by the parameters at that time. A
+//! parameter changed later does not rewire the machine.
 
 use serde::{Deserialize, Serialize};
 
 use crate::memory::Parameters;
 use crate::units::{Axis, PerAxis};
 
-/// What a pin shared by chuck, gears, stations and enable switches carries.
+/// The signal on a pin that chuck, gears, stations and enable switches share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum SharedPin {
-    /// A station switch.
+    /// A station switch of the tool post.
     Station,
     /// The gear's in-position switch.
     Gear,
     /// The chuck's in-position switch.
     Chuck,
-    /// An enable contact, always given.
+    /// An enable contact, which is always active.
     Enable,
-    /// A feed override switch that stands closed (the nibble of 100 %).
+    /// A feed override switch that is closed (the nibble of 100 %).
     Closed,
-    /// Nothing.
+    /// No signal.
     Open,
 }
 
-/// The first that has a claim on a pin.
+/// The first signal that claims a pin.
 fn first<const N: usize>(claims: [(bool, SharedPin); N]) -> SharedPin {
     claims
         .into_iter()
@@ -31,43 +31,52 @@ fn first<const N: usize>(claims: [(bool, SharedPin); N]) -> SharedPin {
         .map_or(SharedPin::Open, |(_, pin)| pin)
 }
 
-/// Polarities and choices.
+/// Polarities of the contacts and signals of the shared pins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Wiring {
     /// Contact level of a pressed deceleration switch (004.5 DECI).
+    #[serde(rename = "on_dog")]
     pub on_dog: bool,
     /// One switch for deceleration and zero (007.0, 007.1 ZC).
     pub one_switch: PerAxis<bool>,
     /// Contact level of a station in place (011.1 TSGN = 0: closed).
+    #[serde(rename = "in_station")]
     pub in_station: bool,
     /// Contact level of the clamped tool post (011.0 TCPS = 1: closed).
+    #[serde(rename = "tool_clamped")]
     pub tool_clamped: bool,
-    /// X0.7 carries the pressure switch (168.4 PB3); its level when all is well.
+    /// Level of the pressure switch on X0.7 at good pressure; `None`: X0.7 carries *TCP
+    /// (168.4 PB3).
+    #[serde(rename = "pressure")]
     pub pressure: Option<bool>,
-    /// X1.5 carries the door switch (168.6 PB4); its level when closed.
+    /// Level of the door switch on X1.5 with a closed door; `None`: no door switch (168.6
+    /// PB4).
+    #[serde(rename = "door")]
     pub door: Option<bool>,
-    /// Contact level of a gear in position, and of a given enable (164.5 AGIM).
+    /// Contact level of a gear in position; an active enable has the other one (164.5 AGIM).
+    #[serde(rename = "gear_in")]
     pub gear_in: bool,
-    /// What X0.4, X1.0, X1.1 and X1.2 carry.
+    /// Signals on X0.4, X1.0, X1.1 and X1.2.
     pub x0_4: SharedPin,
     pub x1_0: SharedPin,
     pub x1_1: SharedPin,
     pub x1_2: SharedPin,
-    /// Signal level of a drive that is ready (005.2 DRDY) and of one with an alarm
-    /// (009 ALM).
+    /// Signal level of a ready drive (005.2 DRDY) and of a drive with an alarm (009 ALM).
+    #[serde(rename = "drive_ready")]
     pub drive_ready: bool,
+    #[serde(rename = "drive_alarm")]
     pub drive_alarm: PerAxis<bool>,
-    /// Contacts of the tool post.
+    /// Number of station contacts of the tool post.
     contacts: u32,
-    /// Analog spindle (001.4), and gears by M41–M44 (164.7 AGER).
+    /// Whether the spindle is analog (001.4), and has gears M41–M44 (164.7 AGER).
     pub analog: bool,
     pub gears: bool,
-    /// The chuck clamps with DOQPS instead of DOQPJ (168.0 PB1).
+    /// Whether DOQPS clamps the chuck instead of DOQPJ (168.0 PB1).
     pub outer_chuck: bool,
 }
 
 impl Wiring {
-    /// `contacts`: how many station switches the tool post has.
+    /// Wires a machine by the parameters; `contacts` is the number of station switches.
     pub fn new(parameters: &Parameters, contacts: u32) -> Self {
         // Feed override switches (172.0 SOVI), station switches T05–T08, chuck
         // (168.2 PB2), gears (164.7 AGER, 164.6 AGIN), enables (SPEN, STEN).
@@ -118,7 +127,7 @@ impl Wiring {
         }
     }
 
-    /// Another drive of the spindle: with it go the switches of the gears.
+    /// Rewires the drive of the spindle, and with it the switches of the gears.
     pub fn fit_spindle(&mut self, parameters: &Parameters) {
         let new = Self::new(parameters, self.contacts);
         self.analog = new.analog;

@@ -1,21 +1,26 @@
-//! A straight cut that is made elsewhere: the drives follow the spindle by
-//! themselves and tell now and then how far they have come.
+//! A straight cut that a board makes: its drives follow the spindle and report their
+//! progress now and then.
 
 use serde::{Deserialize, Serialize};
 
 use super::path::Path;
 use crate::units::Point;
 
-/// A cut that is only followed.
+/// A cut whose progress the control only follows.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Driven {
     path: Path,
-    /// It has been handed over: nothing here can stop it any more.
+    /// Whether the board has taken the cut. The control can then no longer stop it.
+    #[serde(rename = "begun")]
     begun: bool,
-    /// Way still to go as shown, and as told last, mm.
+    /// Distance to go as shown, and as last reported, mm.
+    #[serde(rename = "rest")]
     rest: f64,
+    #[serde(rename = "told")]
     told: f64,
-    /// What the shown place makes good a tick, mm, and ticks since the last word.
+    /// Distance that the shown position makes per tick, mm, and ticks since the last
+    /// report.
+    #[serde(rename = "pace")]
     pace: f64,
     ticks: u32,
 }
@@ -45,8 +50,8 @@ impl Driven {
         self.begun = true;
     }
 
-    /// The part of the way that is made. It is shown as going on evenly until the
-    /// next word, and never beyond what was told.
+    /// Takes the fraction of the cut that is made. The shown position moves evenly until
+    /// the next report, and never beyond the reported one.
     pub(super) fn tell(&mut self, share: f64) {
         let told = self.path.length() * (1.0 - share.clamp(0.0, 1.0));
         self.told = self.told.min(told);

@@ -1,4 +1,4 @@
-//! How long a move takes, without ticks: the same laws in closed form.
+//! Durations of moves in closed form, without ticks.
 
 use std::collections::VecDeque;
 
@@ -9,7 +9,7 @@ use super::straight_rapid;
 use crate::command::MoveKind;
 use crate::units::{Axis, Point, TICK_S};
 
-/// Length of the path of a move, mm (radius); a rapid counts as its chord.
+/// Length of a move's path, mm (X in radius); a rapid counts as its chord.
 pub(crate) fn path_length(kind: MoveKind, from: Point, to: Point, center: Option<Point>) -> f64 {
     match (kind, center) {
         (MoveKind::Clockwise | MoveKind::CounterClockwise, Some(_)) => {
@@ -27,20 +27,20 @@ fn path(kind: MoveKind, from: Point, to: Point, center: Option<Point>) -> Path {
     }
 }
 
-/// After so many time constants the tool has forgotten what came before: of the lag of a
-/// fast cut a ten-thousandth is left, too little to matter beside that of a slow one.
+/// The lag forgets earlier cuts after this many time constants: a ten-thousandth of the lag
+/// of a fast cut is left, which is negligible even beside a slow cut.
 const MEMORY: f64 = 8.0;
 
-/// Cuts one after the other without exact corners (007.3 = 0), as far back as the
-/// lag of the tool remembers them.
+/// Consecutive cuts without exact corners (007.3 = 0), as far back as they affect the lag
+/// of the tool.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sequel {
     cuts: VecDeque<Made>,
-    /// Time of all of them, s.
+    /// Total time of the cuts, s.
     spent: f64,
 }
 
-/// A cut, its speed in mm/s and its time in s.
+/// A cut with its speed, mm/s, and its duration, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Made {
     path: Path,
@@ -49,7 +49,7 @@ struct Made {
 }
 
 impl Sequel {
-    /// Seconds until the command of a cut is at its end, at `feed` mm/min.
+    /// Adds a cut and returns the duration of its command, s; `feed` in mm/min.
     pub fn cut(
         &mut self,
         kind: MoveKind,
@@ -80,8 +80,8 @@ impl Sequel {
         time
     }
 
-    /// Seconds that the tool needs to close up after the last cut; the next one
-    /// begins at rest.
+    /// Duration in which the tool reaches the end of the last cut, s. The next cut begins
+    /// at rest.
     pub fn close(&mut self, limits: &MotionLimits) -> f64 {
         let law = limits.cutting_law();
         let constant = law.time_constant();
@@ -90,7 +90,7 @@ impl Sequel {
         for made in self.cuts.drain(..) {
             let from = before.min(made.time);
             before -= from;
-            // From rest a line is exact in one step; else the directions turn.
+            // From rest a line is exact in one step; otherwise the direction changes.
             let steps = if lag.is_none() && made.path.is_straight() {
                 1.0
             } else {
@@ -110,10 +110,9 @@ impl Sequel {
     }
 }
 
-/// Seconds that a move takes from rest to rest at overrides of 100 %. `feed` in
-/// mm/min is used by cuts only; a dwell takes no time here, and a cut without
-/// feed never ends. The way leads from the start to the end, the length is that of the
-/// path, mm.
+/// Duration of a move from rest to rest at overrides of 100 %, s. `feed` in mm/min applies
+/// to cuts; a dwell takes no time here, and a cut without feed never ends. `way` is the
+/// vector from start to end, `length` the length of the path, mm.
 pub fn duration(kind: MoveKind, way: Point, length: f64, feed: f64, limits: &MotionLimits) -> f64 {
     match kind {
         MoveKind::Dwell => 0.0,
@@ -133,8 +132,8 @@ pub fn duration(kind: MoveKind, way: Point, length: f64, feed: f64, limits: &Mot
     }
 }
 
-/// Speed of each axis at its fastest in a rapid or a cut, mm/min (of an arc that of
-/// its path); `feed` as for [`duration`].
+/// Highest speed of each axis in a rapid or a cut, mm/min (for an arc, the speed on its
+/// path); `feed` as for [`duration`].
 pub fn top_speed(kind: MoveKind, way: Point, feed: f64, limits: &MotionLimits) -> Point {
     if kind == MoveKind::Rapid && limits.rapids_are_straight() {
         return straight_rapid::top_speed(limits, way) * 60.0;

@@ -1,5 +1,5 @@
-//! What threads and taps share: they wait for an angle of the spindle and follow it
-//! through the gear from there, finer than a tick.
+//! Follows the spindle angle for threads and taps, finer than a tick: waits for the start
+//! angle, then turns with the spindle through the electronic gear.
 //!
 //! ```text
 //!  spindle  ──┴── phase ──┴───────────────────────►   angle
@@ -14,22 +14,24 @@ use super::limits::MotionLimits;
 use crate::spindle::SpindleTurn;
 use crate::units::TICK_S;
 
-/// A beginning so far before the tick was missed: the next one counts, turns.
+/// A start angle that passed this long before the tick was missed, turns: the next one
+/// counts.
 const MISSED: f64 = 0.01;
 
-/// What a thread leaves to the one that goes on from it.
+/// State that a thread passes to the thread that continues it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Handover {
-    /// Angle at which the next thread begins.
+    /// Angle at which the next thread begins, turns.
     begin: f64,
     direction: f64,
-    /// Turns of the spindle beyond that angle already, and rate of the gear.
+    /// Spindle turns beyond that angle, and rate of the gear.
+    #[serde(rename = "turned")]
     turned: f64,
     rate: f64,
 }
 
 impl Handover {
-    /// The axes came to a stop in between: only the angle counts.
+    /// Notes that the axes have stopped in between: only the angle still counts.
     pub(crate) const fn stand_still(&mut self) {
         self.rate = 0.0;
     }
@@ -38,11 +40,11 @@ impl Handover {
 /// What a thread or a tap waits for before it begins.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Wait {
-    /// For the one-turn signal after the one at `seen`, then `phase` turns more.
+    /// The one-turn signal after the one at `seen`, and then `phase` turns more.
     Index { seen: Option<f64>, phase: f64 },
-    /// For the next time that this angle comes by.
+    /// The next time that this angle passes, turns.
     Angle(f64),
-    /// For this angle, in this direction.
+    /// This angle, turns, in this direction.
     Begin { angle: f64, direction: f64 },
 }
 
@@ -55,8 +57,8 @@ impl Wait {
         }
     }
 
-    /// One tick of waiting. At the beginning: its angle, the direction, and the part
-    /// of the tick since then.
+    /// Advances the wait by one tick. When the start comes: its angle, the direction, and
+    /// the fraction of the tick since then.
     fn tick(&mut self, spindle: &SpindleTurn, rpm: f64, hold: bool) -> Option<Beginning> {
         let direction = if rpm < 0.0 { -1.0 } else { 1.0 };
         if hold {
@@ -110,71 +112,72 @@ impl Wait {
     }
 }
 
-/// The first angle equal to `angle` in whole turns that comes at or after `from`.
+/// The first angle at or after `from` that equals `angle` plus whole turns.
 fn next(angle: f64, from: f64, direction: f64) -> f64 {
     let turns = direction * (from - angle);
-    // The signal itself is the beginning, whatever the last bits say.
+    // The signal itself is the start, regardless of rounding.
     angle + direction * (turns - 1e-6).ceil()
 }
 
-/// A thread begins within a tick.
+/// The start of a thread within a tick.
 #[derive(Clone, Copy, Debug)]
 struct Beginning {
     pub angle: f64,
     pub direction: f64,
-    /// Part of the tick since the beginning.
+    /// Fraction of the tick since the start.
     pub part: f64,
 }
 
-/// What motion tied to the spindle depends on in a tick.
+/// Inputs of a motion that follows the spindle, for one tick.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SpindleTick<'a> {
     pub limits: &'a MotionLimits,
     pub spindle: &'a SpindleTurn,
-    /// Measured speed, r/min.
+    /// Measured spindle speed, r/min.
     pub rpm: f64,
-    /// Nothing begins.
+    /// Whether no thread may begin.
     pub hold: bool,
-    /// A thread that goes on in phase follows.
+    /// Whether a thread continues in phase after this one.
     pub continues: bool,
 }
 
-/// Where a follower ends.
+/// Turns and leads of a motion that follows the spindle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Way {
-    /// Turns in all.
+    /// Total turns.
     pub turns: f64,
-    /// Lead at the beginning, mm per turn.
+    /// Lead at the start, mm per turn.
     pub first_lead: f64,
-    /// Lead at the end if the gear comes down for it; `None`: it goes on.
+    /// Lead at the end if the gear slows down for it; `None`: the motion continues.
     pub last_lead: Option<f64>,
 }
 
-/// How the time of a step was spent, s.
+/// Use of the time of a step, s.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spent {
-    /// Before the beginning.
+    /// Time before the start.
     pub waiting: f64,
-    /// Since the beginning, offered and used: less only at the end.
+    /// Time since the start: available, and used. `used` is less only at the end.
     pub offered: f64,
     pub used: f64,
 }
 
-/// Follows the spindle through the gear.
+/// Follows the spindle through the electronic gear.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Follower {
     wait: Option<Wait>,
     begin: f64,
     direction: f64,
-    /// Turns of the spindle since the beginning.
+    /// Spindle turns since the start.
     turned: f64,
     gear: Gear,
-    /// The spindle turns, however slowly.
+    /// Whether the spindle turns, at any speed.
+    #[serde(rename = "turns")]
     turns: bool,
 }
 
 impl Follower {
-    /// Begins after this.
+    /// Begins when the wait has ended.
     pub const fn waiting(wait: Wait) -> Self {
         Self {
             wait: Some(wait),
@@ -189,8 +192,8 @@ impl Follower {
         }
     }
 
-    /// Goes on where another one ended; if that came to a stop, at its angle when
-    /// it next comes by.
+    /// Continues another motion from its end. If that motion stopped, it waits for the next
+    /// time that its end angle passes.
     pub(crate) const fn going_on(before: &Handover) -> Self {
         if before.rate <= 0.0 {
             return Self::waiting(Wait::Angle(before.begin));
@@ -208,7 +211,7 @@ impl Follower {
         }
     }
 
-    /// Whether it has begun and the spindle turns: a slow one has ticks without a
+    /// Whether it has begun and the spindle turns. A slow spindle has ticks without a
     /// count.
     pub const fn is_moving(&self) -> bool {
         self.running() && self.turns
@@ -219,13 +222,12 @@ impl Follower {
         self.wait.is_none()
     }
 
-    /// Turns made by the tool; below zero when the spindle has turned back before
-    /// the beginning.
+    /// Turns made by the tool. Negative when the spindle has turned back before the start.
     pub const fn done(&self) -> f64 {
         self.gear.done
     }
 
-    /// The way made counts back: the other direction of the spindle leads out.
+    /// Reverses: the other direction of the spindle leads out over the same turns.
     pub(crate) fn turn_back(&mut self) {
         self.begin += self.direction * self.turned;
         self.direction = -self.direction;
@@ -236,7 +238,7 @@ impl Follower {
         };
     }
 
-    /// What goes to a follower that continues this one after `turns`.
+    /// State for a motion that continues this one after `turns`.
     pub(crate) fn handover(&self, turns: f64, continues: bool) -> Handover {
         Handover {
             begin: self.begin + self.direction * turns,
@@ -246,7 +248,7 @@ impl Follower {
         }
     }
 
-    /// Goes on for `time` seconds, the last of the tick.
+    /// Advances by `time` seconds, the last of the tick.
     pub fn advance(&mut self, tick: &SpindleTick<'_>, way: Way, time: f64) -> Spent {
         let law = tick.limits.gear_law();
         let spin = tick.rpm.abs() / 60.0;

@@ -1,4 +1,4 @@
-//! The electronic gear of threads: spindle turns in, thread turns out.
+//! The electronic gear of threads: converts spindle turns to thread turns.
 //!
 //! ```text
 //!  rate │      ______________            rate = thread turns per spindle turn
@@ -9,29 +9,31 @@
 //!        lead-in   in phase    tail
 //! ```
 //!
-//! While the rate is below 1 the tool lags behind and the lead is short; after the
-//! lead-in the lag stays, so that every pass at the same speed cuts the same groove.
+//! While the rate is below 1 the tool lags and the lead is short. After the lead-in the lag
+//! is constant, so that all passes at one speed cut the same groove.
 
 use serde::{Deserialize, Serialize};
 
 use crate::memory::Parameters;
 
-/// Turns that count as none.
+/// Turns below this count as zero.
 const NOTHING: f64 = 1e-12;
 
-/// How the gear takes up and drops its rate.
+/// How the gear increases and decreases its rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct GearLaw {
     /// Time constant T (029), s.
+    #[serde(rename = "time")]
     pub time: f64,
     /// Exponential instead of linear (175.4).
     pub exponential: bool,
     /// Speed at which threads start and end (028), mm/s.
+    #[serde(rename = "lowest")]
     pub lowest: f64,
 }
 
 impl GearLaw {
-    /// The rate at `lowest` for a lead and a spindle rate (turns/s).
+    /// The rate at which the speed is `lowest`, for a lead and a spindle speed (turns/s).
     pub(crate) fn lowest_rate(&self, lead: f64, spin: f64) -> f64 {
         let speed = lead * spin;
         if self.time <= 0.0 || speed <= self.lowest {
@@ -41,7 +43,7 @@ impl GearLaw {
         }
     }
 
-    /// Turns made while the rate comes down to `last`, at so many turns in T.
+    /// Turns made while the rate decreases to `last`; `unit` is the turns in T.
     fn braking(&self, rate: f64, last: f64, unit: f64) -> f64 {
         if rate <= last {
             0.0
@@ -52,8 +54,8 @@ impl GearLaw {
         }
     }
 
-    /// Time of `total` turns at `spin` turns/s: from the rate `first` (1: in phase
-    /// already) to `last` (1: going on), s.
+    /// Duration of `total` turns at `spin` turns/s, s: from the rate `first` (1: already in
+    /// phase) to `last` (1: continuing).
     pub fn duration(&self, total: f64, spin: f64, first: f64, last: f64) -> f64 {
         if total <= NOTHING {
             return 0.0;
@@ -69,7 +71,7 @@ impl GearLaw {
         if self.exponential {
             return self.exponential_duration(even, first, last);
         }
-        // Turns in T on the straight way from one rate to the other.
+        // Turns, as a fraction of those in T, for the direct change between both rates.
         let straight = (last * last - first * first) / 2.0;
         if even < time * straight {
             return time * ((first * first + 2.0 * even / time).sqrt() - first);
@@ -94,7 +96,7 @@ impl GearLaw {
         }
         let rising = self.rise_time(first, last);
         if last >= 1.0 || even < rising + down {
-            // Newton's steps come down from above.
+            // Newton's steps approach the result from above.
             let mut whole = even + time * (1.0 - first);
             for _ in 0..8 {
                 let lag = time * (1.0 - first - missing(whole));
@@ -107,7 +109,7 @@ impl GearLaw {
         braking_at + time * libm::log(peak / last)
     }
 
-    /// Time in which the exponential law takes up a rate, s; without end for the whole one.
+    /// Time in which the exponential law reaches a rate, s; infinite for the rate 1.
     fn rise_time(&self, from: f64, to: f64) -> f64 {
         if from >= to {
             0.0
@@ -119,7 +121,7 @@ impl GearLaw {
     }
 }
 
-/// The law of lead-in and tail, from the parameters.
+/// The law of lead-in and lead-out, from the parameters.
 pub(super) fn gear_law(parameters: &Parameters) -> GearLaw {
     GearLaw {
         time: parameters.feed_time() / 1000.0,
@@ -128,36 +130,38 @@ pub(super) fn gear_law(parameters: &Parameters) -> GearLaw {
     }
 }
 
-/// Where the turns end, and whether the gear comes down for it.
+/// End of a motion through the gear.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GearEnd {
-    /// Thread turns in all.
+    /// Total thread turns.
     pub total: f64,
-    /// Rate to end at; `None`: it goes on into the next thread.
+    /// Rate at the end; `None`: the next thread continues.
     pub last: Option<f64>,
 }
 
-/// State of the gear.
+/// State of the electronic gear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Gear {
-    /// Thread turns for a spindle turn, 0…1.
+    /// Thread turns per spindle turn, 0–1.
     pub rate: f64,
     /// Thread turns made.
+    #[serde(rename = "done")]
     pub done: f64,
 }
 
 impl Gear {
-    /// Takes `turns` of the spindle in `time` seconds; the time used, less than
-    /// `time` only at the end.
+    /// Advances by `turns` of the spindle in `time` seconds. Returns the time used, which
+    /// is less than `time` only at the end.
     pub fn advance(&mut self, law: &GearLaw, end: GearEnd, turns: f64, time: f64) -> f64 {
         if turns <= 0.0 || time <= 0.0 {
-            // The spindle stands or turns back: the tool follows, never past the start.
+            // The spindle stands still or turns back: the tool follows, but never past the
+            // start.
             self.done += self.rate * turns.min(0.0);
             return time;
         }
         let spin = turns / time;
         let mut used = 0.0;
-        // Each turn of the loop is one phase: take up, keep, drop.
+        // Each iteration is one phase: increase, keep, decrease the rate.
         for _ in 0..8 {
             let (left, rest) = (time - used, end.total - self.done);
             if rest <= NOTHING {
@@ -200,12 +204,12 @@ impl Gear {
         until
     }
 
-    /// Towards the rate 1, or to the point where it must come down.
+    /// Increases the rate towards 1, or to the point where it must decrease.
     fn take_up(&mut self, law: &GearLaw, last: f64, spin: f64, rest: f64, left: f64) -> f64 {
         let (rate, time) = (self.rate, law.time);
         let unit = spin * time;
         if law.exponential {
-            // Below the rate it is to end at nothing is kept for coming down.
+            // Below the final rate no turns are reserved for the decrease.
             let rising = law.rise_time(rate, last);
             let until = if rate < last {
                 rising
@@ -253,7 +257,7 @@ impl Gear {
         span
     }
 
-    /// At the rate there is, to the end.
+    /// Keeps the present rate to the end.
     fn coast(&mut self, spin: f64, rest: f64, left: f64) -> f64 {
         let until = rest / (spin * self.rate.max(1e-6));
         if until > left {
@@ -264,7 +268,7 @@ impl Gear {
         until
     }
 
-    /// Down to `last` exactly at the end, whatever the spindle did on the way.
+    /// Decreases the rate to `last` exactly at the end, at any change of the spindle speed.
     fn drop_rate(&mut self, law: &GearLaw, last: f64, spin: f64, rest: f64, left: f64) -> f64 {
         let rate = self.rate;
         if law.exponential {

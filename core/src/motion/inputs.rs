@@ -1,4 +1,4 @@
-//! What motion depends on besides its command, and the speeds that follow from it.
+//! Inputs of the motion beside its command, and the speeds that follow from them.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,14 +9,14 @@ use crate::units::{Axis, Feed, PerAxis, min_not_nan};
 /// Rapid override.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RapidOverride {
-    /// The lowest rate itself (032).
+    /// F0: the lowest rapid rate (032).
     F0,
-    /// Per cent of the rapid rates.
+    /// Percentage of the rapid rates.
     Percent(u8),
 }
 
 impl RapidOverride {
-    /// From per cent, where 0 stands for F0.
+    /// From a percentage, where 0 means F0.
     pub(crate) const fn from_percent(percent: u8) -> Self {
         if percent == 0 {
             Self::F0
@@ -30,34 +30,36 @@ impl RapidOverride {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DryRun {
     /// Rate of cuts, mm/min.
+    #[serde(rename = "cutting")]
     pub cutting: f64,
     /// Rate of rapids, mm/min; `None`: the rapid rates.
+    #[serde(rename = "rapid")]
     pub rapid: Option<f64>,
 }
 
-/// What motion depends on besides its command.
+/// Inputs of the motion beside its command.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MotionInputs {
-    /// Feed override, 0.0…1.5.
+    /// Feed override, 0.0–1.5.
     pub feed_override: f64,
-    /// Rapid override.
+    /// Rapid override of G00 and manual rapid.
     pub rapid_override: RapidOverride,
     /// Measured spindle speed, r/min, either sign.
     pub spindle_rpm: f64,
-    /// Measured spindle angle.
+    /// Measured spindle angle around the tick.
     pub spindle: SpindleTurn,
-    /// A thread that goes on in phase follows the one under way.
+    /// Whether a thread continues in phase after the one under way.
     pub thread_continues: bool,
-    /// A cut follows the one under way without a stop in between (007.3 = 0).
+    /// Whether a cut follows the one under way without a stop in between (007.3 = 0).
     pub cut_continues: bool,
-    /// Feed hold or interlock: programmed motion decelerates to standstill.
+    /// Whether feed hold or an interlock stops programmed motion.
     pub hold: bool,
-    /// Dry run; switching it goes through standstill.
+    /// Dry run rates; `None`: off. Switching it passes through a standstill.
     pub dry_run: Option<DryRun>,
 }
 
 impl Default for MotionInputs {
-    /// Overrides at 100 %, spindle standing.
+    /// Overrides at 100 %, spindle at standstill.
     fn default() -> Self {
         Self {
             feed_override: 1.0,
@@ -81,7 +83,7 @@ pub(super) fn rapid_rate(limits: &MotionLimits, rapid_override: RapidOverride, a
     }
 }
 
-/// Speeds that a rapid goes for, mm/s; none while it is to stop.
+/// Target speeds of a rapid, mm/s; 0 while it must stop.
 pub(super) fn rapid_targets(
     limits: &MotionLimits,
     inputs: &MotionInputs,

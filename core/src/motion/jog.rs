@@ -1,5 +1,5 @@
-//! One axis moved by hand: jog, manual rapid, steps and handwheel (manual III-4,
-//! III-6), and the approach of a zero return.
+//! Manual motion of one axis: jog, manual rapid, steps and handwheel (manual III-4, III-6),
+//! and the approach of a reference return.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,15 +7,15 @@ use super::limits::MotionLimits;
 use super::ramp::{Law, Ramp};
 use crate::units::Axis;
 
-/// At which rate an axis is moved by hand.
+/// Rate of manual motion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum JogRate {
     /// Jog feed, mm/min (X in radius): exponential law, 029 and 041.
     Feed(f64),
     /// Manual rapid: rapid rate and law of the axis, with the rapid override.
     Rapid,
-    /// A rate of its own, mm/min, by the linear law of rapid (zero return 113,
-    /// 033); no override is applied to it.
+    /// Given rate, mm/min, with the linear law of rapids (reference return 113, 033). No
+    /// override applies.
     Approach(f64),
 }
 
@@ -28,29 +28,29 @@ impl JogRate {
 /// One axis in manual motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ManualAxis {
-    /// What is asked for: direction (true = positive) and rate.
+    /// Requested jog: direction (true = positive) and rate.
     command: Option<(bool, JogRate)>,
-    /// Where a step or the handwheel is going, mm.
+    /// Target of a step or of the handwheel, mm, and its rate.
     goal: Option<(f64, JogRate)>,
-    /// Speed, mm/s, and what it belongs to.
+    /// Speed, mm/s, with its direction and law.
     speed: f64,
     positive: bool,
     linear: bool,
 }
 
 impl ManualAxis {
-    /// Asks for a jog, or for standstill.
+    /// Requests a jog, or a standstill.
     pub const fn set(&mut self, command: Option<(bool, JogRate)>) {
         self.command = command;
     }
 
-    /// Moves the goal of a step or of the handwheel by `distance` mm.
+    /// Moves the target of a step or of the handwheel by `distance` mm.
     pub fn step(&mut self, position: f64, distance: f64, rate: JogRate) {
         let base = self.goal.map_or(position, |(goal, _)| goal);
         self.goal = Some((base + distance, rate));
     }
 
-    /// Sends the axis to a place, mm.
+    /// Moves the axis to a coordinate, mm.
     pub const fn go_to(&mut self, goal: f64, rate: JogRate) {
         self.goal = Some((goal, rate));
     }
@@ -62,7 +62,7 @@ impl ManualAxis {
         }
     }
 
-    /// Where a step is going, mm.
+    /// Target of a step, mm; `None` if no step is under way.
     pub(crate) fn goal(&self) -> Option<f64> {
         self.goal.map(|(goal, _)| goal)
     }
@@ -77,7 +77,7 @@ impl ManualAxis {
         self.goal.is_some()
     }
 
-    /// Whether nothing moves and nothing is asked for.
+    /// Whether the axis stands still without a request.
     pub fn idle(&self) -> bool {
         self.speed <= 0.0 && self.command.is_none() && self.goal.is_none()
     }
@@ -87,7 +87,7 @@ impl ManualAxis {
         self.speed > 0.0
     }
 
-    /// Drops what is asked for; the axis decelerates.
+    /// Drops the request; the axis decelerates.
     pub const fn release(&mut self) {
         self.command = None;
         self.goal = None;
@@ -101,21 +101,21 @@ impl ManualAxis {
         }
     }
 
-    /// The way to standstill, signed, mm.
+    /// Signed braking distance, mm.
     pub(crate) fn braking_distance(&self, axis: Axis, limits: &MotionLimits) -> f64 {
         let way = self.law(axis, limits).braking_distance(self.speed);
         if self.positive { way } else { -way }
     }
 
-    /// Shifts a goal along with the coordinates.
+    /// Shifts the target with the coordinates.
     pub(crate) fn translate(&mut self, by: f64) {
         if let Some((goal, _)) = &mut self.goal {
             *goal += by;
         }
     }
 
-    /// Goes on for `dt` seconds from `position`; the new position. `rapid` is the
-    /// rapid rate with its override, mm/s.
+    /// Advances by `dt` seconds from `position` and returns the new position. `rapid` is
+    /// the rapid rate with its override, mm/s.
     pub fn advance(
         &mut self,
         axis: Axis,
@@ -132,7 +132,7 @@ impl ManualAxis {
             positive == self.positive && rate.is_linear() == self.linear
         };
         let mut matches = wanted.is_some_and(fits);
-        // Another direction or law begins at standstill.
+        // A change of direction or law begins at standstill.
         if let (false, Some((positive, rate))) = (matches, wanted)
             && self.speed <= 0.0
         {

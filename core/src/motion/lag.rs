@@ -1,6 +1,6 @@
-//! Cuts that go over into each other (007.3 SMZ = 0): the acceleration acts after the
-//! interpolation. The command runs along the path at the feed, block after block, and
-//! the tool follows it at a distance.
+//! Cuts that continue into each other (007.3 SMZ = 0): the acceleration acts after the
+//! interpolation. The command runs along the path at the feed, block after block, and the
+//! tool follows it with a lag.
 //!
 //! ```text
 //!   command ──────────────●          v = FL + lag / T, towards the command
@@ -8,23 +8,24 @@
 //!   tool  ──────────── ●
 //! ```
 //!
-//! On a straight line this is the law of [`Law::Exponential`]: from rest the speed is
-//! `F - (F - FL) e^(-t/T)`, the lag comes to `T (F - FL)`, and after the command has
-//! stopped the tool needs `T ln(F / FL)` for the rest. Where the path turns, the tool
-//! cuts the corner; on an arc it runs on a smaller one.
+//! On a straight line this is the law of [`Law::Exponential`]: from rest the speed is `F -
+//! (F - FL) e^(-t/T)`, the lag reaches `T (F - FL)`, and after the command has stopped the
+//! tool needs `T ln(F / FL)` for the rest. At a corner the tool cuts the corner; on an arc
+//! it follows a smaller one.
 
 use serde::{Deserialize, Serialize};
 
 use super::ramp::Law;
 use crate::units::Point;
 
-/// A lag that counts as none, mm.
+/// A lag below this counts as zero, mm.
 const NOTHING: f64 = 1e-9;
 
-/// How far the tool is behind the command.
+/// Lag of the tool after the command.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Lag {
-    /// From the tool to the command, mm.
+    /// Vector from the tool to the command, mm.
+    #[serde(rename = "behind")]
     pub behind: Point,
 }
 
@@ -34,7 +35,7 @@ impl Lag {
         self.behind == Point::default()
     }
 
-    /// The command goes on by `way` in `time` seconds, evenly.
+    /// Advances the command evenly by `way` in `time` seconds.
     pub fn follow(&mut self, law: &Law, way: Point, time: f64) {
         let Law::Exponential {
             time: constant,
@@ -53,7 +54,7 @@ impl Lag {
         }
         let speed = way * (1.0 / time);
         let mut left = time;
-        // Each turn of the loop is one direction of the lag.
+        // Each iteration is one direction of the lag.
         for _ in 0..4 {
             if left <= 1e-15 {
                 return;
@@ -62,8 +63,8 @@ impl Lag {
         }
     }
 
-    /// Goes on until the lag has shrunk to nothing in its direction, at most for
-    /// `left` seconds; the time it took.
+    /// Advances until the lag in its direction is zero, at most for `left` seconds. Returns
+    /// the time used.
     fn phase(&mut self, law: &Law, constant: f64, lowest: f64, speed: Point, left: f64) -> f64 {
         let distance = self.behind.length();
         let along = if distance > NOTHING {
@@ -91,7 +92,7 @@ impl Lag {
             let behind = limit + (self.behind - limit) * rest;
             behind - along * behind.dot(along)
         } else {
-            // FL along the lag as it will be: its direction cannot swing.
+            // FL acts along the resulting lag, so that its direction cannot oscillate.
             let whole = speed * (constant * (1.0 - rest)) + self.behind * rest;
             let length = whole.length();
             let left = (length - lowest * constant * (1.0 - rest)).max(0.0);
@@ -105,8 +106,8 @@ impl Lag {
         span
     }
 
-    /// The command stands: the tool closes up for `time` seconds. Returns the time
-    /// it took, less than `time` only when it has arrived.
+    /// Advances by `time` seconds with the command at rest. Returns the time used, which is
+    /// less than `time` only when the tool has arrived.
     pub(crate) fn close_up(&mut self, law: &Law, time: f64) -> f64 {
         let until = self.time_to_close(law);
         if until <= time {
@@ -117,7 +118,7 @@ impl Lag {
         time
     }
 
-    /// Seconds until the tool has closed up to a standing command.
+    /// Time in which the tool reaches a command at rest, s.
     pub(crate) fn time_to_close(&self, law: &Law) -> f64 {
         match *law {
             Law::Exponential { time, lowest, .. } if time > 0.0 => {

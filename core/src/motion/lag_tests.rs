@@ -1,4 +1,4 @@
-//! Cuts that go over into each other (007.3 = 0) against the theory of the lag.
+//! Tests of cuts that continue into each other (007.3 = 0) against the theory of the lag.
 
 use proptest::prelude::*;
 
@@ -7,7 +7,6 @@ use crate::command::MoveKind;
 use crate::memory::Parameters;
 use crate::units::{Axis, Feed, Point, TICK_S};
 
-/// 029 in ms, 030 in mm/min.
 /// Mean speed of the last tick along the path, mm/min.
 fn speed(interpolator: &Interpolator) -> f64 {
     interpolator.velocity().length() * 60.0
@@ -22,7 +21,7 @@ fn limits(exact: bool, time: i32, lowest: i32) -> MotionLimits {
 }
 
 const FEED: f64 = 3000.0;
-/// The same in mm/s.
+/// [`FEED`] in mm/s.
 const RATE: f64 = 50.0;
 
 fn goes_on() -> MotionInputs {
@@ -32,8 +31,7 @@ fn goes_on() -> MotionInputs {
     }
 }
 
-/// Lets a cut run to the end of its command, then starts the next with the rest of
-/// the tick.
+/// Runs a cut to the end of its command, then starts the next one in the rest of the tick.
 fn over(interpolator: &mut Interpolator, limits: &MotionLimits, start: impl Fn(&mut Interpolator)) {
     while !interpolator.finished() {
         interpolator.tick(limits, &goes_on());
@@ -197,7 +195,7 @@ fn the_feed_override_acts_within_a_tick() {
             let target = FEED * factor;
             let half = libm::exp(-0.0005 / 0.1);
             let expected = target + (before - target) * half;
-            // Before, the speed stood; the first tick is half a tick later.
+            // The speed was constant before; the first tick is half a tick later.
             let made = speed(&interpolator);
             assert!((made - expected).abs() < 0.001 * FEED, "{made} {expected}");
             for _ in 0..2500 {
@@ -231,7 +229,7 @@ fn the_rapid_override_acts_within_a_tick() {
     assert!((speed(&interpolator) - rate / 4.0).abs() < 1e-6);
 }
 
-/// A cut from the end of the last one.
+/// A cut from the end of the previous one.
 #[derive(Clone, Copy, Debug)]
 enum Cut {
     Line(Point, f64),
@@ -249,7 +247,7 @@ fn cut() -> impl Strategy<Value = Cut> {
 }
 
 proptest! {
-    /// Holds and overrides at any moment leave the end points alone.
+    /// Holds and overrides at any moment do not change the end points.
     #[test]
     fn holds_and_overrides_keep_the_ends(
         ways in prop::collection::vec((-4000i32..4000, -4000i32..4000), 2..6),
@@ -287,7 +285,7 @@ proptest! {
         prop_assert!((interpolator.position() - end).length() < 1e-9 && !interpolator.is_moving());
     }
 
-    /// No end is missed, no speed passed, and the time is the one known beforehand.
+    /// No end is missed, no speed exceeded, and the duration is the predicted one.
     #[test]
     fn chains_of_cuts_keep_end_speed_and_time(
         cuts in prop::collection::vec(cut(), 1..12),
@@ -299,8 +297,8 @@ proptest! {
         let mut interpolator = Interpolator::new(Point::default());
         let mut sequel = Sequel::default();
         let (mut expected, mut top, mut ticks) = (0.0, 0.0f64, 0u32);
-        // The most an arc turns in a tick, rad: the chord stands for the arc, and
-        // where two small arcs meet the tool cuts the corner in few ticks.
+        // Greatest turn of an arc in a tick, rad: the chord replaces the arc, and where two
+        // small arcs meet the tool cuts the corner in few ticks.
         let mut turn = 0.0f64;
         let count = cuts.len();
         for (index, cut) in cuts.into_iter().enumerate() {
@@ -337,7 +335,7 @@ proptest! {
         prop_assert!(!interpolator.is_moving());
         expected += sequel.close(&limits);
         let ticked = f64::from(ticks) * TICK_S;
-        // Arcs that a few ticks pass are estimated roughly; whole programs keep to
+        // Arcs that take only a few ticks are estimated roughly; whole programs stay within
         // half a percent (tests of the transitions).
         let tolerance = 0.02 + 0.02 * expected;
         prop_assert!((ticked - expected).abs() < tolerance, "{} s instead of {}", ticked, expected);

@@ -1,4 +1,4 @@
-//! What the parameters allow, in mm and seconds, worked out once.
+//! Speed and acceleration limits from the parameters, in mm and seconds.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,28 +9,32 @@ use crate::memory::Parameters;
 use crate::model::{ControlModel, ncb08};
 use crate::units::{Axis, PerAxis, Point};
 
-/// The lowest start and end speed of the exponential law, mm/min: with 030 or
-/// 041 = 0 the exponential tail would never end.
+/// Lowest start and end speed of the exponential law, mm/min. With 030 or 041 = 0 the
+/// exponential tail would never end.
 const LEAST_LOWEST: f64 = 1.0;
 
-/// Rates and accelerations from the parameters; made anew when one changes.
+/// Rates and accelerations from the parameters, computed again when one changes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MotionLimits {
     rapid: PerAxis<f64>,
     rapid_law: PerAxis<Law>,
     lowest_rapid: f64,
-    /// Rapids are straight lines with an S of speed, and no faster than this, mm/s.
+    /// Highest speed of straight rapids with an S-shaped speed profile, mm/s; `None`: each
+    /// axis moves at its own rate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     straight_rapid: Option<f64>,
     cutting: f64,
     cutting_law: Law,
     exact_corners: bool,
-    /// A program of macro B has switched exact corners off.
+    /// Whether a macro B program has switched exact corners off.
     #[serde(default)]
+    #[serde(rename = "corners_passed")]
     corners_passed: bool,
     jog_law: Law,
     gear_law: GearLaw,
+    #[serde(rename = "tail_rate")]
     tail_rate: f64,
+    #[serde(rename = "tail_time")]
     tail_time: f64,
     pulse_limit: PerAxis<Option<f64>>,
 }
@@ -64,7 +68,7 @@ impl From<&Parameters> for MotionLimits {
 }
 
 impl MotionLimits {
-    /// The limits of a model.
+    /// The limits of a control model.
     pub fn of(parameters: &Parameters, model: &ControlModel) -> Self {
         let limits = Self::from(parameters);
         if !model.record().rapids_are_straight() {
@@ -82,7 +86,7 @@ impl MotionLimits {
         self.straight_rapid.is_some()
     }
 
-    /// Speed along the way of a straight rapid at most, mm/s.
+    /// Highest speed along a straight rapid, mm/s.
     pub(super) fn straight_rapid(&self) -> f64 {
         self.straight_rapid.unwrap_or(f64::INFINITY)
     }
@@ -97,13 +101,13 @@ impl MotionLimits {
         self.cutting * 60.0
     }
 
-    /// Whether an electronic gear multiplies, and so limits the speed.
+    /// Whether an electronic gear multiplies and therefore limits the speed.
     pub(crate) const fn gear_limits_speed(&self) -> bool {
         self.pulse_limit.x.is_some() || self.pulse_limit.z.is_some()
     }
 
-    /// The axis that is faster than the electronic gear allows (alarm 097), with its
-    /// limit in mm/min; `speed` in mm/min.
+    /// The axis that exceeds the speed of its electronic gear (alarm 097), with its limit
+    /// in mm/min; `speed` in mm/min.
     pub(crate) fn too_fast_for_gear(&self, speed: Point) -> Option<(Axis, f64)> {
         [Axis::X, Axis::Z].into_iter().find_map(|axis| {
             let limit = (*self.pulse_limit.get(axis))?;
@@ -111,8 +115,8 @@ impl MotionLimits {
         })
     }
 
-    /// Highest speed of an axis in a thread, mm/min, and the parameter that sets it:
-    /// its rapid rate (022, 023) or the limit of cutting feed (027).
+    /// Highest speed of an axis in a thread, mm/min, and the parameter that limits it: its
+    /// rapid rate (022, 023) or the cutting feed limit (027).
     pub(crate) fn thread_limit(&self, axis: Axis) -> (f64, u16) {
         let (rapid, cutting) = (self.rapid_rate(axis), self.cutting_rate());
         match axis {
@@ -143,27 +147,27 @@ impl MotionLimits {
         &self.cutting_law
     }
 
-    /// Whether a program of macro B lets cuts go over into each other (#3004).
+    /// Sets whether a macro B program lets cuts continue into each other (#3004).
     pub(crate) const fn pass_corners(&mut self, on: bool) {
         self.corners_passed = on;
     }
 
-    /// Whether every cut ends on its end point before the next begins (007.3).
+    /// Whether each cut ends at its end point before the next begins (007.3).
     pub(crate) const fn exact_corners(&self) -> bool {
         self.exact_corners && !self.corners_passed
     }
 
-    /// Lead-in and tail of threads (028, 029, 175.4).
+    /// Law of lead-in and lead-out of threads (028, 029, 175.4).
     pub(super) const fn gear_law(&self) -> &GearLaw {
         &self.gear_law
     }
 
-    /// X leaving a thread (107), mm/s; 0: at the thread's own speed.
+    /// Speed of X in the run-out of a thread (107), mm/s; 0: the speed of the thread.
     pub(super) const fn tail_rate(&self) -> f64 {
         self.tail_rate
     }
 
-    /// Time constant of X leaving a thread (026), s.
+    /// Time constant of X in the run-out of a thread (026), s.
     pub(super) const fn tail_time(&self) -> f64 {
         self.tail_time
     }

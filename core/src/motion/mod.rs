@@ -1,10 +1,10 @@
-//! From commands to one position per millisecond.
+//! Converts commands to one position per millisecond.
 //!
-//! Three laws of speed, all integrated exactly (piecewise in closed form), so that
-//! a block takes the same time however it falls on the ticks:
+//! Three speed laws, all integrated exactly (piecewise in closed form), so that the
+//! duration of a block does not depend on its alignment with the ticks:
 //!
-//! Rapid (022/023 rate, 024/025 time to reach it): each axis for itself, at constant
-//! acceleration `a = rate / time`; a short way never reaches the rate.
+//! Rapid (022/023 rate, 024/025 time to reach it): each axis separately, at constant
+//! acceleration `a = rate / time`; a short distance never reaches the rate.
 //!
 //! ```text
 //!  v │    ┌────────────┐             v │
@@ -15,10 +15,10 @@
 //!      a     rate 022/023  -a             short way
 //! ```
 //!
-//! Cutting (029 time constant T, 030 lowest speed FL, 027 clamp): speed along the
-//! path; it jumps to FL, approaches the feed F exponentially, and comes down the
-//! same way so that FL is reached exactly at the end point. The braking curve is
-//! `v = FL + rest / T`, met at the time `length / F`.
+//! Cutting (029 time constant T, 030 lowest speed FL, 027 limit): speed along the path. It
+//! jumps to FL, approaches the feed F exponentially, and decreases in the same way, so that
+//! FL is reached exactly at the end point. The braking curve is `v = FL + rest / T`, which
+//! begins at the time `length / F`.
 //!
 //! ```text
 //!  v │          . - - ──────┐            F (1 - e^(-t/T)) …
@@ -30,13 +30,13 @@
 //!        0              length/F       end
 //! ```
 //!
-//! With 007.3 SMZ = 1 every cut does so. With 007.3 = 0 a cut that follows another
-//! begins when the command of the one before has come to its end, while the tool
-//! still follows: the corner is rounded, the speed kept (see `lag`).
+//! With 007.3 SMZ = 1 this applies to all cuts. With 007.3 = 0 a cut that follows another
+//! begins when the command of the previous cut has ended, while the tool still follows it:
+//! the corner is rounded and the speed is kept (see `lag`).
 //!
-//! Jog (029, 041 as lowest speed): the cutting law on one axis without an end
-//! point. Manual rapid: the rapid law on one axis. Changing between the two, or
-//! the direction, goes through standstill (manual PLC «manual rapid selection»).
+//! Jog (029, 041 as lowest speed): the cutting law on one axis without an end point. Manual
+//! rapid: the rapid law on one axis. A change between the two, or of the direction, passes
+//! through a standstill (manual PLC «manual rapid selection»).
 //!
 //! ```text
 //!  v │      . ────┐             jog, released: e^(-t/T) down to FL, then 0
@@ -46,12 +46,11 @@
 //!    └────────────────────► t
 //! ```
 //!
-//! Threads and taps have no speed of their own: they follow the angle of the spindle
-//! through an electronic gear (see `gear`, `thread`, `tap`); overrides and feed hold
-//! do not act on them.
+//! Threads and taps have no own speed: they follow the spindle angle through an electronic
+//! gear (see `gear`, `thread`, `tap`). Overrides and feed hold do not act on them.
 //!
-//! Feed hold, reset and an override of 0 % bring the speed down by the law in
-//! force; the distance left is kept, so that going on loses no position.
+//! Feed hold, reset and an override of 0 % reduce the speed by the law in force. The
+//! distance to go is kept, so that no position is lost.
 
 mod driven;
 mod duration;

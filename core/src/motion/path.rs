@@ -1,4 +1,4 @@
-//! Geometry of a cut: straight or circular, by the way still to go.
+//! Geometry of a cut: straight or circular, as a function of the distance to go.
 
 use core::f64::consts::TAU;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::Point;
 
-/// Points nearer than this are one point, mm; an arc between them is a full circle.
+/// Points nearer than this coincide, mm; an arc between them is a full circle.
 const SAME: f64 = 1e-7;
 
 /// A line or an arc with its length.
@@ -15,10 +15,11 @@ pub(crate) struct Path {
     from: Point,
     to: Point,
     length: f64,
+    #[serde(rename = "bend")]
     bend: Option<Bend>,
 }
 
-/// What makes an arc of a path.
+/// The circular part of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Bend {
     center: Point,
@@ -26,7 +27,7 @@ struct Bend {
     start: f64,
     /// Angle swept, positive counter-clockwise, rad.
     sweep: f64,
-    /// Radius at the start, and how much more at the end (rounding only).
+    /// Radius at the start, and its increase to the end (rounding only).
     radius: f64,
     growth: f64,
 }
@@ -42,8 +43,8 @@ impl Path {
         }
     }
 
-    /// An arc, clockwise as seen with +Z to the right and +X up; start and end in
-    /// one point make a full circle.
+    /// An arc, clockwise as seen with +Z to the right and +X up. It is a full circle if
+    /// start and end coincide.
     pub fn arc(from: Point, to: Point, center: Point, clockwise: bool) -> Self {
         let start_arm = from - center;
         let end_arm = to - center;
@@ -81,7 +82,7 @@ impl Path {
         self.length
     }
 
-    /// Whether it is a line.
+    /// Whether the path is a line.
     pub(crate) const fn is_straight(&self) -> bool {
         self.bend.is_none()
     }
@@ -105,7 +106,7 @@ impl Path {
         bend.center + Point::new(sine * radius, cosine * radius)
     }
 
-    /// The same path elsewhere.
+    /// The path shifted by a vector.
     pub fn translated(self, by: Point) -> Self {
         let bend = self.bend.map(|bend| Bend {
             center: bend.center + by,

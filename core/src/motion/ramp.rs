@@ -1,4 +1,4 @@
-//! Speed along one line of travel: two laws, each integrated in closed form.
+//! Speed along one line of travel: two speed laws, each integrated in closed form.
 
 use core::f64::consts::LOG2_E;
 
@@ -6,21 +6,21 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::{TICK_S, max_not_nan, min_not_nan};
 
-/// Distance below which a rest counts as nothing, mm.
+/// A distance to go below this counts as zero, mm.
 const NOTHING: f64 = 1e-12;
 
-/// How a speed changes.
+/// Law by which a speed changes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Law {
     /// Constant acceleration, mm/s².
     Linear { acceleration: f64 },
-    /// Exponential approach.
+    /// Exponential approach to the target speed.
     Exponential {
         /// Time constant, s.
         time: f64,
         /// Speed at which motion starts and ends, mm/s.
         lowest: f64,
-        /// e^(-tick / time), worked out once.
+        /// e^(-tick / time), computed once.
         tick_decay: f64,
     },
 }
@@ -33,7 +33,7 @@ impl Law {
         }
     }
 
-    /// The constant acceleration, mm/s²; none has the exponential law.
+    /// The constant acceleration, mm/s²; infinite for the exponential law.
     pub(super) const fn acceleration(&self) -> f64 {
         match *self {
             Self::Linear { acceleration } => acceleration,
@@ -41,7 +41,7 @@ impl Law {
         }
     }
 
-    /// Exponential law; a time constant of zero means steps of speed.
+    /// Exponential law; with a time constant of zero the speed changes in steps.
     pub(crate) fn exponential(time: f64, lowest: f64) -> Self {
         let tick_decay = if time > 0.0 {
             libm::exp(-TICK_S / time)
@@ -55,7 +55,7 @@ impl Law {
         }
     }
 
-    /// Time constant of the exponential law, s.
+    /// Time constant of the exponential law, s; 0 for the linear law.
     pub(crate) const fn time_constant(&self) -> f64 {
         match *self {
             Self::Exponential { time, .. } => time,
@@ -63,7 +63,8 @@ impl Law {
         }
     }
 
-    /// What is left of a difference after `span` seconds: e^(-span / time constant).
+    /// Fraction of a difference that remains after `span` seconds: e^(-span / time
+    /// constant).
     pub(crate) fn decay(&self, span: f64) -> f64 {
         match *self {
             Self::Exponential {
@@ -73,7 +74,7 @@ impl Law {
         }
     }
 
-    /// The speed that the way `length` leaves time for, from rest to rest, mm/s.
+    /// Highest speed on a distance `length` from rest to rest, mm/s.
     pub fn reached(&self, length: f64) -> f64 {
         match *self {
             Self::Linear { acceleration } => (acceleration * length).sqrt(),
@@ -81,7 +82,7 @@ impl Law {
         }
     }
 
-    /// The way from `speed` to standstill, mm.
+    /// Distance from `speed` to a standstill, mm.
     pub(crate) fn braking_distance(&self, speed: f64) -> f64 {
         match *self {
             Self::Linear { acceleration } => speed * speed / (2.0 * acceleration),
@@ -89,7 +90,7 @@ impl Law {
         }
     }
 
-    /// The time of a whole move of `length` mm at the target speed `rate`, s.
+    /// Duration of a whole move of `length` mm at the target speed `rate`, s.
     pub fn duration(&self, length: f64, rate: f64) -> f64 {
         if length <= NOTHING {
             return 0.0;
@@ -110,8 +111,8 @@ impl Law {
                 if time <= 0.0 || lowest >= rate {
                     return until_braking;
                 }
-                // As a power of two: its chain of roundings is half as long, and every
-                // block of a program waits for it.
+                // As a power of two, because its chain of roundings is half as long and
+                // each block of a program waits for it.
                 let left = libm::exp2(until_braking * (-LOG2_E / time));
                 let peak = rate - (rate - lowest) * left;
                 until_braking + time * libm::log(peak / lowest)
@@ -120,12 +121,12 @@ impl Law {
     }
 }
 
-/// What one advance did.
+/// Result of one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Advance {
-    /// Way travelled, mm.
+    /// Distance travelled, mm.
     pub moved: f64,
-    /// Time it took, s: less than offered only when the end was reached.
+    /// Time used, s: less than available only when the end was reached.
     pub used: f64,
 }
 
@@ -136,17 +137,17 @@ impl Advance {
     };
 }
 
-/// A speed and the way still to go; the way is infinite for a jog.
+/// Speed and distance to go; the distance is infinite for a jog.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Ramp {
     /// Speed, mm/s, never negative.
     pub speed: f64,
-    /// Way to the end, mm; exactly zero at the end.
+    /// Distance to the end, mm; exactly zero at the end.
     pub remaining: f64,
 }
 
 impl Ramp {
-    /// At rest before a way of `length` mm.
+    /// At rest, with a distance of `length` mm to go.
     pub const fn new(length: f64) -> Self {
         Self {
             speed: 0.0,
@@ -159,8 +160,7 @@ impl Ramp {
         self.remaining <= 0.0
     }
 
-    /// Goes on for `dt` seconds towards the speed `target`, braking in time for
-    /// the end.
+    /// Advances by `dt` seconds towards the speed `target`, braking in time for the end.
     pub fn advance(&mut self, law: &Law, target: f64, dt: f64) -> Advance {
         let target = if target > 0.0 { target } else { 0.0 };
         let mut step = Advance::NOTHING;
@@ -179,12 +179,12 @@ impl Ramp {
         step
     }
 
-    /// Whether there is way and time left.
+    /// Whether distance and time are left.
     fn goes_on(&self, time: f64) -> bool {
         !self.finished() && time > 1e-15
     }
 
-    /// A tick has seldom more than one phase.
+    /// A tick seldom has more than one phase.
     #[cold]
     fn further_phases(&mut self, law: &Law, target: f64, dt: f64, first: Advance) -> Advance {
         let mut step = first;
@@ -200,7 +200,7 @@ impl Ramp {
         step
     }
 
-    /// One phase: change speed, keep it or brake.
+    /// One phase: changes the speed, keeps it or brakes.
     fn phase(&mut self, law: &Law, target: f64, time: f64) -> Advance {
         match *law {
             Law::Linear { acceleration } => self.linear_phase(acceleration, target, time),
@@ -212,7 +212,7 @@ impl Ramp {
         }
     }
 
-    /// Moves on by `moved` in `used` seconds, ending at `speed`.
+    /// Moves by `moved` in `used` seconds, with `speed` at the end.
     fn take(&mut self, moved: f64, used: f64, speed: f64) -> Advance {
         let moved = min_not_nan(moved, self.remaining);
         self.remaining -= moved;
@@ -220,12 +220,12 @@ impl Ramp {
         Advance { moved, used }
     }
 
-    /// The rest of the way in `used` seconds.
+    /// Moves to the end in `used` seconds.
     fn arrive(&mut self, used: f64) -> Advance {
         self.take(self.remaining, used, 0.0)
     }
 
-    /// At a constant speed until the end, a point `room` ahead, or the time is up.
+    /// Moves at constant speed until the end, a distance of `room`, or the end of the time.
     fn cruise(&mut self, room: f64, time: f64) -> Advance {
         let until = room / self.speed;
         if until > time {
@@ -241,7 +241,7 @@ impl Ramp {
         let speed = self.speed;
         let braking = speed * speed / (2.0 * acceleration);
         if speed > 0.0 && self.remaining <= braking * (1.0 + 1e-9) {
-            // On the braking curve: the rate that ends exactly at the end point.
+            // On the braking curve: the acceleration that ends exactly at the end point.
             let until_end = 2.0 * self.remaining / speed;
             if until_end <= time {
                 return self.arrive(until_end);
@@ -291,7 +291,7 @@ impl Ramp {
         target: f64,
         time: f64,
     ) -> Advance {
-        // Below the lowest speed, and without a time constant, speed follows at once.
+        // Below the lowest speed, or without a time constant, the speed follows at once.
         self.speed = max_not_nan(self.speed, min_not_nan(lowest, target));
         if constant <= 0.0 || (self.speed <= lowest && target <= lowest) {
             self.speed = target;
@@ -308,8 +308,8 @@ impl Ramp {
         if speed > lowest && room <= 1e-9 * constant * speed {
             return self.brake_exponentially(constant, lowest, tick_decay, time);
         }
-        // Until the braking curve is met: the way made good at `target` is `room`.
-        // Far from there nothing has to be divided.
+        // Until the braking curve is met: the distance at `target` is `room`. Far from it
+        // no division is needed.
         let mut span = if target > 0.0 && room < 2.0 * target * time {
             min_not_nan(room / target, time)
         } else {
@@ -328,9 +328,8 @@ impl Ramp {
         self.take(moved, span, lands_at.unwrap_or(end_speed))
     }
 
-    /// On the braking curve down to the lowest speed at the end point. The time
-    /// constant follows from the way left, so that the end is met even if the
-    /// parameter was changed on the way.
+    /// Brakes down to the lowest speed at the end point. The time constant follows from the
+    /// distance to go, so that the end is met even if the parameter changes meanwhile.
     fn brake_exponentially(
         &mut self,
         constant: f64,

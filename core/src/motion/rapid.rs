@@ -1,4 +1,4 @@
-//! Rapid traverse: each axis for itself, both starting together (manual I-3.1.1).
+//! Rapid traverse: both axes start together and move separately (manual I-3.1.1).
 
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +15,7 @@ pub(crate) struct Rapid {
 }
 
 impl Rapid {
-    /// A rapid at rest in `from`.
+    /// A rapid at rest at `from`.
     pub fn new(from: Point, to: Point) -> Self {
         let way = to - from;
         Self {
@@ -40,7 +40,7 @@ impl Rapid {
         self.ramps.x.speed > 0.0 || self.ramps.z.speed > 0.0
     }
 
-    /// Goes on for `dt` seconds towards the given speeds; the time it took.
+    /// Advances by `dt` seconds towards the target speeds. Returns the time used.
     pub fn advance(&mut self, limits: &MotionLimits, target: PerAxis<f64>, dt: f64) -> f64 {
         let x = self
             .ramps
@@ -57,7 +57,7 @@ impl Rapid {
         }
     }
 
-    /// Where the axes are, as far as `ahead` mm are deducted from each rest.
+    /// Position of the axes after a further `ahead` mm of each.
     fn point(&self, ahead: PerAxis<f64>) -> Point {
         let coordinate = |axis| {
             let rest = (self.ramps.get(axis).remaining - ahead.get(axis)).max(0.0);
@@ -71,12 +71,12 @@ impl Rapid {
         Point::new(coordinate(Axis::X), coordinate(Axis::Z))
     }
 
-    /// Where the axes are.
+    /// Current position of the axes.
     pub fn position(&self) -> Point {
         self.point(PerAxis::new(0.0, 0.0))
     }
 
-    /// Where they would come to rest if they braked now.
+    /// Position at which the axes stop if they brake now.
     pub(crate) fn stopping_point(&self, limits: &MotionLimits) -> Point {
         let way = |axis| {
             limits
@@ -86,7 +86,7 @@ impl Rapid {
         self.point(PerAxis::new(way(Axis::X), way(Axis::Z)))
     }
 
-    /// The same rapid elsewhere.
+    /// The rapid shifted by a vector.
     pub fn translated(self, by: Point) -> Self {
         Self {
             to: self.to + by,

@@ -1,5 +1,5 @@
-//! Rapid traverse in a straight line (NC-B08): both axes arrive together, and their
-//! speed follows an S: the acceleration begins and ends at zero.
+//! Rapid traverse in a straight line (NC-B08): both axes arrive together. Their speed
+//! follows an S-curve: the acceleration begins and ends at zero.
 //!
 //! ```text
 //!   v ^        ______                 from v0 to v1 in T:
@@ -9,18 +9,18 @@
 //!     +---'--------------'---> t        way = T * (v0 + v1) / 2
 //! ```
 //!
-//! The mean acceleration is two thirds of what the axes can do (024, 025): the S is one
-//! and a half times as steep in its middle.
+//! The mean acceleration is two thirds of the axes' acceleration (024, 025), because the
+//! S-curve is one and a half times as steep in its middle.
 
 use serde::{Deserialize, Serialize};
 
 use super::limits::MotionLimits;
 use crate::units::{Axis, PerAxis, Point};
 
-/// The greatest slope of the S over its mean.
+/// Greatest slope of the S-curve divided by its mean slope.
 const STEEPEST: f64 = 1.5;
 
-/// Distance below which a rest counts as nothing, mm.
+/// A distance to go below this counts as zero, mm.
 const NOTHING: f64 = 1e-9;
 
 /// A change of speed under way.
@@ -28,22 +28,24 @@ const NOTHING: f64 = 1e-9;
 struct Change {
     from: f64,
     to: f64,
-    /// The speed that was wanted when it was planned.
+    /// Target speed when the change was planned, mm/s.
+    #[serde(rename = "wanted")]
     wanted: f64,
-    /// Its whole time and what has gone by of it, s.
+    /// Its total and its elapsed time, s.
     span: f64,
     elapsed: f64,
-    /// It ends at the end of the way: nothing interrupts it.
+    /// Whether it ends at the end point: nothing interrupts it.
+    #[serde(rename = "last")]
     last: bool,
 }
 
 impl Change {
-    /// Speed after a part of its time.
+    /// Speed at a fraction of its time, mm/s.
     fn speed(&self, part: f64) -> f64 {
         self.from + (self.to - self.from) * part * part * (3.0 - 2.0 * part)
     }
 
-    /// Way after a part of its time.
+    /// Distance at a fraction of its time, mm.
     fn way(&self, part: f64) -> f64 {
         let s = part * part * part * (1.0 - part / 2.0);
         self.span * (self.from * part + (self.to - self.from) * s)
@@ -62,17 +64,17 @@ impl Change {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StraightRapid {
     to: Point,
-    /// Direction, of length 1.
+    /// Direction, a unit vector.
     direction: Point,
-    /// Way to the end, mm; exactly zero at the end.
+    /// Distance to the end, mm; exactly zero at the end.
     remaining: f64,
-    /// Speed along the way, mm/s.
+    /// Speed along the line, mm/s.
     speed: f64,
     change: Option<Change>,
 }
 
 impl StraightRapid {
-    /// A rapid at rest in `from`.
+    /// A rapid at rest at `from`.
     pub fn new(from: Point, to: Point) -> Self {
         let way = to - from;
         let length = way.length();
@@ -95,17 +97,17 @@ impl StraightRapid {
         self.remaining <= 0.0
     }
 
-    /// Whether it has speed.
+    /// Whether the rapid has speed.
     pub fn is_moving(&self) -> bool {
         self.speed > 0.0
     }
 
-    /// Where the axes are.
+    /// Current position of the axes.
     pub fn position(&self) -> Point {
         self.to - self.direction * self.remaining
     }
 
-    /// Where they would come to rest if they braked now.
+    /// Position at which the axes stop if they brake now.
     pub(crate) fn stopping_point(&self, limits: &MotionLimits) -> Point {
         let way = match &self.change {
             Some(change) if change.to <= 0.0 => change.way(1.0) - change.way(change.part()),
@@ -114,7 +116,7 @@ impl StraightRapid {
         self.to - self.direction * (self.remaining - way).max(0.0)
     }
 
-    /// The same rapid elsewhere.
+    /// The rapid shifted by a vector.
     pub fn translated(self, by: Point) -> Self {
         Self {
             to: self.to + by,
@@ -122,13 +124,14 @@ impl StraightRapid {
         }
     }
 
-    /// Goes on for `dt` seconds towards the given speeds of the axes; the time it took.
+    /// Advances by `dt` seconds towards the target speeds of the axes. Returns the time
+    /// used.
     pub fn advance(&mut self, limits: &MotionLimits, target: PerAxis<f64>, dt: f64) -> f64 {
         let target = along(self.direction, target).min(limits.straight_rapid());
         let acceleration = mean_acceleration(limits, self.direction);
         let mut left = dt;
-        // A tick sees the end of one change and the begin of another at most, and again
-        // where a way is very short.
+        // A tick contains at most the end of one change and the start of another, twice on
+        // very short distances.
         for _ in 0..8 {
             if self.finished() || left <= 0.0 {
                 break;
@@ -139,10 +142,10 @@ impl StraightRapid {
         if self.finished() { dt - left } else { dt }
     }
 
-    /// Decides how the speed changes from here on.
+    /// Plans how the speed changes from here on.
     fn plan(&mut self, target: f64, acceleration: f64) {
         let braking = self.speed * self.speed / (2.0 * acceleration);
-        // What was planned goes on unless another speed is wanted.
+        // The planned change continues unless the target speed has changed.
         if let Some(change) = &self.change
             && (change.last || (change.wanted - target).abs() < 1e-9)
         {
@@ -173,13 +176,13 @@ impl StraightRapid {
         }
     }
 
-    /// The highest speed from which the rest of the way is enough to brake.
+    /// The highest speed from which the rest of the distance is enough to brake.
     fn peak(&self, acceleration: f64) -> f64 {
         (acceleration * self.remaining + self.speed * self.speed / 2.0).sqrt()
     }
 
-    /// Goes on with what is planned, `dt` at most and no farther than to where
-    /// something new is to be planned; the time it took.
+    /// Advances the planned change, at most by `dt` and up to the next point to plan.
+    /// Returns the time used.
     fn go_on(&mut self, dt: f64, acceleration: f64) -> f64 {
         let Some(mut change) = self.change else {
             return self.cruise(dt, acceleration);
@@ -192,7 +195,7 @@ impl StraightRapid {
         self.speed = change.speed(part);
         self.remaining -= change.way(part) - before;
         self.change = (!over).then_some(change);
-        // The last bit of the S is shorter than a rounding, and takes its time.
+        // The last part of the S-curve is shorter than the rounding, and takes its time.
         if change.last && !over {
             self.remaining = self.remaining.max(f64::MIN_POSITIVE);
         }
@@ -202,7 +205,7 @@ impl StraightRapid {
         took
     }
 
-    /// Constant speed up to where braking begins.
+    /// Moves at constant speed up to the point where braking begins.
     fn cruise(&mut self, dt: f64, acceleration: f64) -> f64 {
         if self.speed <= 0.0 {
             return dt;
@@ -221,7 +224,7 @@ impl StraightRapid {
     }
 }
 
-/// Speed along a direction at which no axis is faster than it may be.
+/// Speed along a direction at which no axis exceeds its limit.
 fn along(direction: Point, of_axes: PerAxis<f64>) -> f64 {
     [Axis::X, Axis::Z]
         .map(|axis| of_axes.get(axis) / direction.get(axis).abs().max(1e-12))
@@ -235,7 +238,7 @@ fn mean_acceleration(limits: &MotionLimits, direction: Point) -> f64 {
     along(direction, PerAxis::new(of_axis(Axis::X), of_axis(Axis::Z))) / STEEPEST
 }
 
-/// Seconds of a whole straight rapid at 100 %.
+/// Duration of a whole straight rapid at 100 %, s.
 pub(super) fn duration(limits: &MotionLimits, way: Point) -> f64 {
     let length = way.length();
     if length <= NOTHING {
@@ -249,7 +252,7 @@ pub(super) fn duration(limits: &MotionLimits, way: Point) -> f64 {
     }
 }
 
-/// Speed of each axis at its fastest in a straight rapid, mm/s.
+/// Highest speed of each axis in a straight rapid, mm/s.
 pub(super) fn top_speed(limits: &MotionLimits, way: Point) -> Point {
     let length = way.length();
     if length <= NOTHING {
@@ -285,7 +288,7 @@ mod tests {
         PerAxis::new(limits.rapid(Axis::X), limits.rapid(Axis::Z))
     }
 
-    /// Positions tick by tick, with the share of the rapid rate in force at each.
+    /// Positions tick by tick; `share` is the fraction of the rapid rate in each tick.
     fn run(from: Point, to: Point, share: impl Fn(u32) -> f64) -> (Vec<Point>, f64) {
         let limits = limits();
         let rates = full(&limits);
@@ -324,7 +327,7 @@ mod tests {
         fn speed_and_acceleration_stay_within_those_of_the_axes(
             x in -200.0_f64..200.0, z in -400.0_f64..400.0, seed in 0_u32..1000
         ) {
-            // The override is turned every 50 ms, to standstill too.
+            // The override changes every 50 ms, to standstill too.
             let steps = [1.0, 0.25, 0.5, 0.0, 0.1, 1.0, 0.0, 0.75];
             let share = |tick: u32| {
                 if tick > 20_000 { 1.0 } else { steps[((tick / 50 + seed) % 8) as usize] }
@@ -338,8 +341,8 @@ mod tests {
                 for pair in speeds.windows(2) {
                     let (before, after) = (pair[0].get(axis), pair[1].get(axis));
                     prop_assert!(after.abs() <= rates.get(axis) + 1e-6);
-                    // Where an override ends in the braking for the end the rest of the
-                    // way may be a third too short for it.
+                    // If an override ends while the rapid brakes for the end, the rest of
+                    // the distance may be a third too short.
                     let change = (after - before).abs() / TICK_S;
                     prop_assert!(change <= most * 1.4 + 1e-6, "{change} mm/s² of {most}");
                 }

@@ -1,5 +1,5 @@
-//! Tapping (G33): Z follows the spindle in, through its stop and reversal, and out
-//! again to where it began (manual I-3.2.4.3).
+//! Tapping (G33): Z follows the spindle in, through its stop and reversal, and out to its
+//! start (manual I-3.2.4.3).
 //!
 //! ```text
 //!  Z │ start ─.                          .─ end of the block
@@ -22,12 +22,14 @@ pub(crate) struct Tap {
     to: Point,
     lead: f64,
     follower: Follower,
-    /// Turns of the way out, once it is asked for.
+    /// Turns of the way out, once it has begun.
+    #[serde(rename = "out")]
     out: Option<f64>,
 }
 
 impl Tap {
-    /// A tap from `from` to the bottom `to`.
+    /// A tap from `from` to the bottom `to`; `lead` in mm per turn, `degrees` after the
+    /// index.
     pub fn new(from: Point, to: Point, lead: f64, degrees: f64) -> Self {
         Self {
             from,
@@ -38,17 +40,17 @@ impl Tap {
         }
     }
 
-    /// Whether the tool has begun to follow.
+    /// Whether the tool follows the spindle.
     pub const fn running(&self) -> bool {
         self.follower.running()
     }
 
-    /// Whether it follows a spindle that turns.
+    /// Whether the tool follows a spindle that turns.
     pub const fn is_moving(&self) -> bool {
         self.follower.is_moving()
     }
 
-    /// Where it goes at present.
+    /// End point of the present direction.
     pub const fn to(&self) -> Point {
         if self.out.is_some() {
             self.from
@@ -63,7 +65,7 @@ impl Tap {
         self.out.is_none() && self.running() && self.follower.done() * self.lead >= depth
     }
 
-    /// Turns round: the other direction of the spindle leads out.
+    /// Reverses: the other direction of the spindle leads out.
     pub(crate) fn turn_back(&mut self) {
         if self.out.is_none() {
             self.out = Some(self.follower.done().max(0.0));
@@ -71,12 +73,12 @@ impl Tap {
         }
     }
 
-    /// Whether it is back at the start.
+    /// Whether the tool is back at the start.
     pub fn finished(&self) -> bool {
         self.out.is_some_and(|total| self.follower.done() >= total)
     }
 
-    /// Goes on for `time` seconds, the last of the tick; the time used.
+    /// Advances by `time` seconds, the last of the tick. Returns the time used.
     pub fn advance(&mut self, tick: &SpindleTick<'_>, time: f64) -> f64 {
         let way = Way {
             turns: self.out.unwrap_or(f64::INFINITY),
@@ -87,7 +89,7 @@ impl Tap {
         spent.waiting + spent.used
     }
 
-    /// Where the tool is.
+    /// Current position of the tool.
     pub fn position(&self) -> Point {
         if self.finished() {
             return self.from;
@@ -100,7 +102,7 @@ impl Tap {
         Point::new(self.from.x, self.from.z + inwards * deep * self.lead)
     }
 
-    /// The same tap elsewhere.
+    /// The tap shifted by a vector.
     pub fn translated(self, by: Point) -> Self {
         Self {
             from: self.from + by,

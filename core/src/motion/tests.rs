@@ -1,4 +1,4 @@
-//! Properties of the interpolator over random moves, and the laws' own figures.
+//! Property tests of the interpolator over random moves, and tests of the laws' figures.
 
 use proptest::prelude::*;
 
@@ -74,7 +74,7 @@ fn block() -> impl Strategy<Value = Block> {
     ]
 }
 
-/// A block begun: kind, start, end, centre and feed.
+/// A started block: kind, start, end, centre and feed.
 struct Begun {
     kind: MoveKind,
     from: Point,
@@ -137,7 +137,7 @@ fn time_of(begun: &Begun, limits: &MotionLimits) -> f64 {
     duration(kind, way, length, begun.feed, limits)
 }
 
-/// Speeds of a tick against the limits that hold for the block.
+/// Checks the speeds of a tick against the limits of the block.
 fn check_speed(interpolator: &Interpolator, begun: &Begun, limits: &MotionLimits) {
     let velocity = interpolator.velocity();
     assert!(velocity.x.is_finite() && velocity.z.is_finite());
@@ -156,7 +156,7 @@ fn check_speed(interpolator: &Interpolator, begun: &Begun, limits: &MotionLimits
     }
 }
 
-/// The commanded path is the programmed one, far below 0.001 mm.
+/// Checks that the commanded path is the programmed one, far below 0.001 mm.
 fn check_path(position: Point, begun: &Begun) {
     if let Some(center) = begun.center {
         let off = (position - center).length() - (begun.from - center).length();
@@ -189,8 +189,8 @@ proptest! {
         prop_assert!((ticked - expected).abs() < 0.0015, "{} s instead of {}", ticked, expected);
     }
 
-    /// Blocks chained within the tick: no end point is missed, no time is lost, no
-    /// limit is passed.
+    /// Blocks chained within the tick: no end point is missed, no time is lost, no limit is
+    /// exceeded.
     #[test]
     fn chains_lose_neither_time_nor_place(
         blocks in prop::collection::vec(block(), 2..12),
@@ -223,14 +223,14 @@ proptest! {
             }
             prop_assert_eq!(interpolator.position(), begun.to);
         }
-        // Started tick by tick, a block takes a tick at least.
+        // Blocks started tick by tick take at least one tick each.
         if at_once || shortest > 2.0 * TICK_S {
             let ticked = f64::from(ticks) * TICK_S;
             prop_assert!((ticked - expected).abs() < 0.0015, "{} s instead of {}", ticked, expected);
         }
     }
 
-    /// Holds, resumes and overrides at any moment leave path and end point alone.
+    /// Holds, resumes and overrides at any moment do not change path and end point.
     #[test]
     fn holds_and_overrides_keep_the_path(
         block in block(),
@@ -273,7 +273,7 @@ proptest! {
         }
     }
 
-    /// Steps and a wheel turned to and fro end where they should.
+    /// Steps and a wheel turned to and fro end at their sum.
     #[test]
     fn steps_add_up(steps in prop::collection::vec((-200i32..200, 1u32..120), 1..20)) {
         let limits = limits();
@@ -296,7 +296,7 @@ proptest! {
     }
 }
 
-/// Ticks until nothing moves; the way and the ticks.
+/// Ticks until nothing moves; returns the distance and the ticks.
 fn run_out(interpolator: &mut Interpolator, inputs: &MotionInputs) -> (Point, u32) {
     let from = interpolator.position();
     let mut ticks = 0;
@@ -392,7 +392,7 @@ fn dry_run_goes_through_standstill() {
         ticks(&mut interpolator, &inputs, 1);
         slowest = slowest.min(speed(&interpolator));
     }
-    // It stands between two ticks, and starts again at the lowest speed.
+    // It stands still between two ticks, and starts again at the lowest speed.
     assert!(slowest <= 10.0, "{slowest}");
     assert!((speed(&interpolator) - 1260.0).abs() < 1.0);
 }

@@ -1,5 +1,5 @@
-//! Threads: a straight line whose way along the long axis follows the angle of the
-//! spindle (manual I-3.2.4).
+//! Threads: a straight line whose distance along the lead axis follows the spindle angle
+//! (manual I-3.2.4).
 //!
 //! ```text
 //!   index        begin                    begin + turns
@@ -7,9 +7,9 @@
 //!      360° j / L  way = F n + R n² / 2
 //! ```
 //!
-//! A thread begins at its angle after the one-turn signal; one that follows a thread
-//! goes on at the angle where that one ended, without slowing down in between.
-//! Between the ends the [`Gear`](super::gear::Gear) makes lead-in and tail.
+//! A thread begins at its angle after the one-turn signal. A thread that follows another
+//! continues at the angle where that one ended, without slowing down in between. At the
+//! ends the [`Gear`](super::gear::Gear) makes lead-in and lead-out.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,22 +22,23 @@ use crate::units::{Axis, Point};
 /// A thread to cut.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ThreadMove {
-    /// End point.
+    /// End point, machine coordinates.
     pub to: Point,
-    /// The axis the lead counts on.
+    /// Axis that the lead is measured along.
+    #[serde(rename = "long")]
     pub long: Axis,
     /// Lead at the start, mm per turn.
     pub lead: f64,
     /// Change of the lead, mm per turn and turn.
     pub increase: f64,
-    /// Where on the turn it begins.
+    /// Spindle angle at which the thread begins.
     pub start: ThreadStart,
-    /// Whether it is the tail that leaves the thread.
+    /// Whether this is the run-out that leaves the thread.
     pub run_out: bool,
 }
 
 impl ThreadMove {
-    /// The thread that a command cuts.
+    /// The thread of a command; `None` for other actions.
     pub fn of(action: &Action) -> Option<Self> {
         let Action::Thread {
             to,
@@ -60,8 +61,8 @@ impl ThreadMove {
         })
     }
 
-    /// The length the lead counts on, mm; that of the path if the long axis does
-    /// not move.
+    /// The length along which the lead is measured, mm: that of the path if the lead axis
+    /// does not move.
     fn way(&self, from: Point) -> f64 {
         let displacement = self.to - from;
         let way = displacement.get(self.long).abs();
@@ -82,7 +83,7 @@ impl ThreadMove {
         2.0 * way / (lead + last.max(0.0).sqrt())
     }
 
-    /// Way along the path at the start, mm per turn.
+    /// Distance along the path at the start, mm per turn.
     pub(crate) fn lead_along(&self, from: Point) -> f64 {
         let way = self.way(from).max(1e-9);
         self.lead.abs() * (self.to - from).length() / way
@@ -93,7 +94,7 @@ impl ThreadMove {
         (self.lead + self.increase * self.turns(from)).max(1e-6)
     }
 
-    /// Speed of each axis at its fastest for a spindle speed, mm/min.
+    /// Highest speed of each axis at a spindle speed, mm/min.
     pub fn top_speed(&self, from: Point, rpm: f64, limits: &MotionLimits) -> Point {
         let way = self.way(from);
         if way <= 0.0 {
@@ -108,8 +109,8 @@ impl ThreadMove {
         top
     }
 
-    /// Seconds from standstill (or in phase from the thread before) to the end;
-    /// and the further seconds of slowing down when no thread follows.
+    /// Duration from standstill (or in phase from the thread before) to the end, and the
+    /// further time of slowing down when no thread follows, s.
     pub fn duration(&self, from: Point, rpm: f64, limits: &MotionLimits) -> (f64, f64) {
         let (total, spin) = (self.turns(from), rpm.abs() / 60.0);
         let law = limits.gear_law();
@@ -128,8 +129,8 @@ impl ThreadMove {
         (going_on, (stopping - going_on).max(0.0))
     }
 
-    /// The short axis of a run-out: at its own speed (107), or at the cutting feed
-    /// and taken up in the time of 026. Without either it stays on the straight line.
+    /// The short axis of a run-out: at its own speed (107), or at the cutting feed with the
+    /// time constant of 026. Without either it stays on the straight line (`None`).
     fn tail(&self, from: Point, limits: &MotionLimits) -> Option<Tail> {
         let (axis, factor) = match self.long {
             Axis::X => (Axis::Z, 2.0),
@@ -156,15 +157,17 @@ impl ThreadMove {
     }
 }
 
-/// How fast the short axis leaves.
+/// Speed of the short axis in the run-out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum TailRate {
-    /// mm/s: that of 107, or the cutting feed once the run-out has begun.
+    /// Fixed speed, mm/s: that of 107, or the cutting feed once the run-out has begun.
+    #[serde(rename = "Own")]
     Own(f64),
-    /// As fast as on the straight line to the end at the speed of the spindle with
-    /// which the run-out begins (107 = 0).
+    /// The speed of the straight line to the end at the spindle speed with which the
+    /// run-out begins (107 = 0).
     CuttingFeed {
-        /// mm.
+        /// Distance per turn, mm.
+        #[serde(rename = "way_per_turn")]
         way_per_turn: f64,
     },
 }
@@ -175,9 +178,11 @@ enum TailRate {
 struct Tail {
     axis: Axis,
     from: f64,
+    #[serde(rename = "way")]
     way: f64,
     rate: TailRate,
     time: f64,
+    #[serde(rename = "passed")]
     passed: f64,
 }
 
@@ -190,7 +195,7 @@ impl Tail {
         }
     }
 
-    /// Goes on for `time` seconds at `spin` turns/s; begins with a spindle that turns.
+    /// Advances by `time` seconds at `spin` turns/s; begins with a spindle that turns.
     fn advance(&mut self, spin: f64, time: f64) {
         if spin > 0.0 && time > 0.0 {
             self.rate = TailRate::Own(self.rate(spin));
@@ -223,7 +228,7 @@ impl Tail {
         self.from + self.made(self.passed) * self.way.signum()
     }
 
-    /// Seconds from its beginning to its end; Newton's steps come down from above.
+    /// Duration of the run-out, s; Newton's steps approach it from above.
     fn duration(&self, spin: f64) -> f64 {
         let straight = self.way.abs() / self.rate(spin);
         if self.time <= 0.0 || !straight.is_finite() {
@@ -242,17 +247,20 @@ impl Tail {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Thread {
     path: Path,
+    #[serde(rename = "way")]
     way: f64,
     lead: f64,
     increase: f64,
     last_lead: f64,
+    #[serde(rename = "total")]
     total: f64,
     follower: Follower,
+    #[serde(rename = "tail")]
     tail: Option<Tail>,
 }
 
 impl Thread {
-    /// A thread from `from`; `before` is what the thread before left.
+    /// A thread from `from`; `before` is the state that the thread before passed on.
     pub fn new(
         from: Point,
         thread: &ThreadMove,
@@ -276,12 +284,12 @@ impl Thread {
         }
     }
 
-    /// Whether the tool has begun to follow.
+    /// Whether the tool follows the spindle.
     pub const fn running(&self) -> bool {
         self.follower.running()
     }
 
-    /// Whether it follows a spindle that turns.
+    /// Whether the tool follows a spindle that turns.
     pub const fn is_moving(&self) -> bool {
         self.follower.is_moving()
     }
@@ -300,13 +308,13 @@ impl Thread {
         self.follower.done() >= self.total
     }
 
-    /// Whether it passes its speed on to a thread that follows. A run-out whose
-    /// short axis has a law of its own comes to rest.
+    /// Whether the thread passes its speed on to a thread that follows. A run-out whose
+    /// short axis has its own law stops.
     const fn passes_on(&self, continues: bool) -> bool {
         continues && self.tail.is_none()
     }
 
-    /// Goes on for `time` seconds, the last of the tick; the time used.
+    /// Advances by `time` seconds, the last of the tick. Returns the time used.
     pub fn advance(&mut self, tick: &SpindleTick<'_>, time: f64) -> f64 {
         if self.total <= 0.0 {
             return 0.0;
@@ -327,7 +335,7 @@ impl Thread {
         }
     }
 
-    /// Where the tool is.
+    /// Current position of the tool.
     pub fn position(&self) -> Point {
         let mut at = if self.arrived() {
             self.path.to()
@@ -343,13 +351,13 @@ impl Thread {
         at
     }
 
-    /// What goes to a thread that continues this finished one.
+    /// State for a thread that continues this finished one.
     pub(crate) fn handover(&self, continues: bool) -> Handover {
         self.follower
             .handover(self.total, self.passes_on(continues))
     }
 
-    /// The same thread elsewhere.
+    /// The thread shifted by a vector.
     pub fn translated(self, by: Point) -> Self {
         Self {
             path: self.path.translated(by),

@@ -1,4 +1,4 @@
-//! Threads and taps on a spindle that turns exactly as told.
+//! Tests of threads and taps on a spindle that turns exactly as commanded.
 
 use proptest::prelude::*;
 
@@ -42,7 +42,7 @@ impl Rig {
         rig
     }
 
-    /// Moves on by a tick; the way made in it.
+    /// Advances by one tick and returns the distance travelled in it.
     fn tick(&mut self) -> f64 {
         self.turns += self.rpm / 60.0 * TICK_S;
         let encoder = (self.turns * COUNTS).floor() as i64;
@@ -83,8 +83,8 @@ impl Rig {
         ticks
     }
 
-    /// Cuts until Z has come to `z`; the angle of the spindle there, as a part of a
-    /// turn that the lead has not explained.
+    /// Cuts until Z has reached `z`. Returns the part of the spindle angle there, as a
+    /// fraction of a turn, that the lead does not explain.
     fn phase_at(&mut self, z: f64, lead: f64) -> f64 {
         while self.interpolator.position().z > z {
             self.tick();
@@ -106,7 +106,7 @@ fn thread(to: Point, lead: f64, start: ThreadStart) -> ThreadMove {
     }
 }
 
-/// Distance of two parts of a turn.
+/// Distance of two fractions of a turn.
 fn apart(one: f64, other: f64) -> f64 {
     let apart = (one - other).abs();
     apart.min(1.0 - apart)
@@ -314,7 +314,7 @@ fn a_tap_follows_the_spindle_in_and_out() {
     }
     let phase = |rig: &Rig| rig.turns + rig.interpolator.position().z / 1.25;
     let locked = phase(&rig);
-    // The spindle runs out, stands and turns back, each as a first-order lag.
+    // The spindle stops and turns back, each as a first-order lag.
     let mut deepest = 0.0f64;
     for (target, ticks) in [(0.0, 1000), (-600.0, 500)] {
         for _ in 0..ticks {
@@ -343,7 +343,7 @@ fn threads_wait_with_a_standing_spindle() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Whatever the spindle does, a thread stays on its line and ends at its end.
+    /// At any spindle motion a thread stays on its line and ends at its end point.
     #[test]
     fn threads_end_where_they_should(
         (x, z) in (-20_000i32..20_000, -40_000i32..40_000),
@@ -383,7 +383,8 @@ proptest! {
             }
         }
         let forward = if rig.interpolator.position() == Point::default() || rpm > 0 { 3000.0 } else { -3000.0 };
-        // Turned back before its beginning, a thread waits there for all those turns.
+        // If the spindle turned back before the start, the thread waits for all those
+        // turns.
         for (direction, ticks) in [(forward, 60_000), (-forward, 130_000)] {
             rig.rpm = direction;
             for _ in 0..ticks {
@@ -397,7 +398,7 @@ proptest! {
         prop_assert_eq!(rig.interpolator.position(), to);
     }
 
-    /// The time of the preview is the time of the motion.
+    /// The duration of the preview is the duration of the motion.
     #[test]
     fn the_time_is_known_beforehand(
         way in 1i32..60_000,
@@ -414,8 +415,8 @@ proptest! {
     }
 }
 
-/// Cuts a thread and compares its time with the one that was foretold: `way` in mm, lead and
-/// its increase, r/min, parameters 028, 029 and 175.4.
+/// Cuts a thread and compares its duration with the predicted one: `way` in mm, lead and
+/// its change, r/min, parameters 028, 029 and 175.4.
 fn as_foretold(
     way: f64,
     (lead, increase): (f64, f64),
@@ -447,8 +448,8 @@ fn as_foretold(
     Ok(())
 }
 
-/// The measured speed wobbles by a count of the encoder, so that the rate stands just below
-/// the one it is to end at: the last of the way was halved tick by tick.
+/// The measured speed varies by one count of the encoder, so that the rate is just below
+/// its final value: the rest of the distance was once halved tick by tick.
 #[test]
 fn a_thread_does_not_creep_to_its_end() {
     for exponential in [true, false] {

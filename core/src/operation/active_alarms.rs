@@ -1,29 +1,28 @@
-//! The alarms that stand, newest first.
+//! The alarms in force, newest first.
 
 use gsk_messages::Message;
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, groups};
 
-/// Alarms that stand until RESET or until their cause is gone.
+/// Alarms in force until RESET or until their cause is gone.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ActiveAlarms {
     list: Vec<Alarm>,
 }
 
 impl ActiveAlarms {
-    /// Newest first.
+    /// All alarms in force, newest first.
     pub fn list(&self) -> &[Alarm] {
         &self.list
     }
 
-    /// Whether none stands.
+    /// Whether no alarm is in force.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
 
-    /// Adds an alarm; one that already stands with the same number stays as it
-    /// is. Returns whether it is new.
+    /// Adds an alarm, unless one with its number is in force. Returns whether it was added.
     pub fn raise(&mut self, alarm: Alarm) -> bool {
         if self.contains(alarm.number) {
             return false;
@@ -32,25 +31,25 @@ impl ActiveAlarms {
         true
     }
 
-    /// More is known of an alarm that stands.
+    /// Replaces the detail of an alarm in force.
     pub(crate) fn restate(&mut self, number: u16, detail: Message) {
         if let Some(alarm) = self.list.iter_mut().find(|alarm| alarm.number == number) {
             alarm.detail = Some(detail);
         }
     }
 
-    /// Whether an alarm of this number stands.
+    /// Whether an alarm of this number is in force.
     pub fn contains(&self, number: u16) -> bool {
         self.list.iter().any(|alarm| alarm.number == number)
     }
 
-    /// Takes one away whose cause is gone.
+    /// Removes an alarm whose cause is gone.
     pub fn remove(&mut self, number: u16) {
         self.list.retain(|alarm| alarm.number != number);
     }
 
-    /// RESET: everything goes that RESET can clear, but for what still `stands`; the
-    /// emergency stop goes with its contact alone, 100 with the parameter switch and
+    /// Removes the alarms that RESET can clear, except those for which `stands` returns
+    /// true. The emergency stop ends with its contact only, 100 with the parameter switch,
     /// 000 with the power.
     pub fn reset(&mut self, stands: impl Fn(u16) -> bool) {
         self.list

@@ -1,21 +1,21 @@
-//! Waiting for the spindle speed arrival signal SAR (manual PLC-I 9.4): its stages.
+//! Stages of the wait for the speed arrival signal SAR of the spindle (manual PLC-I 9.4).
 
 use serde::{Deserialize, Serialize};
 
-/// How far the check has come.
+/// Stage of the check.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Arrival {
-    /// The next cut looks at SAR.
+    /// The next cut must check SAR.
     #[default]
     Due,
-    /// A cut has been read; so many ms from now SAR is looked at.
+    /// A cut has been read; SAR is checked after this many ms.
     Awaited(u32),
-    /// Cuts follow cuts at the same speed.
+    /// SAR has come. Cuts at the same speed follow without a check.
     Seen,
 }
 
 impl Arrival {
-    /// Whether a cut still waits.
+    /// Whether the cut still waits.
     pub(crate) const fn awaited(self, arrived: bool) -> bool {
         match self {
             Self::Awaited(0) => !arrived,
@@ -24,7 +24,7 @@ impl Arrival {
         }
     }
 
-    /// One millisecond.
+    /// Advances by one tick (1 ms).
     pub(crate) const fn tick(&mut self, arrived: bool) {
         *self = match *self {
             Self::Awaited(0) if arrived => Self::Seen,

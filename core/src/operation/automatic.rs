@@ -20,76 +20,88 @@ use crate::run_state::RunState;
 use crate::units::Point;
 use serde::{Deserialize, Serialize};
 
-/// What a command under way still waits for.
+/// What the command under way still waits for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Stage {
-    /// Motion or dwell.
+    /// Motion or dwell is under way.
     Acting,
-    /// Only the M/S/T handshake (DEN is up if nothing else runs).
+    /// Only the M/S/T handshake is open (DEN is 1 if nothing else runs).
     Handshake,
 }
 
-/// A command under way.
+/// The command under way.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Current {
     pub(crate) command: Command,
     pub(crate) stage: Stage,
-    /// Where it began, machine coordinates.
+    /// Position at its start, machine coordinates.
     pub(crate) from: Point,
-    /// When it began, s.
+    /// Machine time at its start, s.
+    #[serde(rename = "started")]
     pub(crate) started: f64,
 }
 
 /// Automatic operation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Automatic {
-    /// Run state.
+    /// Current state of the run.
     pub state: RunState,
     pub(crate) current: Option<Current>,
+    #[serde(rename = "ahead")]
     pub(crate) ahead: Option<Command>,
-    /// A fault found while reading ahead; it counts when its block's turn comes.
+    /// An alarm found while reading ahead. It is raised when its block begins.
     pub(crate) fault_ahead: Option<Alarm>,
-    /// The interpreter waits for standstill; not asked again before.
+    /// Whether the interpreter waits for a standstill. It is not called before.
+    #[serde(rename = "waiting")]
     pub(crate) waiting: bool,
-    /// A program has been started and its rest can be gone on with.
+    /// Whether a program has been started and can be resumed.
+    #[serde(rename = "started")]
     pub(crate) started: bool,
-    /// The interpreter has nothing more.
+    /// Whether the interpreter has no more commands.
+    #[serde(rename = "ended")]
     pub(crate) ended: bool,
-    /// Stop at the end of the block, whatever single block says.
+    /// Whether the run stops at the end of the block, regardless of single block.
     pub(crate) stop_requested: bool,
+    #[serde(rename = "dwell_left")]
     pub(crate) dwell_left: u32,
     /// M00, M01, M02 or M30 whose decode signal is 1.
+    #[serde(rename = "decoded")]
     pub(crate) decoded: Option<u8>,
-    /// Which program runs: AUTO's or the MDI block.
+    /// Whether the MDI block runs, not the program of AUTO.
+    #[serde(rename = "mdi")]
     pub(crate) mdi: bool,
     /// Source of the last executed command.
+    #[serde(rename = "last")]
     pub(crate) last: Option<Source>,
-    /// More commands of the running block follow the one that ended.
+    /// Whether more commands of the running block follow.
     pub(crate) within_block: bool,
     pub(crate) protection: Protection,
-    /// Tapping under way.
+    /// Stage of the tap under way.
     pub(crate) tap: Option<TapStage>,
-    /// M function that leads the tap out.
+    /// M code that reverses the spindle for the way out of the tap.
     pub(crate) tap_reverse: u8,
     pub(crate) watch: SpindleWatch,
     pub(crate) arrival: Arrival,
-    /// The stopped AUTO run that MDI blocks are keyed in between.
+    /// The stopped AUTO run that is suspended while MDI blocks are executed.
+    #[serde(rename = "aside")]
     pub(crate) aside: Option<Box<Aside>>,
     pub(crate) cycle_shift: CycleShift,
-    /// Feed hold was asked for while #3004 did not permit it.
+    /// Whether feed hold was requested while #3004 did not permit it.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    #[serde(rename = "hold_put_off")]
     pub(crate) hold_put_off: bool,
 }
 
-/// A stopped AUTO run while MDI blocks are carried out (manual II, MDI; III-6).
+/// A stopped AUTO run that is suspended while MDI blocks are executed (manual II, MDI;
+/// III-6).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Aside {
     pub automatic: Automatic,
-    /// The rest of its block, if it was held in one.
+    /// The rest of its block, if it was held within one.
     pub held: Option<Interpolator>,
-    /// Where its program has been read to, if that is not where the tool stands.
+    /// How far its program was read, if that differs from the position of the tool.
     pub read_to: Option<ReadTo>,
-    /// The frame it was read in.
+    /// The coordinate frame in force when it was read.
     pub frame: Frame,
 }
 
@@ -127,7 +139,7 @@ impl Automatic {
         matches!(self.state, RunState::Run | RunState::Hold)
     }
 
-    /// DEN: all that is left of the block is FIN.
+    /// DEN: only FIN is missing for the end of the block.
     pub(crate) fn distribution_end(&self) -> bool {
         self.current.as_ref().is_some_and(|current| {
             let is_last = matches!(current.command.action, Action::Tool { is_last: true, .. });
@@ -135,8 +147,8 @@ impl Automatic {
         })
     }
 
-    /// CUT: a cutting feed is under way; also while an interlock or an override of 0 %
-    /// keeps it waiting.
+    /// CUT: a cutting feed is under way, or an interlock or an override of 0 % keeps it
+    /// waiting.
     pub(crate) fn is_cutting(&self) -> bool {
         self.state == RunState::Run
             && self.current.as_ref().is_some_and(|current| {
@@ -151,8 +163,8 @@ impl Automatic {
             })
     }
 
-    /// Stopped by single block between two moves of one block: SPL shows that the block
-    /// is not at its end (manual PLC-II 6.3.3).
+    /// Whether single block has stopped between two moves of one block. SPL then shows that
+    /// the block is not at its end (manual PLC-II 6.3.3).
     pub(crate) fn stands_within_block(&self) -> bool {
         let run = match &self.aside {
             Some(aside) if !self.operating() => &aside.automatic,
@@ -161,8 +173,9 @@ impl Automatic {
         run.state == RunState::Stop && run.goes_on() && run.within_block
     }
 
-    /// The decode signals DM: M01 and M02 once motion and dwell of their block are over,
-    /// unless FIN came before; FIN clears all of them (manual PLC-II 8.1).
+    /// Updates the decode signals DM: M01 and M02 are set once motion and dwell of their
+    /// block are finished, unless FIN came before. FIN clears all of them (manual PLC-II
+    /// 8.1).
     pub(crate) fn follow_decoded(&mut self, waiting_m: Option<u8>, fin: bool) {
         if fin {
             self.decoded = None;
@@ -171,7 +184,7 @@ impl Automatic {
         }
     }
 
-    /// Whether the dwell of a G04 runs.
+    /// Whether the dwell of a G04 is running.
     pub(crate) fn dwelling(&self) -> bool {
         self.dwell_left > 0 && matches!(self.action(), Some(Action::Dwell { .. }))
     }
@@ -181,15 +194,15 @@ impl Automatic {
         self.current.as_ref().map(|current| &current.command.action)
     }
 
-    /// Whether the cut under way goes over into the command read ahead: it is a cut
-    /// too, and nothing stops the run in between.
+    /// Whether the cut under way continues into the command read ahead: that is a cut too,
+    /// and nothing stops the run in between.
     pub(crate) fn cut_continues(&self) -> bool {
         self.state == RunState::Run
             && !self.stop_requested
             && self.ahead.as_ref().is_some_and(|next| is_cut(&next.action))
     }
 
-    /// Drops everything that was read.
+    /// Drops everything that was read, except the source of the last command.
     pub(crate) fn clear(&mut self) {
         *self = Self {
             last: self.last,
@@ -197,7 +210,7 @@ impl Automatic {
         };
     }
 
-    /// Whether a run stands that can be gone on with.
+    /// Whether a started run can be resumed.
     pub(crate) const fn goes_on(&self) -> bool {
         self.started && !self.ended
     }
@@ -208,12 +221,13 @@ impl Automatic {
         self.state = RunState::Run;
     }
 
-    /// Where the stopped AUTO run stands that MDI blocks are keyed in between.
+    /// Source of the suspended AUTO run, if MDI blocks are executed in between.
     pub(crate) fn source_aside(&self) -> Option<Source> {
         self.aside.as_ref().and_then(|aside| aside.automatic.last)
     }
 
-    /// The block of the program that a stop breaks off.
+    /// Source of the block in a stored program that a stop interrupts; `None` for MDI and
+    /// DNC.
     pub(crate) fn broken_off(&self) -> Option<Source> {
         let run = match &self.aside {
             Some(aside) => &aside.automatic,
@@ -233,13 +247,13 @@ impl Automatic {
         self.protection = Protection::None;
     }
 
-    /// Asks for a stop at the end of the running block.
+    /// Requests a stop at the end of the running block.
     pub(crate) const fn request_stop(&mut self) {
         self.stop_requested = true;
     }
 }
 
-/// Whether an action is a cut whose speed is its own (no thread).
+/// Whether the action is a cut at its own feed, not a thread.
 pub(crate) const fn is_cut(action: &Action) -> bool {
     matches!(action, Action::Line { .. } | Action::Arc { .. })
 }

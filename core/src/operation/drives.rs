@@ -1,14 +1,15 @@
-//! What the alarm and ready signals of the drives have led to (manual III-12.3).
+//! Supervision of the alarm and ready signals of the drives (manual III-12.3).
 
 use crate::units::PerAxis;
 use serde::{Deserialize, Serialize};
 
-/// What the control has seen of the drives.
+/// What the control has observed of the drives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct DriveWatch {
-    /// All drives have answered their enable and have no alarm.
+    /// Whether all drives have answered their enable without an alarm.
     #[serde(default)]
     pub ready: bool,
-    /// How long the ready signals have disagreed with the enable, ms.
+    /// Duration of the disagreement between ready signal and enable, ms.
+    #[serde(rename = "disagree")]
     pub disagree: PerAxis<u16>,
 }

@@ -1,12 +1,12 @@
-//! The highest speed of an axis with an electronic gear that multiplies: alarm 097
-//! (manual III-12.4).
+//! Checks the speed of an axis whose electronic gear multiplies: alarm 097 (manual
+//! III-12.4).
 
 use crate::alarm::{Alarm, number};
 use crate::motion::MotionLimits;
 use crate::units::Point;
 use gsk_messages::say;
 
-/// Alarm 097 if an axis is faster than its gear allows; speeds in mm/min.
+/// Raises alarm 097 if an axis is faster than its gear allows; speeds in mm/min.
 pub(crate) fn check_gear_speed(limits: &MotionLimits, speed: Point) -> Result<(), Alarm> {
     let Some((axis, limit)) = limits.too_fast_for_gear(speed) else {
         return Ok(());

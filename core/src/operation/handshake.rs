@@ -11,10 +11,10 @@
 
 use serde::{Deserialize, Serialize};
 
-/// From code to strobe, and how long FIN must stand, ms.
+/// Delay from code to strobe, and time that FIN must last, ms.
 const T_STROBE: u32 = 16;
 
-/// Which function a strobe belongs to.
+/// The function that a strobe belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Strobe {
     /// MF, F7.0.
@@ -25,20 +25,20 @@ pub enum Strobe {
     T,
 }
 
-/// How far one function has come.
+/// Phase of the handshake of one function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
-    /// Nothing to do.
+    /// No handshake is under way.
     Idle,
-    /// The code stands; the strobe follows after so many ms.
+    /// The code is output; the strobe follows after this many ms.
     Code(u32),
-    /// The strobe stands; FIN has stood for so many ms.
+    /// The strobe is up; FIN has lasted for this many ms.
     Strobe(u32),
     /// The strobe is down; FIN must fall.
     Release,
 }
 
-/// The handshake of all three functions.
+/// The handshakes of M, S and T functions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Handshake {
     phases: [Phase; 3],
@@ -62,7 +62,7 @@ impl Default for Handshake {
 }
 
 impl Handshake {
-    /// Puts the code out and starts the handshake.
+    /// Outputs the code and starts the handshake.
     pub fn start(&mut self, strobe: Strobe, code: u8) {
         match strobe {
             Strobe::M => self.m = code,
@@ -72,12 +72,12 @@ impl Handshake {
         self.phases[strobe as usize] = Phase::Code(T_STROBE);
     }
 
-    /// Whether a strobe signal stands.
+    /// Whether a strobe signal is up.
     pub fn strobe(&self, strobe: Strobe) -> bool {
         matches!(self.phases[strobe as usize], Phase::Strobe(_))
     }
 
-    /// The M code whose FIN has not come yet.
+    /// The M code that waits for FIN; `None` if there is none.
     pub(crate) const fn waiting_m(&self) -> Option<u8> {
         match self.phases[Strobe::M as usize] {
             Phase::Code(_) | Phase::Strobe(_) => Some(self.m),
@@ -85,12 +85,12 @@ impl Handshake {
         }
     }
 
-    /// Whether a function is still being carried out.
+    /// Whether any handshake is under way.
     pub fn busy(&self) -> bool {
         self.phases.iter().any(|phase| *phase != Phase::Idle)
     }
 
-    /// The first function whose strobe stands and is not answered, with its code.
+    /// The first function whose strobe is up without FIN, with its code.
     pub(crate) fn unfinished(&self) -> Option<(Strobe, u32)> {
         let codes = [
             (Strobe::M, u32::from(self.m)),
@@ -100,7 +100,7 @@ impl Handshake {
         codes.into_iter().find(|(strobe, _)| self.strobe(*strobe))
     }
 
-    /// One millisecond, with the FIN signal as the PLC left it.
+    /// Advances by one tick (1 ms) with the FIN signal of the PLC.
     pub fn tick(&mut self, fin: bool) {
         if !self.busy() {
             return;
@@ -116,14 +116,14 @@ impl Handshake {
                 Phase::Release if fin => Phase::Release,
                 Phase::Release => Phase::Idle,
             };
-            // S and T codes stand until the next code, the M code does not.
+            // S and T codes stay until the next code, the M code does not.
             if *phase == Phase::Idle && index == Strobe::M as usize {
                 self.m = 0;
             }
         }
     }
 
-    /// Reset: all strobes fall at once and no FIN is awaited.
+    /// Reset: all strobes fall at once, and FIN is no longer awaited.
     pub fn reset(&mut self) {
         self.phases = [Phase::Idle; 3];
         self.m = 0;

@@ -1,20 +1,21 @@
-//! Detents of the handwheel, counted from its two tracks (manual III-6.2).
+//! Counts the detents of the handwheel from its two tracks (manual III-6.2).
 
 use serde::{Deserialize, Serialize};
 
-/// Half graduations that the counter takes in a tick: 500 a second, five turns of
-/// a wheel of 100 graduations. What comes faster is lost.
+/// Half graduations that the counter accepts per tick: 500 graduations a second, five turns
+/// of a wheel with 100 graduations. Faster pulses are lost.
 const HALVES_A_TICK: i32 = 1;
 
-/// Half graduations that may come at once: a tenth of a second's worth.
+/// Half graduations that the counter accepts at once: those of a tenth of a second.
 const HALVES_AT_ONCE: i32 = 100;
 
-/// The counter of the handwheel's pulses.
+/// Pulse counter of the handwheel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct WheelCounter {
-    /// Graduation at the last tick; none before the first.
+    /// Graduation at the last tick; `None` before the first.
     last: Option<i32>,
-    /// Half graduations that may still come.
+    /// Half graduations that the counter still accepts.
+    #[serde(rename = "room")]
     room: i32,
 }
 
@@ -28,7 +29,7 @@ impl Default for WheelCounter {
 }
 
 impl WheelCounter {
-    /// The graduations that count this tick.
+    /// Number of graduations that count in this tick; negative anticlockwise.
     pub(crate) const fn counts(&mut self, wheel: i32) -> i32 {
         let turned = match self.last {
             Some(last) if last == wheel && self.room == HALVES_AT_ONCE => return 0,

@@ -1,16 +1,16 @@
-//! Debouncing of the machine inputs (parameter 020).
+//! Debounces the machine inputs (parameter 020).
 
 use serde::{Deserialize, Serialize};
 
-/// Bytes of the X area.
+/// Number of bytes in the X area.
 pub(crate) const X_BYTES: usize = 30;
 
-/// A contact is sampled every 4 ms and accepted after as many equal samples as
-/// parameter 020 asks for.
+/// Debouncing filter of the X inputs. It samples each contact every 4 ms and accepts a
+/// change after the number of equal samples in parameter 020.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InputFilter {
     accepted: [u8; X_BYTES],
-    /// Samples for which each bit has differed from the accepted state.
+    /// Number of samples in which each bit has differed from the accepted state.
     differing: Vec<u8>,
 }
 
@@ -24,7 +24,7 @@ impl Default for InputFilter {
 }
 
 impl InputFilter {
-    /// A filter that already stands at these contacts.
+    /// Creates a filter that has already accepted these contacts.
     pub fn standing(contacts: &[u8; X_BYTES]) -> Self {
         Self {
             accepted: *contacts,
@@ -37,15 +37,15 @@ impl InputFilter {
         &self.accepted
     }
 
-    /// Takes one sample of all contacts. `samples` is parameter 020, 0..=15; a
-    /// larger value counts as 2, as the control corrects it at power-on.
+    /// Processes one sample of all contacts. `samples` is parameter 020, 0..=15; a larger
+    /// value counts as 2, to which the control corrects it at power-on.
     pub fn sample(&mut self, contacts: &[u8; X_BYTES], samples: i32) {
         let needed = match u8::try_from(samples) {
             Ok(needed @ 0..=15) => needed.max(1),
             _ => 2,
         };
-        // Nearly always nothing changes. A sum of bits, unlike a search, is done by many
-        // bytes at once.
+        // In most ticks nothing changes. The compiler vectorises a fold over the bits, but
+        // not a search.
         let waiting = self.differing.iter().fold(0, |any, count| any | count);
         if waiting == 0 && self.accepted == *contacts {
             return;

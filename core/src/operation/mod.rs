@@ -1,6 +1,5 @@
-//! States and rules of operation that need no control around them: modes, run states,
-//! the M/S/T handshake, PLC signals by name, the list of active alarms. The control
-//! (`cnc`) carries them out.
+//! States and rules of operation that do not need the control around them: run states, the
+//! M/S/T handshake, PLC signals by name, the list of active alarms. `cnc` applies them.
 
 mod active_alarms;
 mod arrival;

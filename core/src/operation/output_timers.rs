@@ -1,19 +1,19 @@
-//! Outputs that a program switches by itself, and when they go off again.
+//! Timers for outputs that a program switches directly.
 
 use serde::{Deserialize, Serialize};
 
 use crate::units::TICK_MS;
 
-/// How many there are.
+/// Number of the outputs.
 const OUTPUTS: usize = 24;
 
-/// What is left of each output's time, ms; 0: it stays as it is.
+/// Remaining time of each output, ms; 0: the output keeps its state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct OutputTimers([u32; OUTPUTS]);
 
 impl OutputTimers {
-    /// Switches outputs; the command that comes last wins over a time that runs. `now`
-    /// and the answer: all outputs, Y0 in bit 0.
+    /// Switches outputs and sets their timers; a later command replaces a running timer.
+    /// `now` and the result contain all outputs, Y0 in bit 0.
     pub(crate) fn switch(&mut self, now: u32, on: u32, off: u32, ms: u32) -> u32 {
         for (output, left) in self.0.iter_mut().enumerate() {
             if (on | off) >> output & 1 == 1 {
@@ -23,7 +23,7 @@ impl OutputTimers {
         (now | on) & !off
     }
 
-    /// A tick goes by: the outputs whose time is over.
+    /// Advances by one tick. Returns the outputs whose time has elapsed.
     pub(crate) fn tick(&mut self) -> u32 {
         if self.is_idle() {
             return 0;
@@ -38,7 +38,7 @@ impl OutputTimers {
         over
     }
 
-    /// Whether no time runs.
+    /// Whether no timer is running.
     pub(crate) fn is_idle(&self) -> bool {
         self.0.iter().fold(0, |any, left| any | left) == 0
     }

@@ -1,5 +1,5 @@
-//! Signals of drives and encoder that have no contact in X: what DGN.008, 011 and
-//! 012 show (manual III-12.7.1).
+//! Signals of drives and encoder without an X contact, which DGN.008, 011 and 012 show
+//! (manual III-12.7.1).
 
 use serde::{Deserialize, Serialize};
 
@@ -7,24 +7,25 @@ use crate::machine::Inputs;
 use crate::memory::Parameters;
 use crate::units::{Axis, PerAxis};
 
-/// How long the one-turn signal of the spindle is shown, ms: it stands for a
-/// thousandth of a turn, too short for a picture.
+/// Display time of the spindle's one-turn signal, ms. The signal lasts a thousandth of a
+/// turn, too short for a picture.
 const MARK_MS: u8 = 60;
 
-/// The signals as they are.
+/// Current signals of drives and encoder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sensors {
-    /// PC: the zero signal of each axis stands.
+    /// PC: whether the zero signal of each axis is on.
     pub zero_signal: PerAxis<bool>,
-    /// The drive gives no alarm.
+    /// Whether the drive reports no alarm.
+    #[serde(rename = "drive_well")]
     pub drive_well: PerAxis<bool>,
-    /// Counts of the spindle encoder.
+    /// Count of the spindle encoder.
     pub encoder: i64,
     mark_left: u8,
 }
 
 impl Sensors {
-    /// Once a millisecond.
+    /// Updates the signals; called once per tick.
     pub fn sense(&mut self, inputs: &Inputs, parameters: &Parameters) {
         self.zero_signal = inputs.index_pulse;
         let well = |axis| *inputs.drive_alarm.get(axis) != parameters.drive_alarm_level(axis);
@@ -37,7 +38,7 @@ impl Sensors {
         };
     }
 
-    /// The one-turn signal of the spindle came a moment ago.
+    /// Whether the spindle's one-turn signal came within the display time.
     pub const fn spindle_mark(&self) -> bool {
         self.mark_left > 0
     }

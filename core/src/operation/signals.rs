@@ -1,5 +1,5 @@
-//! The control's side of the PLC interface: what it reads in G, what it writes
-//! in F. Each signal's address stands here and nowhere else.
+//! The control's side of the PLC interface: the G signals it reads and the F signals it
+//! writes. The addresses of the signals are defined here only.
 
 use gsk_plc::PlcMemory;
 use serde::{Deserialize, Serialize};
@@ -18,7 +18,7 @@ pub struct FromPlc {
     pub auxiliary_lock: bool,
     /// OVC, G6.4: feed override fixed at 100 %.
     pub override_cancel: bool,
-    /// STLK, G7.1: the axes stand, the cycle stays started.
+    /// STLK, G7.1: the axes stop, the cycle stays started.
     pub start_lock: bool,
     /// ST, G7.2: cycle start on its falling edge.
     pub start: bool,
@@ -28,7 +28,7 @@ pub struct FromPlc {
     pub emergency_stop: bool,
     /// *SP, G8.5, as «feed hold».
     pub feed_hold: bool,
-    /// ERS, G8.7.
+    /// ERS, G8.7: external reset.
     pub external_reset: bool,
     /// Jog rate code, G10 and G11 (0 = 150 % … 15 = 0 %).
     pub jog_code: u8,
@@ -38,7 +38,7 @@ pub struct FromPlc {
     pub rapid_override: u8,
     /// RT, G19.7: manual rapid.
     pub rapid: bool,
-    /// SAR, G29.4.
+    /// SAR, G29.4: the spindle has reached its speed.
     pub speed_arrival: bool,
     /// Spindle override, %, from G30.
     pub spindle_override: u8,
@@ -48,28 +48,29 @@ pub struct FromPlc {
     pub wheel_axis: Option<Axis>,
     /// MP1, MP2, G19.4 and G19.5: least increments of one graduation or step.
     pub step_increments: u16,
-    /// BDT, G44.0.
+    /// BDT, G44.0: blocks with `/` are skipped.
     pub block_skip: bool,
-    /// MLK, G44.1, alone: MMLK repeats it.
+    /// MLK, G44.1 alone, which MMLK repeats.
     #[serde(default)]
+    #[serde(rename = "all_locked")]
     pub all_locked: bool,
-    /// MLK, G44.1 and G108.
+    /// MLK, G44.1 and G108: machine lock of each axis.
     pub machine_lock: PerAxis<bool>,
     /// HDT, G44.7: index the tool post by one station.
     pub next_tool: bool,
-    /// SBK, G46.1.
+    /// SBK, G46.1: single block.
     pub single_block: bool,
     /// KEY1, G46.3: programs, offsets and parameters are protected.
     pub memory_protect: bool,
-    /// DRN, G46.7.
+    /// DRN, G46.7: dry run.
     pub dry_run: bool,
     /// SRVB, G74.4: spindle turns forward.
     pub spindle_forward: bool,
     /// SFRB, G74.5: spindle turns in reverse.
     pub spindle_reverse: bool,
-    /// +J, G100.
+    /// +J, G100: jog in the positive direction.
     pub jog_plus: PerAxis<bool>,
-    /// -J, G102.
+    /// -J, G102: jog in the negative direction.
     pub jog_minus: PerAxis<bool>,
     /// *+L, G114, as «limit reached».
     pub limit_plus: PerAxis<bool>,
@@ -99,7 +100,7 @@ const fn low_axes(byte: u8) -> PerAxis<bool> {
     axes(!byte)
 }
 
-/// Rapid override from ROV1/ROV2, or from the 1 % code when HROV asks for it.
+/// Rapid override from ROV1 and ROV2, or from the 1 % code when HROV selects it.
 fn rapid_override(g14: u8, g96: u8) -> u8 {
     if bit(g96, 7) {
         return (!g96 & 0x7f).min(100);
@@ -125,13 +126,13 @@ const fn spindle_override(g30: u8) -> u8 {
     }
 }
 
-/// The tool in position is a binary number of 32 bits.
+/// The tool in position is a binary number of 32 bits; above 255 it counts as 255.
 fn current_tool(nowt: [u8; 4]) -> u8 {
     u8::try_from(u32::from_le_bytes(nowt)).unwrap_or(u8::MAX)
 }
 
 impl FromPlc {
-    /// Decodes the G area.
+    /// Decodes the G area of the PLC memory.
     pub fn read(memory: &PlcMemory) -> Self {
         let g = |number: u16| memory.g(number);
         let all_locked = bit(g(44), 1);
@@ -186,7 +187,7 @@ impl FromPlc {
     }
 }
 
-/// What the control tells the PLC.
+/// Signals of the control for the PLC.
 pub struct ToPlc<'a> {
     /// Operating mode.
     pub mode: Mode,
@@ -196,11 +197,11 @@ pub struct ToPlc<'a> {
     pub holding: bool,
     /// OP: automatic operation in progress.
     pub operating: bool,
-    /// AL: an alarm stands.
+    /// AL: an alarm is in force.
     pub alarm: bool,
     /// RST: reset.
     pub reset: bool,
-    /// DEN: everything of the block but FIN is done.
+    /// DEN: everything in the block except FIN is done.
     pub distribution_end: bool,
     /// Servo ready.
     pub servo_ready: bool,
@@ -208,7 +209,7 @@ pub struct ToPlc<'a> {
     pub rapid: bool,
     /// CUT: automatic cutting feed.
     pub cutting: bool,
-    /// The dwell of a G04 runs.
+    /// Whether the dwell of a G04 is running.
     pub dwelling: bool,
     /// RTAP: tapping.
     pub tapping: bool,
@@ -218,27 +219,27 @@ pub struct ToPlc<'a> {
     pub handshake: &'a Handshake,
     /// Gear M41–M44 in force, 1..=4.
     pub gear: u8,
-    /// ZP: at the reference point.
+    /// ZP: the axis is at the reference point.
     pub at_reference: PerAxis<bool>,
-    /// ZRF: reference established.
+    /// ZRF: the reference point is established.
     pub referenced: PerAxis<bool>,
-    /// PRO: at the program zero point.
+    /// PRO: the axis is at the program zero.
     pub at_program_zero: PerAxis<bool>,
-    /// MV: axis moving.
+    /// MV: the axis is moving.
     pub moving: PerAxis<bool>,
-    /// MVD: last direction negative.
+    /// MVD: the last direction was negative.
     pub negative: PerAxis<bool>,
     /// OUTO: the OUTPUT key is down in MDI mode.
     pub output_key: bool,
-    /// Something goes out through the serial port.
+    /// Whether data is sent through the serial port.
     pub sending: bool,
-    /// Something comes in through it.
+    /// Whether data is received through the serial port.
     pub receiving: bool,
-    /// BGEACT: a program is read in beside the one that runs.
+    /// BGEACT: a program is being received while another one runs.
     pub reading_in: bool,
     /// COVL: the feed override in force is 0 %.
     pub stopped_by_override: bool,
-    /// CINP: the slides have not made all that was commanded yet.
+    /// CINP: the slides have not completed the commanded motion.
     pub checking: bool,
     /// Switches of the soft machine panel, as the bits of F75.
     pub soft_switches: u8,

@@ -1,5 +1,5 @@
-//! The switches of the page 机床面板 (manual III-2.6.2): requests to the ladder,
-//! which does with them what it likes.
+//! The switches of the page 机床面板 (manual III-2.6.2): requests to the ladder, which decides
+//! about them.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +19,7 @@ pub enum SoftSwitch {
 }
 
 impl SoftSwitch {
-    /// All, in the order of the page.
+    /// All switches, in the order of the page.
     pub const ALL: [Self; 5] = [
         Self::MachineLock,
         Self::AuxiliaryLock,
@@ -28,7 +28,7 @@ impl SoftSwitch {
         Self::BlockSkip,
     ];
 
-    /// Its bit of F75, as a mask.
+    /// The bit of F75 for this switch, as a mask.
     pub(crate) const fn mask(self) -> u8 {
         match self {
             Self::AuxiliaryLock => 1 << 1,
@@ -40,10 +40,11 @@ impl SoftSwitch {
     }
 }
 
-/// A switch on its way to a new state.
+/// A switch that is changing to a new state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Turning {
     pub switch: SoftSwitch,
+    #[serde(rename = "to")]
     pub to: bool,
     pub left_ms: u32,
 }

@@ -1,5 +1,5 @@
-//! Threads and tapping: how they are protected against feed hold and single block, and
-//! what the spindle must be (manual I-3.2.4, PLC-I «feed hold», «rigid tapping»).
+//! Threads and tapping: their protection against feed hold and single block, and the checks
+//! of the spindle (manual I-3.2.4, PLC-I «feed hold», «rigid tapping»).
 
 use super::automatic::Current;
 use super::thread_state::Protection;
@@ -11,22 +11,22 @@ use crate::spindle::Encoder;
 use crate::units::{Axis, Point};
 use gsk_messages::say;
 
-/// Below this a spindle stands, r/min.
+/// Below this speed the spindle counts as stopped, r/min.
 pub(crate) const STANDING_RPM: f64 = 1.0;
 
-/// What a command of a thread is followed by.
+/// What follows a finished command of a thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum AfterThread {
-    /// The next one.
+    /// The next command begins.
     GoesOn,
-    /// The feed hold that was asked for in the thread.
+    /// The run holds, because feed hold was requested in the thread.
     Stands,
-    /// The stop of single block.
+    /// The run stops for single block.
     Stops,
 }
 
 impl super::automatic::Automatic {
-    /// Whether motion goes on although hold is asked for.
+    /// Whether motion continues although feed hold is requested.
     pub(crate) fn protected(&self) -> bool {
         let whole = |current: &Current| current.command.whole;
         self.protection != Protection::None || self.current.as_ref().is_some_and(whole)
@@ -40,7 +40,7 @@ impl super::automatic::Automatic {
         )
     }
 
-    /// Whether the command read ahead goes on in phase from the one under way.
+    /// Whether the command read ahead continues the thread in phase.
     pub(crate) fn thread_continues(&self) -> bool {
         matches!(
             self.ahead.as_ref().map(|command| &command.action),
@@ -51,7 +51,7 @@ impl super::automatic::Automatic {
         )
     }
 
-    /// Whether the next command may begin in this state.
+    /// Whether the next command may begin in the present state.
     pub(crate) fn may_begin(&self) -> bool {
         match self.state {
             RunState::Run => true,
@@ -64,7 +64,7 @@ impl super::automatic::Automatic {
         }
     }
 
-    /// What the beginning of a command does to the protection.
+    /// Updates the protection when a command begins.
     pub(crate) fn protect(&mut self, action: &Action) {
         if !self.within_block {
             self.tap_reverse = 0;
@@ -72,7 +72,7 @@ impl super::automatic::Automatic {
         self.watch.rpm = None;
         self.watch.ticks = 0;
         self.watch.waited = 0;
-        // A stop that was programmed is expected.
+        // A programmed stop is expected.
         if matches!(
             action,
             Action::Miscellaneous { code: 5 } | Action::End { .. }
@@ -93,8 +93,8 @@ impl super::automatic::Automatic {
         };
     }
 
-    /// What comes after a finished command, as far as threads decide it;
-    /// `single_block`: it would stop the run here.
+    /// What follows a finished command, where threads decide it; `single_block`: single
+    /// block would stop the run here. `None`: the ordinary rules apply.
     pub(crate) fn after_thread(
         &self,
         command: &Command,
@@ -102,7 +102,8 @@ impl super::automatic::Automatic {
     ) -> Option<AfterThread> {
         let held = self.state == RunState::Hold;
         match (&command.action, self.protection) {
-            // The moves of a cycle stop one by one; a thread block never does.
+            // Single block stops between the moves of a cycle, but never within a thread
+            // block.
             (Action::Thread { .. }, _) => {
                 let stops = !held && !command.block_end && single_block;
                 Some(if stops && !self.thread_continues() {
@@ -132,7 +133,7 @@ pub(crate) fn check_encoder(parameters: &crate::memory::Parameters) -> Result<()
     Err(Alarm::new(number::ENCODER_LINES).because(say::encoder_lines_out_of_range(lines)))
 }
 
-/// Alarm 094: a thread with a standing spindle.
+/// Alarm 094: the spindle stands still at a thread.
 pub(crate) fn check_standing(rpm: f64) -> Result<(), Alarm> {
     if rpm.abs() < STANDING_RPM {
         return Err(Alarm::new(number::THREAD_SPEED).because(say::thread_spindle_stands()));
@@ -140,7 +141,8 @@ pub(crate) fn check_standing(rpm: f64) -> Result<(), Alarm> {
     Ok(())
 }
 
-/// Alarm 094: an axis that cannot follow the spindle (022, 023, 027).
+/// Alarm 094: an axis cannot follow the spindle (022, 023, 027). `top` is the highest speed
+/// of each axis, mm/min.
 pub(crate) fn check_thread_speed(top: Point, rpm: f64, limits: &MotionLimits) -> Result<(), Alarm> {
     for axis in [Axis::X, Axis::Z] {
         let (limit, parameter) = limits.thread_limit(axis);

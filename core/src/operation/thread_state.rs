@@ -1,63 +1,69 @@
-//! What a run keeps of the thread or tap under way.
+//! State of the thread or tap that a run has under way.
 
 use serde::{Deserialize, Serialize};
 
 use crate::board::SpindleTrouble;
 
-/// The spindle speed of a thread is compared over so many ticks (106).
+/// Interval between two comparisons of the spindle speed during a thread, ticks (106).
 const FLUCTUATION_TICKS: u32 = 100;
 
-/// Whether feed hold may stop the motion under way.
+/// Whether feed hold can stop the motion under way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Protection {
-    /// It may.
+    /// Feed hold stops the motion.
     #[default]
     None,
-    /// A thread or tap, and what follows it until the next command begins.
+    /// A thread or tap is under way, or its end until the next command begins: feed hold
+    /// waits.
     Thread,
-    /// Hold was asked for in a thread: the first thing after it goes to its end.
+    /// Feed hold was requested in a thread. The first command after the thread runs to its
+    /// end.
     After {
-        /// Hold asked for again stops in it; not so the retract of a cycle.
+        /// Whether a second feed hold stops that command. Not so for the retract of a
+        /// cycle.
         again: bool,
     },
 }
 
-/// How far a tap has come.
+/// Stage of a tap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum TapStage {
-    /// The spindle turns again for a further start of the thread.
+    /// The spindle starts again for a further start of the thread.
     Restart,
-    /// Other functions of the block are finished first, and a spindle that was
-    /// started again has come to its speed.
+    /// The tap waits for other functions of the block and for a restarted spindle to reach
+    /// its speed.
     Ready,
-    /// Inwards in phase.
+    /// Feeding in, in phase with the spindle.
     In,
-    /// M05; the tool follows the spindle to its standstill.
+    /// M05: the tool follows the spindle to its standstill.
     Stopping,
-    /// Out in phase with the reversed spindle.
+    /// Feeding out, in phase with the reversed spindle.
     Out,
-    /// M05 again.
+    /// M05 at the end: the spindle stops.
     Ending,
-    /// Done.
+    /// The tap is finished.
     Done,
 }
 
-/// What is watched while a thread is cut.
+/// Supervision of the spindle during a thread.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SpindleWatch {
-    /// Speed at the last comparison, and ticks since.
+    /// Speed at the last comparison, r/min, and ticks since then.
     pub rpm: Option<f64>,
     pub ticks: u32,
-    /// The spindle has turned in a cut of this run.
+    /// Whether the spindle has turned during a cut of this run.
+    #[serde(rename = "turned")]
     pub turned: bool,
-    /// Ticks that a command has waited for the spindle.
+    /// Ticks that the command under way has waited for the spindle.
+    #[serde(rename = "waited")]
     pub waited: u32,
-    /// The thread under way is not what it should be: the run ends behind it.
+    /// Fault of the spindle during the thread under way: the run ends after the thread.
+    #[serde(rename = "spoilt")]
     pub spoilt: Option<SpindleTrouble>,
 }
 
 impl SpindleWatch {
-    /// Whether the speed has kept within a half per cent for a while.
+    /// Whether the speed has stayed within 0.5 % for [`FLUCTUATION_TICKS`].
     pub fn steady(&mut self, rpm: f64) -> bool {
         let before = *self.rpm.get_or_insert(rpm);
         self.ticks += 1;
@@ -69,7 +75,7 @@ impl SpindleWatch {
         (rpm - before).abs() * 200.0 <= rpm + before
     }
 
-    /// `|n - n0| · 200 / (n + n0)` against the limit, %.
+    /// Whether `|n - n0| · 200 / (n + n0)` exceeds the limit, %.
     pub(crate) fn fluctuates(&mut self, rpm: f64, limit: f64) -> bool {
         let before = *self.rpm.get_or_insert(rpm);
         self.ticks += 1;

@@ -1,34 +1,39 @@
-//! Stages of a return to the machine zero (manual III-7, II-2.8.3).
+//! Stages of a reference return (manual III-7, II-2.8.3).
 
 use serde::{Deserialize, Serialize};
 
-/// How far the return of one axis has come.
+/// Stage of the reference return of one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Return {
-    /// At rapid to a known place: method A, program zero.
+    /// At rapid to a known position: method A, program zero.
     Straight,
-    /// Towards the zero, until the deceleration switch.
+    /// Towards the reference, until the deceleration switch.
     Approach,
     /// On the switch at the low rate, until it is released.
     OnSwitch,
     /// Method B: at the low rate until the zero signal.
     Search,
-    /// Method C: past the switch, coming to rest.
+    /// Method C: past the switch, stopping.
+    #[serde(rename = "Turning")]
     Turning,
-    /// Method C: back at the low rate, until the switch is met again.
+    /// Method C: back at the low rate until the switch is met again.
     Back,
-    /// At a pulse board, the limit switch being the reference: back off it.
+    /// With a pulse board whose limit switch is the reference: backing off the switch.
+    #[serde(rename = "Leave")]
     Leave,
-    /// At a pulse board: at the low rate to this machine coordinate, µm, past the edge
-    /// of the switch.
+    /// With a pulse board: at the low rate past the switch edge to this machine coordinate,
+    /// µm.
+    #[serde(rename = "Past")]
     Past(i64),
-    /// A pulse board seeks its switch by itself.
+    /// A pulse board homes the axis on its own.
+    #[serde(rename = "Board")]
     Board,
-    /// The zero signal has come; stands until its motor has come to rest.
+    /// The zero signal has come; the axis waits until its motor has stopped.
+    #[serde(rename = "Rest")]
     Rest {
-        /// Ticks that are left.
+        /// Ticks left to wait.
         ticks: u16,
-        /// The machine coordinates are others now.
+        /// Whether the machine coordinates have been set.
         shifted: bool,
     },
 }

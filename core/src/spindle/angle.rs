@@ -1,43 +1,46 @@
-//! The angle of the spindle from the counts of its encoder, finer than a count.
+//! Estimates the spindle angle from the encoder counts, finer than one count.
 //!
-//! A count stands for a stretch of angle and comes up to a tick late: a thread cut
-//! by bare counts would jerk by one count a tick. A small observer (position and
-//! rate, critically damped) follows the counts; at a steady speed it has no lag, and
-//! at a changing one it never leaves the stretch that the count stands for.
+//! A count covers a range of angles and arrives up to a tick late: a thread cut by bare
+//! counts would jerk by one count per tick. A small observer (position and rate, critically
+//! damped) follows the counts. At a steady speed it has no lag; at a changing speed it
+//! never leaves the range of the count.
 
 use serde::{Deserialize, Serialize};
 
 use super::encoder::Encoder;
 use crate::memory::Parameters;
 
-/// Parts of the observed error that correct angle and rate in a tick.
+/// Fractions of the observed error that correct angle and rate in a tick.
 const ANGLE_GAIN: f64 = 0.4;
 const RATE_GAIN: f64 = 0.05;
 
-/// The spindle's angle around one tick, in turns since power-on; negative in
-/// reverse.
+/// The spindle angle around one tick, in turns since power-on; negative in reverse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SpindleTurn {
     /// At the beginning of the tick.
     pub before: f64,
-    /// Now.
+    /// At the end of the tick.
     pub now: f64,
     /// At the last one-turn signal.
     pub index: f64,
-    /// An angle at which every turn of the spindle begins.
+    /// An angle at which a revolution of the spindle begins; all others differ by whole
+    /// turns.
     pub zero: f64,
 }
 
-/// Follows the angle.
+/// Observer of the spindle angle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpindleAngle {
-    /// Turns for one count; none without a usable encoder (070).
+    /// Turns per count; 0 without a usable encoder (070).
+    #[serde(rename = "scale")]
     scale: f64,
-    /// Encoder and spindle turn alike (110 = 111): each signal begins a turn.
+    /// Whether encoder and spindle turn at the same speed (110 = 111): each signal begins a
+    /// revolution.
     direct: bool,
     count: Option<i64>,
     index_count: Option<i64>,
-    /// How far the angle is beyond the count, and its rate, counts and counts a tick.
+    /// Angle beyond the count, in counts, and its rate, counts per tick.
+    #[serde(rename = "beyond")]
     beyond: f64,
     rate: f64,
     zero: Option<f64>,
@@ -45,7 +48,7 @@ pub struct SpindleAngle {
 }
 
 impl SpindleAngle {
-    /// Nothing measured yet.
+    /// Starts without a measurement.
     pub fn new(parameters: &Parameters) -> Self {
         Self {
             scale: Encoder::counts_per_spindle_turn(parameters).map_or(0.0, |counts| 1.0 / counts),
@@ -59,12 +62,12 @@ impl SpindleAngle {
         }
     }
 
-    /// The angle around this tick.
+    /// The angle around the last tick.
     pub const fn turn(&self) -> SpindleTurn {
         self.turn
     }
 
-    /// The angle comes from elsewhere: a pulse board sees the spindle.
+    /// Takes the angle that a pulse board measures.
     pub const fn tell(&mut self, turn: SpindleTurn) {
         self.turn = turn;
         self.count = None;
@@ -74,8 +77,8 @@ impl SpindleAngle {
         self.rate = 0.0;
     }
 
-    /// One tick: the absolute count, and the count at the last one-turn signal of
-    /// the encoder.
+    /// Advances one tick with the absolute count and the count at the encoder's last
+    /// one-turn signal.
     pub fn tick(&mut self, count: i64, index: i64) {
         let step = count - self.count.unwrap_or(count);
         self.count = Some(count);

@@ -1,4 +1,4 @@
-//! Commanded speed, its limits, gears, and the analog voltage.
+//! Commanded spindle speed with its limits, gears, and the analog output voltage.
 
 use core::f64::consts::PI;
 
@@ -9,7 +9,7 @@ use crate::command::SpindleCommand;
 use crate::memory::Parameters;
 use crate::units::percent_to_factor;
 
-/// What S means at present.
+/// What the S word means at present.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Mode {
     /// r/min (G97).
@@ -18,7 +18,7 @@ enum Mode {
     Surface(f64),
 }
 
-/// A speed that takes the place of the commanded one for a while.
+/// A speed that temporarily replaces the commanded one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Instead {
     /// Gear change under way (067).
@@ -27,28 +27,35 @@ enum Instead {
     Jog,
 }
 
-/// What the spindle depends on in a tick.
+/// Inputs of the spindle control in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpindleInputs {
-    /// Encoder count (four a line), absolute.
+    /// Absolute encoder count (four per line).
     pub encoder: i64,
-    /// Speed, r/min, where a pulse board tells it in place of an encoder.
+    /// Speed measured by a pulse board, r/min, which replaces the encoder; `None`: the
+    /// encoder applies.
+    #[serde(rename = "measured")]
     pub measured: Option<f64>,
-    /// Radius for G96, mm: the programmed X without offset; sign ignored. In a
-    /// rapid it is the one of the end point.
+    /// Radius for G96, mm: the programmed X without offset, sign ignored. During a rapid it
+    /// is the radius of the end point.
+    #[serde(rename = "radius")]
     pub radius: f64,
     /// Spindle override, %.
     pub override_percent: u8,
 }
 
-/// Parameters of the spindle, worked out once.
+/// Parameters of the spindle, decoded once.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Settings {
     analog: bool,
     gears_usable: bool,
+    #[serde(rename = "top")]
     top: [f64; 4],
+    #[serde(rename = "lowest_surface")]
     lowest_surface: f64,
+    #[serde(rename = "gear_change")]
     gear_change: f64,
+    #[serde(rename = "jog")]
     jog: f64,
     gain: f64,
     zero_volts: f64,
@@ -71,22 +78,24 @@ impl Settings {
     }
 }
 
-/// The control's side of the spindle.
+/// The control's side of the spindle: commanded speed, gear and measured speed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpindleControl {
     settings: Settings,
     mode: Mode,
     /// Highest speed under G96 (G50 S), r/min.
     limit: Option<f64>,
-    /// Gear by whose top speed the voltage is made.
+    /// Gear whose top speed determines the voltage.
     gear: u8,
-    /// Gear that M41–M44 asked for last; the one in force when its change is done.
+    /// Gear of the last M41–M44; it comes into force when its change is done.
     selected: u8,
-    /// The outputs of the gears are as `selected` says. Not so at power-on, when no
-    /// output is on, and after a change that was broken off.
+    /// Whether the gear outputs match `selected`. False at power-on, when no output is on,
+    /// and after an abandoned change.
     engaged: bool,
+    #[serde(rename = "instead")]
     instead: Option<Instead>,
     encoder: Encoder,
+    #[serde(rename = "commanded")]
     commanded: f64,
     volts: f64,
     radius: f64,
@@ -95,7 +104,7 @@ pub struct SpindleControl {
 }
 
 impl SpindleControl {
-    /// At power-on: no speed, gear 1, no limit.
+    /// State at power-on: no speed, gear 1, no limit.
     pub fn new(parameters: &Parameters) -> Self {
         let mut new = Self {
             settings: Settings::new(parameters),
@@ -121,7 +130,7 @@ impl SpindleControl {
         self.volts = self.voltage();
     }
 
-    /// An S function. Steps (S00–S04) go through the PLC and change nothing here.
+    /// Executes an S function. Steps (S00–S04) go through the PLC and change nothing here.
     pub fn command(&mut self, command: SpindleCommand) {
         match command {
             SpindleCommand::Step(_) => {}
@@ -149,7 +158,7 @@ impl SpindleControl {
         }
     }
 
-    /// Gear 1–4 whose top speed (037–040) counts; always 1 with 164.7 AGER = 0.
+    /// Gear 1–4 whose top speed (037–040) applies; always 1 with 164.7 AGER = 0.
     pub const fn gear(&self) -> u8 {
         if self.settings.gears_usable {
             self.gear
@@ -163,8 +172,8 @@ impl SpindleControl {
         self.selected
     }
 
-    /// M41–M44: asks for a gear, 1–4. Returns whether it has to be changed to; the
-    /// spindle then turns at 067 until [`Self::end_gear_change`].
+    /// M41–M44: selects a gear, 1–4. Returns whether a gear change is needed; the spindle
+    /// then turns at the speed of 067 until [`Self::end_gear_change`].
     pub(crate) fn begin_gear_change(&mut self, gear: u8) -> bool {
         if !(1..=4).contains(&gear) || (self.engaged && self.selected == gear) {
             return false;
@@ -175,7 +184,7 @@ impl SpindleControl {
         true
     }
 
-    /// The ladder has finished (FIN): from now on the new gear counts.
+    /// Ends the gear change (FIN of the ladder): the new gear applies from now on.
     pub(crate) fn end_gear_change(&mut self) {
         if self.changing_gear() {
             self.gear = self.selected;
@@ -185,8 +194,8 @@ impl SpindleControl {
         }
     }
 
-    /// Reset during the change: the old gear counts further, and the next M41–M44
-    /// is carried out in any case.
+    /// Abandons the gear change at RESET: the old gear still applies, and the next M41–M44
+    /// is always executed.
     pub(crate) fn abandon_gear_change(&mut self) {
         if self.changing_gear() {
             self.selected = self.gear;
@@ -199,7 +208,7 @@ impl SpindleControl {
         self.instead == Some(Instead::GearChange)
     }
 
-    /// Spindle jog: the speed of 109 instead of S.
+    /// Switches spindle jog: the speed of 109 replaces S.
     pub(crate) fn set_jog(&mut self, active: bool) {
         if active && !self.changing_gear() {
             self.instead = Some(Instead::Jog);
@@ -226,7 +235,7 @@ impl SpindleControl {
         }
     }
 
-    /// The limits of G96: not below 043, not above G50 S, which wins.
+    /// Applies the limits of G96: at least 043, at most G50 S, which takes precedence.
     fn limited(&self, speed: f64) -> f64 {
         let raised = if speed > 0.0 {
             speed.max(self.settings.lowest_surface)
@@ -236,7 +245,7 @@ impl SpindleControl {
         raised.min(self.limit.unwrap_or(f64::INFINITY))
     }
 
-    /// One millisecond.
+    /// Advances by one tick (1 ms).
     pub fn tick(&mut self, inputs: &SpindleInputs) {
         match inputs.measured {
             Some(rpm) => self.encoder.tell(rpm),
@@ -262,8 +271,8 @@ impl SpindleControl {
         }
     }
 
-    /// SVC for the commanded speed, 0…10 V; none with switched speeds (001.4 = 0). To be
-    /// asked again when the speed, the gear or a parameter changes.
+    /// SVC for the commanded speed, 0–10 V; 0 with switched speeds (001.4 = 0). Valid until
+    /// the speed, the gear or a parameter changes.
     fn voltage(&self) -> f64 {
         let top = self.top_speed();
         if !self.settings.analog || top <= 0.0 {
@@ -288,7 +297,7 @@ impl SpindleControl {
         self.encoder.rpm()
     }
 
-    /// Whether an encoder is fitted: it has counted since power-on.
+    /// Whether the encoder has counted since power-on, which shows that one is fitted.
     pub(crate) const fn encoder_fitted(&self) -> bool {
         self.encoder.has_counted()
     }

@@ -1,5 +1,5 @@
-//! The spindle as the control sees it: the speed it commands and the speed it
-//! measures (manual I-3.3, II-2.8.5, PLC «spindle speed»).
+//! The spindle as the control sees it: commanded and measured speed (manual I-3.3,
+//! II-2.8.5, PLC «spindle speed»).
 //!
 //! ```text
 //!  S (G97) ──────────────────┐

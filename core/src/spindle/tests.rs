@@ -1,4 +1,4 @@
-//! Commanded and measured speed.
+//! Tests of the commanded and the measured spindle speed.
 
 use super::*;
 use crate::command::SpindleCommand;

@@ -1,7 +1,6 @@
-//! Spindle speed arrival (manual PLC-I 9.4): with 175.6 = 1 the first cut after a
-//! rapid or an S function begins only when the ladder's SAR (G29.4) stands. What
-//! SAR says is looked at 072 ms after the cut was read, so that the ladder has seen
-//! the new speed.
+//! Spindle speed arrival (manual PLC-I 9.4): with 175.6 = 1 the first cut after a rapid or
+//! an S function begins only when the ladder's SAR (G29.4) is 1. The control checks SAR the
+//! time of 072 after it has read the cut, so that the ladder has seen the new speed.
 //!
 //! ```text
 //!  S, rapid ──► cut read ──── 072 ────► SAR = 0: waits ... SAR = 1: the cut begins
@@ -12,7 +11,8 @@ use crate::command::Action;
 use crate::operation::Arrival;
 
 impl Cnc {
-    /// A command begins: whether it asks for the check, or has to wait for it.
+    /// Updates the check when a command begins: rapids and S functions request it, cuts
+    /// wait.
     pub(crate) fn await_speed(&mut self, action: &Action) {
         let arrival = &mut self.run.automatic.arrival;
         match action {

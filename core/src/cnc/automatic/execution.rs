@@ -1,7 +1,7 @@
-//! One command at a time: what it starts, when it is finished, what follows it.
+//! Executes one command at a time: starts it, ends it, decides what follows.
 //!
-//! M, S and T start together; the motion waits for the FIN of a T, not for that of M
-//! and S; the block ends when motion and handshake are both done.
+//! M, S and T start together. The motion waits for the FIN of a T, but not for that of M
+//! and S. The block ends when motion and handshake are both done.
 
 use std::collections::VecDeque;
 
@@ -18,8 +18,8 @@ use crate::units::{Axis, Feed, PerAxis, Point, TICK_MS};
 use super::LEVEL_MS;
 use gsk_messages::say;
 
-/// M01 and M02 of the machine's ladder: like M00 and M30 they have a decode signal and
-/// go out under the auxiliary lock (manual PLC-II 8.1, 8.2).
+/// Whether the M code has a decode signal and is output under the auxiliary lock, as M00
+/// and M30 are: M01 and M02 of the machine's ladder (manual PLC-II 8.1, 8.2).
 const fn is_decoded(code: u8) -> bool {
     matches!(code, 1 | 2)
 }
@@ -59,7 +59,7 @@ impl Cnc {
         let over =
             !self.drives.limits.exact_corners() && self.run.automatic.action().is_some_and(is_cut);
         if self.run.automatic.threading() || over {
-            // Whether it slows down at its end depends on what follows.
+            // Whether it slows down at its end depends on the next command.
             self.read_ahead();
             self.check_thread_ahead();
         }
@@ -117,7 +117,8 @@ impl Cnc {
                 Ok(Stage::Acting)
             }
             Action::Referenced { x, z } => {
-                // Under machine lock the slides are not there (manual I-3.2.7).
+                // Under machine lock the slides are not at the reference point (manual
+                // I-3.2.7).
                 let locked = self.plc.signals.machine_lock;
                 for (axis, taken) in [(Axis::X, *x), (Axis::Z, *z)] {
                     if taken && !locked.get(axis) {
@@ -140,7 +141,7 @@ impl Cnc {
                     self.coordinates.program_zero = Some(*point);
                     self.coordinates.program_zero_ended = PerAxis::default();
                 }
-                // An offset shows in the relative display by PROD, a G50 with PPD.
+                // The relative display follows an offset by PROD, a G50 by PPD.
                 if moved {
                     let shown = self.relative_base();
                     self.coordinates.relative_zero = if *relative {
@@ -171,7 +172,7 @@ impl Cnc {
             }
             Action::Tool { tool, offset, .. } => {
                 self.run.tool = (*tool, *offset);
-                // M of the same block does not delay the motion when no tool is changed.
+                // An M of the same block does not delay the motion when no tool is changed.
                 Ok(match self.output_t(*tool) {
                     true => Stage::Handshake,
                     false => Stage::Acting,
@@ -210,11 +211,11 @@ impl Cnc {
     }
 
     pub(in crate::cnc) fn output_m(&mut self, code: u8) {
-        // M01 and M02 go out under the lock as well, as M00 and M30 do.
+        // M01 and M02 are output under the lock too, as M00 and M30 are.
         if self.plc.signals.auxiliary_lock && !is_decoded(code) {
             return;
         }
-        // A gear that is engaged already is not changed to (manual IV-2.8.6).
+        // No change to a gear that is already engaged (manual IV-2.8.6).
         if !(41..=44).contains(&code) || self.spindle.control.begin_gear_change(code - 40) {
             self.run.handshake.start(Strobe::M, code);
         }
@@ -230,7 +231,7 @@ impl Cnc {
         }
     }
 
-    /// S of an analog spindle stands on F22–F25, without a strobe.
+    /// Outputs the S code of an analog spindle on F22–F25, without a strobe.
     fn output_analog_s(&mut self, spindle: SpindleCommand) {
         self.spindle.control.command(spindle);
         if let SpindleCommand::Speed(word) | SpindleCommand::Surface(word) = spindle
@@ -240,7 +241,7 @@ impl Cnc {
         }
     }
 
-    /// T goes out only for a tool that is not in position, and only to a turret. Whether
+    /// Outputs T for a tool that is not in position, if there is a turret. Returns whether
     /// it did.
     fn output_t(&mut self, tool: u8) -> bool {
         let turns = tool != 0
@@ -260,7 +261,7 @@ impl Cnc {
             return false;
         };
         if current.stage == Stage::Acting {
-            // Motion laid aside for jogging is not finished.
+            // Motion suspended for manual motion is not finished.
             let moving = !self.drives.interpolator.finished() || self.run.held.is_some();
             let motion = match current.command.action {
                 Action::Rapid { .. }
@@ -297,7 +298,7 @@ impl Cnc {
             self.run.tool.1 = 0;
         }
         self.run.automatic.within_block = !current.command.block_end;
-        // The end of a text without M30 is no block.
+        // The end of a text without M30 is not a block.
         let is_block = !matches!(current.command.action, Action::End { m30: false, .. });
         if current.command.block_end && is_block {
             self.events.push(Event::BlockEnded(current.command.source));
@@ -308,7 +309,7 @@ impl Cnc {
         true
     }
 
-    /// What follows a finished command: stop, end, part count.
+    /// Decides what follows a finished command: stop, end, part count.
     fn after(&mut self, command: &Command) {
         match command.action {
             Action::ProgramStop => return self.run.automatic.state = RunState::Stop,
@@ -323,7 +324,7 @@ impl Cnc {
         match self.run.automatic.after_thread(command, single_block) {
             Some(AfterThread::GoesOn) => return,
             Some(AfterThread::Stops) => return self.stop_after_command(command),
-            // It goes no farther: the hold stands here.
+            // The motion goes no farther: the hold takes effect here.
             Some(AfterThread::Stands) => return self.run.automatic.protection = Protection::None,
             None => {}
         }
@@ -339,9 +340,9 @@ impl Cnc {
         }
     }
 
-    /// A feed hold that #3004 has put off: at the end of a block the run stops as in single
-    /// block while the button is held; once #3004 permits it the hold begins. Whether
-    /// the run stops.
+    /// Handles a feed hold that #3004 has deferred. At the end of a block the run stops as
+    /// in single block while the button is held. Once #3004 permits it, the hold begins.
+    /// Returns whether the run stops.
     fn takes_up_hold(&mut self) -> bool {
         if !self.run.automatic.hold_put_off {
             return false;
@@ -357,8 +358,8 @@ impl Cnc {
         stops
     }
 
-    /// Whether a hold ends with its block: one of M, S and T alone leaves a stop
-    /// (manual PLC-II 6.1), and behind the block of MDI there is nothing to hold.
+    /// Whether a hold ends with its block: a block of M, S and T alone becomes a stop
+    /// (manual PLC-II 6.1), and after the MDI block there is nothing to hold.
     fn ends_hold(&self, command: &Command) -> bool {
         let functions = matches!(
             command.action,
@@ -374,7 +375,8 @@ impl Cnc {
         functions || self.run.automatic.mdi
     }
 
-    /// An MDI block is over with its last command, a program stands at its next.
+    /// Stops the run: an MDI block ends with its last command, a program stays at its next
+    /// block.
     fn stop_after_command(&mut self, command: &Command) {
         if self.run.automatic.mdi && command.block_end {
             self.run.interpreter.leave_mdi();
@@ -400,7 +402,7 @@ impl Cnc {
         interpreter.reset(&world);
         self.run.modal = *self.run.interpreter.modal();
         if self.memory.programs.inflow().is_some() {
-            // The selected program is another one.
+            // The selected program is not the one that ran.
         } else if rewind {
             self.run.cursor_line = 1;
         } else {
@@ -409,7 +411,7 @@ impl Cnc {
         }
     }
 
-    /// Reports an executed (or interrupted) piece of motion.
+    /// Reports an executed or interrupted move.
     fn report(&mut self, current: &Current) {
         let (kind, center, feed) = match current.command.action {
             Action::Rapid { .. } | Action::ZeroReturn { .. } => (MoveKind::Rapid, None, None),
@@ -459,7 +461,7 @@ impl Cnc {
         }));
     }
 
-    /// Reports the way in of a tap; the rest counts from here. Returns where it began.
+    /// Reports the way in of a tap. Returns its start point; the next report begins here.
     pub(crate) fn report_half(&mut self) -> Point {
         let position = self.drives.interpolator.position();
         let Some(mut current) = self.run.automatic.current.take() else {
@@ -472,7 +474,7 @@ impl Cnc {
         from
     }
 
-    /// An interrupted motion still leaves its piece of path.
+    /// Reports the executed part of an interrupted motion.
     pub(crate) fn abandon_current(&mut self) {
         if let Some(current) = self.run.automatic.current.take() {
             self.report(&current);

@@ -1,14 +1,14 @@
-//! Signals of the ladder that keep axes from moving (manual PLC-II 3.3, 3.5):
-//! interlocks wait, limits stop with an alarm.
+//! Signals of the ladder that forbid axis motion (manual PLC-II 3.3, 3.5): interlocks make
+//! it wait, limits stop it with an alarm.
 
 use crate::cnc::Cnc;
 use crate::operation::{Direction, RunState, travel_alarm};
 use crate::units::{Axis, Point};
 
 impl Cnc {
-    /// Whether the motion of a running program has to wait: start lock, a locked
-    /// axis or direction that is commanded, the spindle brake (011.4 ZDIL = 0), a
-    /// gear change, or a spindle that is not up to speed.
+    /// Whether the motion of a running program must wait: start lock, a locked axis or
+    /// direction that is commanded, the spindle brake (011.4 ZDIL = 0), a gear change, or a
+    /// spindle below its speed.
     pub(crate) fn run_interlocked(&self) -> bool {
         if self.run.automatic.state != RunState::Run {
             return false;
@@ -26,7 +26,7 @@ impl Cnc {
         locks.iter().any(|lock| lock.x | lock.z) && self.goes_where_locked()
     }
 
-    /// Whether the motion under way goes where an axis or direction is locked.
+    /// Whether the motion under way has a component along a locked axis or direction.
     #[cold]
     fn goes_where_locked(&self) -> bool {
         let commanded = self.drives.interpolator.distance_to_go();
@@ -43,12 +43,12 @@ impl Cnc {
             || way < 0.0 && *g.minus_interlock.get(axis)
     }
 
-    /// While the brake output is on, axes stand unless 011.4 ZDIL = 1.
+    /// Whether the brake output forbids axis motion (011.4 ZDIL = 0).
     pub(crate) fn brake_interlock(&self) -> bool {
         self.brake_output() && !self.memory.parameters.moves_under_brake()
     }
 
-    /// Whether an axis must not be moved by hand.
+    /// Whether manual motion of an axis is forbidden.
     pub(crate) fn interlocked(&self, axis: Axis) -> bool {
         self.plc.signals.interlock
             || *self.plc.signals.axis_interlock.get(axis)
@@ -66,7 +66,7 @@ impl Cnc {
             || self.alarms.contains(travel_alarm(axis, way))
     }
 
-    /// Whether the limit signal of the ladder, *+L or *-L, stands for a direction.
+    /// Whether the limit signal *+L or *-L of the ladder is active for a direction.
     pub(crate) const fn limit_reached(&self, axis: Axis, way: Direction) -> bool {
         match way {
             Direction::Plus => *self.plc.signals.limit_plus.get(axis),
@@ -74,8 +74,8 @@ impl Cnc {
         }
     }
 
-    /// The limit signals *+L and *-L of the ladder: an axis that moves into one
-    /// stops with the alarm of its side, in automatic all of them.
+    /// Checks the limit signals *+L and *-L of the ladder: an axis that moves into one
+    /// stops with the alarm of its side; in automatic operation all axes stop.
     pub(crate) fn watch_limit_signals(&mut self) {
         let (plus, minus) = (self.plc.signals.limit_plus, self.plc.signals.limit_minus);
         if !(plus.x | plus.z | minus.x | minus.z) {

@@ -1,5 +1,5 @@
-//! Moving by hand in the middle of a run, and going on after it (manual III-5.1.5,
-//! I-3.2.6).
+//! Manual motion during a held or stopped run, and the resumption of the run after it
+//! (manual III-5.1.5, I-3.2.6).
 //!
 //! ```text
 //!   block held at H, moved by hand to H':      cycle stopped at the end of a move:
@@ -15,15 +15,15 @@ use crate::command::Action;
 use crate::operation::RunState;
 
 impl Cnc {
-    /// Lays the rest of a held motion aside, once the axes stand, so that they can
-    /// be moved by hand.
+    /// Suspends the rest of a held motion once the axes stand still, so that they can be
+    /// moved manually.
     pub(crate) fn set_aside_held_motion(&mut self) {
         let seeking = matches!(self.run.automatic.action(), Some(Action::ZeroReturn { .. }));
         if seeking
             && self.run.automatic.state == RunState::Hold
             && !self.drives.interpolator.is_moving()
         {
-            // What is left of a search for the reference point cannot be kept.
+            // The rest of a search for the reference point cannot be kept.
             return self.stop_run(RunState::Stop);
         }
         let at_rest = self.run.automatic.state == RunState::Hold
@@ -38,9 +38,8 @@ impl Cnc {
         self.drives.interpolator.cancel();
     }
 
-    /// Cycle start after manual motion: the interrupted block goes its remaining
-    /// distance from where the axes stand now; the next block goes to the
-    /// programmed coordinates.
+    /// Resumes an interrupted block after manual motion: it moves its remaining distance
+    /// from the present position. The next block moves to its programmed coordinates.
     pub(crate) fn absorb_manual_motion(&mut self) {
         let Some(mut held) = self.run.held.take() else {
             return;
@@ -49,8 +48,8 @@ impl Cnc {
         self.drives.interpolator = held;
     }
 
-    /// Cycle start at the end of a move of a cycle: the rest goes on from where the
-    /// axes stand now.
+    /// Shifts the rest of a cycle to the present position, when cycle start follows the end
+    /// of a move.
     pub(crate) fn shift_cycle(&mut self) {
         let now = self.position();
         let shift = &mut self.run.automatic.cycle_shift;

@@ -1,5 +1,5 @@
-//! Automatic operation: cycle start, feed hold, single block, the walk from
-//! command to motion and handshake (manual III-5).
+//! Automatic operation: cycle start, feed hold, single block, and the sequence from command
+//! to motion and handshake (manual III-5).
 
 mod arrival;
 mod execution;
@@ -21,16 +21,16 @@ use gsk_messages::say;
 /// X1.2, *STEN: byte and mask.
 const START_ENABLE: (usize, u8) = (1, 1 << 2);
 
-/// For so long an input has its level before a program goes on, ms.
+/// Time for which an input must keep its level before the program continues, ms.
 const LEVEL_MS: u32 = 30;
 
-/// Commands without duration carried out in one tick at most, so that no loop
-/// stalls a tick.
+/// Most commands without duration that are executed in one tick, so that no loop blocks a
+/// tick.
 const COMMANDS_PER_TICK: usize = 16;
 
 impl Cnc {
-    /// Whether the next cut follows the one under way without a stop (007.3 = 0):
-    /// neither single block nor an M, S or T function ends the block first.
+    /// Whether the next cut follows the one under way without a stop (007.3 = 0): neither
+    /// single block nor an M, S or T function ends the block first.
     pub(crate) fn cut_continues(&self) -> bool {
         let stops = |current: &Current| current.command.stop_point && self.single_block();
         !self.drives.limits.exact_corners()
@@ -39,11 +39,11 @@ impl Cnc {
             && !self.run.handshake.busy()
     }
 
-    /// The cycle-start signal fell from 1 to 0.
+    /// Handles the falling edge of the cycle-start signal.
     pub(crate) fn cycle_start(&mut self) {
         let interrupted =
             self.run.automatic.state == RunState::Hold && self.run.automatic.current.is_some();
-        // Axes moved by hand come to rest before the program takes them over.
+        // Axes in manual motion stop before the program takes them over.
         let by_hand = self.run.held.is_some();
         let moving = (!interrupted || by_hand) && self.drives.interpolator.is_moving();
         let refused = moving
@@ -65,7 +65,7 @@ impl Cnc {
             // The rest of the held block belongs to a program of another mode.
             return;
         }
-        // Only a stored program can be looked through.
+        // Only a stored program can be checked in advance.
         if let Some(alarm) = self.board_refuses_start(self.run.mode != Mode::Auto) {
             return self.raise(alarm);
         }
@@ -86,21 +86,21 @@ impl Cnc {
         }
     }
 
-    /// *STEN, the cycle start enable on the pin of T08, where 164.4 STEN asks for it
-    /// and 164.6 AGIN leaves it the pin; 164.5 AGIM says at which level it is given
-    /// (manual PLC-II 13.10).
+    /// Whether cycle start is enabled by *STEN on the pin of T08. 164.4 STEN requires the
+    /// signal and 164.6 AGIN leaves it the pin; 164.5 AGIM selects its level (manual PLC-II
+    /// 13.10).
     fn start_enabled(&self) -> bool {
         let asked = self.memory.parameters.start_is_enabled_outside();
         let high = self.plc.filter.accepted()[START_ENABLE.0] & START_ENABLE.1 != 0;
         !asked || high == self.memory.parameters.enable_level()
     }
 
-    /// Whether a stopped run goes on with its next block in this mode.
+    /// Whether a stopped run continues with its next block in this mode.
     fn continues_program(&self) -> bool {
         self.run.automatic.goes_on() && self.runs_in(self.run.mode)
     }
 
-    /// Whether the run that stands or is under way is one of this mode.
+    /// Whether the present or stopped run belongs to this mode.
     pub(crate) fn runs_in(&self, mode: Mode) -> bool {
         let own = match (self.run.automatic.mdi, self.memory.programs.inflow()) {
             (true, _) => Mode::Mdi,
@@ -125,7 +125,7 @@ impl Cnc {
         self.run.automatic.begin_run(false);
     }
 
-    /// The program that the partner at the line sends now.
+    /// Starts the program that the partner at the line is sending.
     fn start_dnc(&mut self) {
         if let Err(alarm) = self.call_for_program() {
             return self.raise(alarm);
@@ -137,7 +137,8 @@ impl Cnc {
         self.run.automatic.begin_run(false);
     }
 
-    /// The block keyed in. A stopped AUTO run waits until it is gone on with.
+    /// Starts the block keyed in on the MDI page. A stopped AUTO run stays suspended until
+    /// it is resumed.
     fn start_mdi(&mut self) {
         if self.run.mdi.is_empty() || self.run.handshake.busy() || self.take_nose_radius() {
             return;
@@ -160,8 +161,8 @@ impl Cnc {
         self.run.automatic.begin_run(true);
     }
 
-    /// R alone in an MDI block sets the nose radius of the offset in force
-    /// (manual II-1.3), unless it is the taper of G90, G92 or G94. Whether it was one.
+    /// Sets the nose radius of the offset in force if the MDI block contains R alone
+    /// (manual II-1.3), unless R is the taper of G90, G92 or G94. Returns whether it did.
     fn take_nose_radius(&mut self) -> bool {
         let Some(radius) = self.run.mdi.lone_r(&self.memory.parameters) else {
             return false;
@@ -181,7 +182,7 @@ impl Cnc {
             }
             return true;
         }
-        // A word of a block is in the unit of programs.
+        // A word of a block has the unit of programs.
         let unit = if self.inch_input() { 25.4 } else { 1.0 };
         let entry = OffsetEntry::StoredRadius(radius * unit);
         if self.request(Request::SetOffset { number, entry }).is_ok() {
@@ -190,7 +191,7 @@ impl Cnc {
         true
     }
 
-    /// The AUTO run that stands, with what was read of it and not carried out.
+    /// Suspends the stopped AUTO run, with the commands that were read but not executed.
     fn lay_run_aside(&mut self) -> Option<Box<Aside>> {
         if self.run.automatic.mdi || !self.run.automatic.goes_on() {
             return self.run.automatic.aside.take();
@@ -207,7 +208,7 @@ impl Cnc {
         }))
     }
 
-    /// The AUTO run stands again as it did before the MDI blocks.
+    /// Restores the AUTO run as it was before the MDI blocks.
     fn take_up_aside(&mut self) {
         let Some(aside) = self.run.automatic.aside.take() else {
             return;
@@ -228,12 +229,12 @@ impl Cnc {
         self.run.automatic.state = RunState::Run;
     }
 
-    /// Whether single block stops, which a program of macro B may prevent (#3003).
+    /// Whether single block stops the run; a macro B program can prevent it (#3003).
     pub(crate) const fn single_block(&self) -> bool {
         self.plc.signals.single_block && !self.run.registers.off.single_block()
     }
 
-    /// The signal of feed hold, which a program of macro B may put off (#3004).
+    /// Handles the feed hold signal, which a macro B program can defer (#3004).
     pub(crate) fn feed_hold_signal(&mut self) {
         if self.run.automatic.state == RunState::Run && self.run.registers.off.feed_hold() {
             self.run.automatic.hold_put_off = true;
@@ -242,8 +243,8 @@ impl Cnc {
         }
     }
 
-    /// Feed hold: the axes decelerate; a block without motion finishes, and so does
-    /// a thread with the first thing after it.
+    /// Starts feed hold: the axes decelerate. A block without motion finishes, and so does
+    /// a thread with the first command after it.
     pub(crate) fn feed_hold(&mut self) {
         if self.run.automatic.state == RunState::Run {
             self.run.automatic.state = RunState::Hold;
@@ -252,12 +253,12 @@ impl Cnc {
         }
     }
 
-    /// One tick of automatic operation.
+    /// Advances automatic operation by one tick.
     pub(crate) fn automatic_tick(&mut self) {
         let fin = self.plc.signals.fin;
         self.run.handshake.tick(fin);
         if !(41..=44).contains(&self.run.handshake.m) {
-            // The new gear counts before the next block asks for one.
+            // The new gear applies before the next block requests one.
             self.spindle.control.end_gear_change();
         }
         if !self.run.automatic.operating() {
@@ -285,7 +286,7 @@ impl Cnc {
         let between_blocks = self.run.automatic.current.is_none()
             && !self.run.automatic.within_block
             && !self.run.automatic.protected();
-        // Held at a block end; another automatic mode or EDIT makes a stop of it.
+        // Held at a block end; another automatic mode or EDIT turns the hold into a stop.
         if self.run.automatic.state == RunState::Hold
             && between_blocks
             && self.run.automatic.stop_requested
@@ -295,7 +296,8 @@ impl Cnc {
         self.read_ahead();
     }
 
-    /// A dwell goes on; the wait for an input begins anew while that has another level.
+    /// Advances the dwell. The wait for an input starts again while the input has the other
+    /// level.
     fn dwell_tick(&mut self) {
         let left = self.run.automatic.dwell_left.saturating_sub(1);
         self.run.automatic.dwell_left = match self.run.automatic.action() {
@@ -304,7 +306,7 @@ impl Cnc {
         };
     }
 
-    /// Ends what is finished and begins what follows, until something takes time.
+    /// Ends finished commands and starts the next ones, until one takes time.
     fn carry_out(&mut self) {
         for _ in 0..COMMANDS_PER_TICK {
             if self.run.automatic.current.is_none() && !self.begin_next() {
@@ -316,8 +318,8 @@ impl Cnc {
         }
     }
 
-    /// Whether the command under way is a motion that is not at its end: most often, and
-    /// soon seen.
+    /// Whether the command under way is a motion that has not ended: the most frequent
+    /// case, and cheap to check.
     fn is_moving_on(&self) -> bool {
         let moves = |current: &Current| {
             current.stage == Stage::Acting && current.command.action.is_motion()
@@ -326,8 +328,8 @@ impl Cnc {
             && self.run.automatic.current.as_ref().is_some_and(moves)
     }
 
-    /// A motion that ended within the tick leaves the rest of it to the next one:
-    /// begins that. Returns whether there is one.
+    /// Starts the next motion in the rest of the tick, when a motion ended within it.
+    /// Returns whether it did.
     pub(crate) fn begin_within_tick(&mut self) -> bool {
         let ended = self.run.automatic.operating()
             && self.drives.interpolator.finished()
@@ -338,7 +340,7 @@ impl Cnc {
         ended && !self.drives.interpolator.finished()
     }
 
-    /// Machine time now, s: within a tick when a block ended in it.
+    /// Machine time now, s: within the tick if a block ended in it.
     pub(crate) fn now(&self) -> f64 {
         self.ticks as f64 * TICK_S - self.drives.interpolator.time_left()
     }
@@ -370,8 +372,8 @@ impl Cnc {
         self.run.automatic.current.is_some()
     }
 
-    /// Reads one command while another runs, so that motion goes on without a
-    /// gap. Under single block nothing is read ahead, except in a thread.
+    /// Reads one command while another runs, so that motion continues without a gap. Under
+    /// single block nothing is read ahead, except in a thread.
     pub(crate) fn read_ahead(&mut self) {
         let threading = self.run.automatic.threading();
         let may_read = (self.run.automatic.state == RunState::Run || threading)
@@ -385,13 +387,14 @@ impl Cnc {
         }
     }
 
-    /// Whether a program runs or stands that can be gone on with, MDI blocks apart.
+    /// Whether a program runs or can be resumed; MDI blocks do not count.
     pub(crate) fn has_program_run(&self) -> bool {
         let aside = self.run.automatic.aside.is_some();
         aside || (self.run.automatic.started && !self.run.automatic.mdi)
     }
 
-    /// Asks the interpreter for one command.
+    /// Reads one command from the interpreter; `settled`: all previous commands are
+    /// finished.
     fn read(&mut self, settled: bool) -> Option<Command> {
         self.take_in_what_arrived();
         if self.run.automatic.ended {
@@ -432,7 +435,7 @@ impl Cnc {
         }
     }
 
-    /// The end of an MDI block, or of a program whose end came without M30.
+    /// Ends an MDI block, or a program that ended without M30.
     pub(crate) fn end_of_program(&mut self) {
         let mdi = self.run.automatic.mdi;
         let aside = self.run.automatic.aside.take();
@@ -446,7 +449,7 @@ impl Cnc {
         }
     }
 
-    /// The interpreter, and the world as it may see it.
+    /// The interpreter, and the view of the control that it reads.
     pub(crate) fn interpreter_and_world(
         &mut self,
         settled: bool,

@@ -1,6 +1,6 @@
-//! Why cycle start or an axis key does nothing at this moment: what the control and
-//! the signals of the ladder say against it. Words for the line beside the panel; the
-//! LCD says what the manual lets it say.
+//! Why cycle start or an axis key has no effect now: conditions of the control and signals
+//! of the ladder. The messages are for the line beside the panel; the LCD shows only what
+//! the manual specifies.
 
 use crate::cnc::Cnc;
 use crate::mode::Mode;
@@ -9,8 +9,8 @@ use crate::units::Axis;
 use gsk_messages::{Message, say};
 
 impl Cnc {
-    /// Why a cycle start given now would do nothing. What raises an alarm of its own
-    /// (no program, a board that refuses) is not told here.
+    /// Why cycle start would have no effect now. `None`: it acts, or it raises an alarm (no
+    /// program, a board that refuses).
     pub fn refuses_start(&self) -> Option<Message> {
         if let Some(stands) = self.alarm_against(say::key_cycle_start()) {
             return Some(stands);
@@ -35,7 +35,7 @@ impl Cnc {
         Some(why)
     }
 
-    /// An alarm or a message that stands: it is told by itself, too.
+    /// The alarm or message in force that blocks a key; it is reported separately too.
     fn alarm_against(&self, key: Message) -> Option<Message> {
         let standing = self.standing_message();
         let number = match (self.alarms().first(), &standing) {
@@ -45,7 +45,7 @@ impl Cnc {
         Some(say::key_waits_for_alarm(key, number))
     }
 
-    /// Axes that a program may not take over yet.
+    /// Whether the axes still move, so that a program cannot take them over.
     fn still_moves(&self) -> bool {
         let held =
             self.run.automatic.state == RunState::Hold && self.run.automatic.current.is_some();
@@ -56,8 +56,8 @@ impl Cnc {
         self.run.automatic.mdi && self.run.automatic.operating()
     }
 
-    /// Why the key of an axis, which is down and which the ladder has had time to pass
-    /// on, does not move it.
+    /// Why a held axis key does not move its axis. Call it when the ladder has had time to
+    /// pass the key on.
     pub fn refuses_axis(&self, axis: Axis) -> Option<Message> {
         let why = match self.run.mode.motion() {
             Mode::Handwheel => say::axis_key_in_handwheel_mode(),
@@ -73,7 +73,7 @@ impl Cnc {
         Some(why)
     }
 
-    /// What stands against the direction that the ladder asks for.
+    /// What blocks the direction that the ladder requests.
     fn refuses_direction(&self, axis: Axis) -> Option<Message> {
         let g = &self.plc.signals;
         let way = match (*g.jog_plus.get(axis), *g.jog_minus.get(axis)) {

@@ -1,11 +1,10 @@
-//! Threads and tapping in automatic operation: what is checked before and during
-//! them, and the rules of feed hold and single block (manual I-3.2.4, PLC-I «feed
-//! hold», «rigid tapping»).
+//! Threads and tapping in automatic operation: checks before and during them, and the rules
+//! of feed hold and single block (manual I-3.2.4, PLC-I «feed hold», «rigid tapping»).
 //!
 //! ```text
 //!  block     G32 ──► G32 ──► G00 ──►            G92: 1 ──► thread ──► retract ──►
-//!  hold        ▲ SPL, goes on    │ stands             ▲ SPL, goes on        │ stands
-//!                        ▲ again, or still: stands in this block
+//!  hold        ▲ SPL, continues  │ holds              ▲ SPL, continues      │ holds
+//!                        ▲ again, or still active: holds in this block
 //! ```
 
 use crate::alarm::{Alarm, number};
@@ -19,7 +18,7 @@ use crate::operation::{
 use crate::units::{Feed, Point};
 use gsk_messages::say;
 
-/// A speed at the limit is measured a little above it.
+/// Tolerance of the measured speed: at the limit it is measured a little above it.
 const WITHIN_MEASUREMENT: f64 = 0.99;
 
 const SPINDLE_FORWARD: u8 = 3;
@@ -29,7 +28,7 @@ const SPINDLE_REVERSE: u8 = 4;
 const SPINDLE_STOP: u8 = 5;
 
 impl Cnc {
-    /// Begins a thread: synchronised, or in dry run as a cut.
+    /// Starts a thread: synchronised with the spindle, or in dry run as a cut.
     pub(crate) fn begin_thread(&mut self, thread: &ThreadMove) -> Result<(), Alarm> {
         if self.dry_run().is_some() {
             let feed = Feed::PerRevolution(thread.lead);
@@ -55,8 +54,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// At the start of a cycle of threads: nothing is fed in toward a cut that the
-    /// spindle does not allow (092, 094).
+    /// Checks the spindle at the start of a thread cycle (092, 094), so that nothing is fed
+    /// in toward a cut that the spindle does not permit.
     pub(crate) fn check_thread_cycle(&self, per_revolution: Point) -> Result<(), Alarm> {
         if self.dry_run().is_some() {
             return Ok(());
@@ -67,8 +66,8 @@ impl Cnc {
         check_thread_speed(per_revolution * rpm, rpm, &self.drives.limits)
     }
 
-    /// The spindle speed that a thread has to reckon with: the measured one, or the
-    /// commanded one that it is still coming up to.
+    /// The spindle speed for thread checks, r/min: the measured one, or the commanded one
+    /// that the spindle is still reaching.
     pub(crate) fn thread_rpm(&self) -> f64 {
         let commanded = self
             .spindle
@@ -83,8 +82,8 @@ impl Cnc {
         }
     }
 
-    /// A thread that is about to begin: the run-out (or thread) that goes on from it
-    /// must be possible too, before anything is cut.
+    /// Checks the run-out or thread that continues the thread about to begin, before
+    /// anything is cut.
     pub(crate) fn check_thread_ahead(&mut self) {
         let (Some(current), Some(ahead)) = (&self.run.automatic.current, &self.run.automatic.ahead)
         else {
@@ -111,8 +110,7 @@ impl Cnc {
         }
     }
 
-    /// Begins tapping. Without control of the spindle (dry run, M locked) it is two
-    /// cuts.
+    /// Starts tapping. Without control of the spindle (dry run, M locked) it is two cuts.
     pub(crate) fn begin_tap(&mut self, to: Point, lead: f64) -> Result<(), Alarm> {
         if self.tap_is_dry() {
             self.run.automatic.tap = Some(TapStage::In);
@@ -137,12 +135,13 @@ impl Cnc {
         self.dry_run().is_some() || self.plc.signals.auxiliary_lock
     }
 
-    /// The encoder must be one that can be used (alarm 092).
+    /// Checks that the encoder can be used (alarm 092).
     pub(crate) fn check_encoder(&self) -> Result<(), Alarm> {
         check_encoder(&self.memory.parameters)
     }
 
-    /// One tick of a tap: the M functions that stop and reverse the spindle.
+    /// Advances a tap by one tick: starts the M functions that stop and reverse the
+    /// spindle.
     pub(crate) fn tap_tick(&mut self) {
         let Some(stage) = self.run.automatic.tap else {
             return;
@@ -174,7 +173,7 @@ impl Cnc {
                 self.drives.interpolator.start_tap(to, lead, degrees);
                 TapStage::In
             }
-            // Carried out as a cut, it is finished at the bottom.
+            // In dry run the tap is a cut, which ends at the bottom.
             TapStage::In if self.drives.interpolator.finished() => {
                 let start = self.report_half();
                 self.drives
@@ -209,15 +208,16 @@ impl Cnc {
         self.run.automatic.tap = Some(next);
     }
 
-    /// A spindle that was started for this tap has come to its speed; one that
-    /// turned before is taken as it is.
+    /// Whether a spindle that was started for this tap has reached its speed. A spindle
+    /// that turned before is accepted at its speed.
     fn spindle_steady(&mut self) -> bool {
         let rpm = self.spindle.control.actual_rpm().abs();
         self.run.automatic.tap_reverse == 0
             || (rpm >= STANDING_RPM && self.run.automatic.watch.steady(rpm))
     }
 
-    /// The direction that the ladder reports (SRVB, SFRB), or else the measured one.
+    /// Whether the spindle turns in reverse: as the ladder reports (SRVB, SFRB), or else as
+    /// measured.
     fn turns_in_reverse(&self) -> bool {
         match (
             self.plc.signals.spindle_forward,
@@ -229,9 +229,8 @@ impl Cnc {
         }
     }
 
-    /// Watches the spindle during a cut: alarm 091 when its speed changes too much
-    /// in a thread (106), 094 when it has become too fast for an axis, 098 when it
-    /// has stopped (175.2).
+    /// Checks the spindle during a cut: alarm 091 when its speed fluctuates in a thread
+    /// (106), 094 when it is too fast for an axis, 098 when it has stopped (175.2).
     pub(crate) fn watch_spindle(&mut self) {
         let thread = match self.run.automatic.action() {
             Some(Action::Thread { .. }) => self.drives.interpolator.in_thread(),
@@ -268,7 +267,7 @@ impl Cnc {
         self.raise_at_last(alarm);
     }
 
-    /// A spindle that has become faster than at the beginning of the thread.
+    /// Checks whether the spindle has become too fast since the start of the thread.
     fn watch_thread_speed(&mut self, rpm: f64) {
         let current = self.run.automatic.current.as_ref();
         let thread = current.and_then(|current| {

@@ -1,4 +1,4 @@
-//! What a program under way waits for, in words: for a run that comes to no end.
+//! Names what a running program waits for, for the operator.
 
 use crate::cnc::Cnc;
 use crate::command::Action;
@@ -7,7 +7,7 @@ use crate::units::{Axis, Feed};
 use gsk_messages::{Message, say};
 
 impl Cnc {
-    /// What the program under way waits for; none: it goes on, or there is none.
+    /// What the running program waits for; `None`: it does not wait, or no program runs.
     pub fn waits_for(&self) -> Option<Message> {
         match self.run.automatic.state {
             RunState::Reset | RunState::Stop => None,
@@ -57,7 +57,7 @@ impl Cnc {
             .find(|axis| self.commanded_and_locked(*axis, commanded))
     }
 
-    /// FIN of an M, S or T function, and what the ladder withholds it for.
+    /// The M, S or T function that waits for FIN, and why the ladder withholds it.
     fn waits_for_fin(&self) -> Option<Message> {
         let (strobe, code) = self.run.handshake.unfinished()?;
         if self.is_moving() || self.run.automatic.dwelling() {
@@ -88,7 +88,7 @@ impl Cnc {
         }
     }
 
-    /// A motion that does not go on.
+    /// What a motion without progress waits for.
     fn waits_in_motion(&self) -> Option<Message> {
         for axis in [Axis::X, Axis::Z] {
             match self.coordinates.returns.get(axis) {

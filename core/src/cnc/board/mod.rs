@@ -1,7 +1,8 @@
-//! What the control minds when real drives behind a pulse board make its motion.
+//! Additional rules of the control when a pulse board with real drives makes its motion.
 //!
-//! The board is behind the control by what it holds: whatever must meet the slides
-//! at rest (M, S, T, dwell, a stop between blocks) waits until it has made all of it.
+//! The board lags the control by the motion it holds. Whatever needs the slides at a
+//! standstill (M, S, T, dwell, a stop between blocks) waits until the board has executed
+//! all of it.
 
 mod pass;
 mod preflight;
@@ -22,7 +23,7 @@ use gsk_link::ThreadCapability;
 use gsk_messages::{Message, say};
 use gsk_plc::address::BitAddress;
 
-/// Why constant surface speed is refused.
+/// Why constant surface speed is refused; `timed`: the board has timed outputs.
 fn without_surface(timed: bool) -> Message {
     if timed {
         say::cannot_surface_unwired()
@@ -31,8 +32,8 @@ fn without_surface(timed: bool) -> Message {
     }
 }
 
-/// Whether an action must find the slides at rest, whose spindle and coolant switch
-/// with the motion.
+/// Whether an action needs the slides at a standstill on a board whose spindle and coolant
+/// switch with the motion.
 const fn needs_rest(action: &Action) -> bool {
     match action {
         // M03, M04, M05, M08, M09.
@@ -49,22 +50,23 @@ const fn needs_rest(action: &Action) -> bool {
 }
 
 impl Cnc {
-    /// Whether the slides are still on their way to where the control stands.
+    /// Whether the board has not yet executed all commanded motion.
     pub(crate) fn is_board_behind(&self) -> bool {
         self.drives.board.is_some_and(|board| board.behind)
     }
 
-    /// Whether blocks that act on the machine are read only when the slides stand. A
-    /// board whose outputs switch with the motion lets each command see to that itself.
+    /// Whether blocks that act on the machine are read only at a standstill of the slides.
+    /// With a board whose outputs switch with the motion, each command decides it
+    /// separately.
     pub(crate) fn board_holds_reading(&self) -> bool {
         self.drives
             .board
             .is_some_and(|board| board.behind && !board.timed)
     }
 
-    /// Whether a command must not begin yet. Where the board switches only at rest, M
-    /// and S that start together with a motion are over before it; where it switches
-    /// with the motion, spindle and coolant wait for nothing, all else for the slides.
+    /// Whether a command must not begin yet. If the board switches only at a standstill, M
+    /// and S that start with a motion finish before it. If it switches with the motion,
+    /// spindle and coolant do not wait, and all else waits for the slides.
     pub(crate) fn board_delays(&mut self, action: &Action) -> bool {
         let delays = self.drives.board.is_some_and(|board| {
             if action.is_motion() {
@@ -76,21 +78,21 @@ impl Cnc {
         delays || self.board_spindle_delays(action)
     }
 
-    /// Whether an axis may be moved by hand.
+    /// Whether an axis can be moved manually.
     pub(crate) fn board_takes_motion(&self) -> bool {
         self.drives.board.is_none_or(|board| {
             board.takes_motion && (board.prepared || self.drives.interpolator.is_moving())
         })
     }
 
-    /// Whether the slides are being stopped: where from is not known yet.
+    /// Whether the slides are being stopped: their final position is not known yet.
     pub(crate) fn board_is_stopping(&self) -> bool {
         self.drives
             .board
             .is_some_and(|board| board.known && !board.takes_motion)
     }
 
-    /// Why a program must not be started.
+    /// The alarm that forbids the start of a program; `None`: it may start.
     pub(crate) fn board_refuses_start(&mut self, mdi: bool) -> Option<Alarm> {
         let board = self.drives.board?;
         let outgrown = board
@@ -103,7 +105,7 @@ impl Cnc {
             return Some(Alarm::new(number::NO_REFERENCE).because(say::reference_return_needed()));
         }
         self.rapids_too_fast(&board).or_else(|| {
-            // What goes on was looked through when it began.
+            // A resumed program was checked when it began.
             let begins = !mdi && self.run.automatic.state == RunState::Reset;
             let program = self.memory.programs.current().filter(|_| begins)?;
             self.scan_for_board(program)
@@ -111,8 +113,8 @@ impl Cnc {
         })
     }
 
-    /// What the board cannot do, once more when it is to be done: macros and texts
-    /// that no scan understands end here.
+    /// Checks what the board cannot do when the action is due: this catches macros and
+    /// texts that the scan before the start does not understand.
     pub(crate) fn check_for_board(&self, action: &Action) -> Result<(), Alarm> {
         let Some(board) = self.drives.board else {
             return Ok(());
@@ -163,20 +165,20 @@ impl Cnc {
         Err(Alarm::new(number::BOARD_CANNOT).because(needs_spindle(&board, tapping)))
     }
 
-    /// The board makes the return of this axis.
+    /// Lets the board home this axis.
     pub(crate) const fn board_makes_return(&mut self, axis: Axis) {
         *self.coordinates.referenced.get_mut(axis) = false;
         *self.coordinates.at_reference.get_mut(axis) = None;
         *self.coordinates.returns.get_mut(axis) = Some(Return::Board);
     }
 
-    /// Axes whose return the board is asked to make, or makes.
+    /// Axes whose homing the board makes or is to make.
     pub(crate) fn board_returns(&self) -> PerAxis<bool> {
         let by_board = |axis| *self.coordinates.returns.get(axis) == Some(Return::Board);
         PerAxis::new(by_board(Axis::X), by_board(Axis::Z))
     }
 
-    /// The board stands off the switches of these axes: machine coordinates `at`.
+    /// Takes the coordinates `at` of the axes that the board has homed.
     pub(crate) fn board_returned(&mut self, axes: PerAxis<bool>, at: Point) {
         self.settle_coordinates();
         for axis in [Axis::X, Axis::Z] {
@@ -191,15 +193,15 @@ impl Cnc {
         }
     }
 
-    /// Nobody knows any more where the slides stand.
+    /// Marks the position of the slides as unknown.
     pub(crate) fn drop_reference(&mut self) {
         self.coordinates.referenced = PerAxis::default();
         self.coordinates.at_reference = PerAxis::default();
     }
 
-    /// The board has dropped these outputs of the ladder by itself: they fall here as those
-    /// of an output module do that was reset, and the ladder goes on from there. The M
-    /// code shown is the one for what is.
+    /// Clears outputs of the ladder that the board has switched off on its own, as a reset
+    /// output module would. The ladder continues from that state, and the M code shown
+    /// becomes the matching one.
     pub(crate) fn drop_outputs(&mut self, outputs: &[BitAddress]) {
         let memory = self.plc.engine.memory_mut();
         let mut fell = false;
@@ -213,7 +215,7 @@ impl Cnc {
         }
     }
 
-    /// All motion ends here and now; what goes on is nothing.
+    /// Ends all motion at the present position, returns included.
     pub(crate) fn halt_for_board(&mut self) {
         self.abandon_returns();
         self.drives.interpolator.stop_now();
@@ -221,7 +223,7 @@ impl Cnc {
         self.hand.jog_blocked = PerAxis::new(true, true);
     }
 
-    /// The same, and a program ends there, too; which alarm says so comes later.
+    /// Ends all motion and the program run. The alarm that names the reason follows.
     pub(crate) fn stop_for_board(&mut self) {
         if self.run.automatic.operating() {
             self.stop_run(RunState::Stop);
@@ -229,8 +231,8 @@ impl Cnc {
         self.halt_for_board();
     }
 
-    /// The slides came to stand at this count, which is not where the control was. An
-    /// axis that stood keeps its coordinate to the increment.
+    /// Takes the count at which the slides stopped, which differs from the control's. An
+    /// axis that stood still keeps its coordinate exactly.
     pub(crate) fn stand_at(&mut self, pulses: PerAxis<Pulses>) {
         let mut shift = Point::default();
         for axis in [Axis::X, Axis::Z] {

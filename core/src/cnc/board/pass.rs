@@ -1,4 +1,4 @@
-//! Threads that the drives cut by themselves, one straight pass after the other.
+//! Threads that the board cuts, one straight pass after the other.
 
 use crate::alarm::{Alarm, number};
 use crate::cnc::Cnc;
@@ -8,21 +8,21 @@ use crate::units::{PerAxis, Point, Pulses};
 use gsk_link::{ThreadCapability, ThreadPass};
 use gsk_messages::say;
 
-/// The board cannot cut it as a pass.
+/// Alarm for a thread that the board cannot cut as a pass.
 fn refuse(beyond: BeyondPass) -> Alarm {
     Alarm::new(number::BOARD_CANNOT).because(say::pass_one_at_a_time(beyond.text()))
 }
 
 impl Cnc {
-    /// Whether threads are passes of the board. Under machine lock none goes out.
+    /// Whether threads are passes of the board. Under machine lock no pass is sent.
     pub(crate) fn board_cuts(&self) -> bool {
         let locked = self.plc.signals.machine_lock;
         let passes = |board: crate::board::BoardDrives| board.threads == ThreadCapability::Passes;
         self.drives.board.is_some_and(passes) && !(locked.x && locked.z)
     }
 
-    /// Before a cycle of threads feeds in: whether its cuts are passes, and not
-    /// faster than the motors start.
+    /// Checks, before a thread cycle feeds in, that its cuts are single passes and not
+    /// faster than the motors can start.
     pub(crate) fn check_passes(
         &self,
         per_revolution: Point,
@@ -34,7 +34,7 @@ impl Cnc {
         self.check_pass_speed(per_revolution.length())
     }
 
-    /// Whether a thread is a pass.
+    /// Checks that a thread is a single pass.
     pub(crate) fn check_pass(&self, thread: &ThreadMove) -> Result<(), Alarm> {
         let beyond = match thread.start {
             _ if thread.run_out => Some(BeyondPass::RunOut),
@@ -67,7 +67,7 @@ impl Cnc {
         Ok(())
     }
 
-    /// What goes on from a pass is no pass.
+    /// The alarm for a thread that continues a pass of the board.
     pub(crate) fn refuse_ahead(&self, next: &ThreadMove) -> Option<Alarm> {
         let beyond = if next.run_out {
             BeyondPass::RunOut
@@ -77,15 +77,14 @@ impl Cnc {
         self.board_cuts().then(|| refuse(beyond))
     }
 
-    /// Begins a thread that the board cuts. The play of the screws is made up for
-    /// before it.
+    /// Starts a thread that the board cuts. The backlash of the screws is taken up first.
     pub(crate) fn ask_pass(&mut self, thread: &ThreadMove) {
         let way = thread.to - self.drives.interpolator.position();
         self.drives.interpolator.start_driven(thread.to);
         self.drives.chain.lean(way);
     }
 
-    /// The pass that waits for the board.
+    /// The pass that waits for the board; `None` while backlash is being taken up.
     pub(crate) fn pass_waiting(&self) -> Option<ThreadPass> {
         let to = self.drives.interpolator.waits_for_drives()?;
         let current = self.run.automatic.current.as_ref()?;
@@ -102,17 +101,17 @@ impl Cnc {
         })
     }
 
-    /// The board has taken the pass.
+    /// Notes that the board has taken the pass.
     pub(crate) const fn begin_pass(&mut self) {
         self.drives.interpolator.begin_driven();
     }
 
-    /// The board has made this part of its pass.
+    /// Takes the fraction of the pass that the board has made.
     pub(crate) fn pass_progress(&mut self, share: f64) {
         self.drives.interpolator.driven_progress(share);
     }
 
-    /// The board stands at the end of its pass.
+    /// Takes the end of the pass that the board reports.
     pub(crate) fn end_pass(&mut self, end: PerAxis<Pulses>) {
         if self.drives.interpolator.end_driven() {
             let locked = self.plc.signals.machine_lock;
@@ -121,7 +120,7 @@ impl Cnc {
                 return;
             }
         }
-        // Something else became of it here meanwhile; the slides are there.
+        // The control's motion has changed meanwhile; the slides are at `end`.
         self.stand_at(end);
     }
 }

@@ -1,4 +1,4 @@
-//! What a program asks for that a board cannot do, found before anything moves.
+//! Finds functions of a program that a board cannot execute, before any motion.
 
 mod passes;
 
@@ -12,31 +12,31 @@ use gsk_link::{MissingForThreads, ThreadCapability};
 use gsk_messages::{Message, say};
 use passes::Threads;
 
-/// What one block of text asks for.
+/// Requirements of one block.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Asks {
-    /// The board cannot do it.
+    /// Function that the board cannot execute, if any.
     refused: Option<Refused>,
-    /// It has the spindle speed follow X (G96).
+    /// Whether the spindle speed follows X (G96).
     surface: bool,
-    /// The program it calls.
+    /// O number of the program that the block calls.
     calls: Option<u16>,
 }
 
-/// What the board cannot do.
+/// A function that the board cannot execute.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Refused {
-    /// A thread, for what it lacks.
+    /// A thread, with the equipment that the board lacks.
     Thread(MissingForThreads),
-    /// A thread that is no straight pass.
+    /// A thread that is not a single straight pass.
     Beyond(BeyondPass),
-    /// Something that no board of its kind does.
+    /// A function that no board of this kind has.
     Never(Message),
 }
 
 impl Cnc {
-    /// Looks through a program and what it calls; the first block that the board
-    /// cannot carry out. A thread of the dry run is only feed.
+    /// Scans a program and the programs it calls. Returns the alarm for the first block
+    /// that the board cannot execute. In dry run a thread is only feed.
     pub(crate) fn scan_for_board(&self, main: ProgramId) -> Option<Alarm> {
         let rights = self
             .drives
@@ -90,7 +90,7 @@ fn alarm(id: ProgramId, program: &Program, index: u32, refused: Refused) -> Alar
         })
 }
 
-/// Reads the words of a block as far as they matter here.
+/// Reads the words of a block that matter to a board.
 fn asks(block: &str, threads: ThreadCapability, dry_run: bool) -> Asks {
     let mut asks = Asks::default();
     let (mut call, mut place) = (false, None);
@@ -103,7 +103,7 @@ fn asks(block: &str, threads: ThreadCapability, dry_run: bool) -> Asks {
             'G' | 'g' | 'M' | 'm' | 'P' | 'p' => {
                 let number = number(&block[at + 1..]);
                 match (letter.to_ascii_uppercase(), number) {
-                    // In the dry run everything is feed.
+                    // In dry run all motion is feed.
                     ('G', Some(96)) if !dry_run => asks.surface = true,
                     ('G', Some(number)) if !dry_run => asks.refused = refused(number, threads),
                     ('M', Some(98)) => call = true,
@@ -123,7 +123,7 @@ fn asks(block: &str, threads: ThreadCapability, dry_run: bool) -> Asks {
     asks
 }
 
-/// What of a G code the board cannot do.
+/// The refusal of a G code; `None`: the board can execute it.
 fn refused(code: u32, threads: ThreadCapability) -> Option<Refused> {
     let never = match (code, threads) {
         (32 | 34 | 76 | 92, ThreadCapability::None(lacks)) => return Some(Refused::Thread(lacks)),
@@ -139,7 +139,7 @@ fn refused(code: u32, threads: ThreadCapability) -> Option<Refused> {
     Some(Refused::Never(never))
 }
 
-/// The whole number at the start of a text, blanks before it skipped.
+/// The integer at the start of a text, after blanks.
 fn number(text: &str) -> Option<u32> {
     let text = text.trim_start_matches([' ', '\t']);
     let end = text

@@ -1,4 +1,4 @@
-//! How many pulses a second motion needs, against what the board makes.
+//! Compares the pulse rates of motion with the limits of the board.
 
 use crate::alarm::{Alarm, number};
 use crate::board::{BoardDrives, Exceeding};
@@ -10,7 +10,7 @@ use crate::units::{Axis, Feed, Point};
 use gsk_messages::say;
 
 impl Cnc {
-    /// The rapids against what the board can make.
+    /// The alarm for rapids that exceed the pulse rate of the board.
     pub(crate) fn rapids_too_fast(&self, board: &BoardDrives) -> Option<Alarm> {
         let [x, z] = [Axis::X, Axis::Z].map(|axis| self.memory.parameters.rapid_rate(axis));
         let (axes, needed, made) = board.exceeded(Point::new(x, z), false)?;
@@ -25,8 +25,8 @@ impl Cnc {
         }))
     }
 
-    /// Manual motion is no faster than the board can make it, and slow (No.033) while
-    /// the place of the slides is not known.
+    /// Limits manual motion to the speed of the board, and to No.033 while the position of
+    /// the slides is unknown.
     pub(crate) fn board_slows(&self, axis: Axis, rate: JogRate) -> JogRate {
         let Some(board) = self.drives.board else {
             return rate;
@@ -43,8 +43,8 @@ impl Cnc {
         }
     }
 
-    /// Why the board cannot make a motion from here, with the spindle at this speed if
-    /// that is known.
+    /// The alarm for a motion from `from` that exceeds the pulse rate of the board; `rpm`
+    /// is the spindle speed, if known.
     pub(crate) fn too_fast_for_board(
         &self,
         board: &BoardDrives,

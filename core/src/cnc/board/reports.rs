@@ -1,5 +1,5 @@
-//! The board's part of a tick: its reports are heard before anything else, and what
-//! it is to do stands in the outputs.
+//! The board's part of a tick: handles its reports before everything else, and collects the
+//! orders for it.
 
 use crate::alarm::{Alarm, groups, number};
 use crate::board::{
@@ -14,8 +14,8 @@ use gsk_messages::say;
 const MM_PER_INCH: f64 = 25.4;
 
 impl Cnc {
-    /// Reacts to what the board has said since the last tick. Returns where the axes
-    /// stand then, when there is a board.
+    /// Handles the board's reports since the last tick. Returns the axis counts after them,
+    /// if there is a board.
     pub(crate) fn hear_board(&mut self, board: Option<&BoardInputs>) -> Option<PerAxis<Pulses>> {
         let Some(board) = board else {
             if self.drives.board.is_some() {
@@ -42,12 +42,12 @@ impl Cnc {
         Some(self.pulses())
     }
 
-    /// The slides are real from now on, and nobody knows where they stand.
+    /// Connects a board: the slides are real from now on, and their position is unknown.
     pub(crate) fn attach_board(&mut self) {
         self.drop_reference();
     }
 
-    /// The board is gone: no motion goes on, and where the slides stand is not known.
+    /// Disconnects the board: all motion ends, and the position of the slides is unknown.
     pub(crate) fn detach_board(&mut self) {
         self.halt_for_board();
         self.drop_reference();
@@ -89,7 +89,7 @@ impl Cnc {
         }
     }
 
-    /// An alarm that is going to say where the slides stand.
+    /// Raises an alarm whose detail will name the position of the slides.
     fn raise_of_board(&mut self, alarm: Alarm, in_pass: bool) {
         if !self.alarms.contains(alarm.number) {
             self.drives.board_alarms.incomplete.push(alarm.clone());
@@ -101,7 +101,7 @@ impl Cnc {
         }
     }
 
-    /// Alarms raised since the last standstill say where the slides stand.
+    /// Adds the position of the slides to the alarms raised since the last standstill.
     fn complete_alarms(&mut self, settled: Settled) {
         let board_alarms = &mut self.drives.board_alarms;
         if board_alarms.fell && !self.emergency_stop && self.reset_left == 0 {
@@ -113,7 +113,7 @@ impl Cnc {
         }
         let mut incomplete = core::mem::take(&mut self.drives.board_alarms.incomplete);
         if !settled.reported {
-            // A board that is not known yet has moved nothing.
+            // A board that is not identified yet has moved nothing.
             incomplete.retain(|alarm| !groups::comes_before_motion(alarm.number));
             for Alarm { number, detail, .. } in incomplete {
                 let detail = detail.unwrap_or_else(|| say::as_written(""));
@@ -122,7 +122,7 @@ impl Cnc {
             }
             return;
         }
-        // The control's own emergency stop stops the board as much as its faults do.
+        // The control's own emergency stop stops the board too.
         let mut standing = self.alarms.list().iter();
         incomplete.extend(
             standing
@@ -157,7 +157,7 @@ impl Cnc {
         }
     }
 
-    /// The machine coordinates as the pages show them.
+    /// Machine coordinates as the pages show them.
     fn machine_coordinates_in_text(&self) -> [String; 2] {
         let (at, parameters) = (self.position_machine(), &self.memory.parameters);
         let x = if parameters.radius_programming() {
@@ -172,15 +172,15 @@ impl Cnc {
                 (1.0, 3)
             };
             let text = format!("{:.decimals$}", value / unit);
-            // Never "-0.000".
+            // Avoids "-0.000".
             let zero = !text.contains(|digit| matches!(digit, '1'..='9'));
             text.trim_start_matches(|sign| zero && sign == '-')
                 .to_owned()
         })
     }
 
-    /// Nothing begins to move on parameters that are not those any more which the board
-    /// was checked against; `stood_at`: before the tick.
+    /// Prevents motion from starting with parameters that differ from those of the
+    /// connection; `stood_at` is the count before the tick.
     pub(crate) fn check_outgrown(&mut self, stood_at: PerAxis<Pulses>) {
         let Some(board) = self.drives.board else {
             return;
@@ -197,7 +197,7 @@ impl Cnc {
         }
     }
 
-    /// What the board is to do.
+    /// The orders for the board after a tick.
     pub(crate) fn board_orders(&self) -> BoardOrders {
         let parameters = &self.memory.parameters;
         let both = |axis| (self.board_awaits(axis), parameters.backlash(axis) != 0.0);
@@ -231,7 +231,7 @@ impl Cnc {
         }
     }
 
-    /// What the ladder and the spindle control want switched.
+    /// Outputs that the ladder and the spindle control command.
     fn switched_by_board(&self) -> BoardOutputs {
         let memory = self.plc.engine.memory();
         let (coolant, bit) = pins::COOLANT;

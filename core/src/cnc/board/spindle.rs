@@ -1,4 +1,4 @@
-//! The spindle that the board sees by its index, and what threads ask of it.
+//! The spindle that the board measures by its index, and the conditions of threads.
 //!
 //! ```text
 //!  cycle ─► 20 steady turns? ─► feed in ─► wait for the index ─► thread ─► run-out ─► 091?
@@ -14,19 +14,19 @@ use crate::spindle::Encoder;
 use crate::units::Feed;
 use gsk_messages::say;
 
-/// A thread bears no greater variation of the spindle's speed, %.
+/// Greatest variation of the spindle speed in a thread, %.
 const VARIATION: f64 = 0.2;
 
-/// How long is waited for a spindle to become steady, ms, and turns besides.
+/// Time budget of a spindle to become steady: in ms, plus a number of turns.
 const PATIENCE_MS: f64 = 10_000.0;
 
 const PATIENCE_TURNS: f64 = 40.0;
 
-/// Below this a spindle stands, r/min.
+/// Below this speed the spindle counts as stopped, r/min.
 const STANDING_RPM: f64 = 1.0;
 
 impl Cnc {
-    /// What the encoder would say of the spindle that the board sees.
+    /// Replaces the encoder inputs by those of the spindle that the board measures.
     pub(crate) fn with_board_spindle(&self, inputs: &Inputs, spindle: &BoardSpindle) -> Inputs {
         let counts = Encoder::counts_per_spindle_turn(&self.memory.parameters).unwrap_or(0.0);
         let count = |turns: f64| (turns * counts).floor() as i64;
@@ -38,12 +38,12 @@ impl Cnc {
         }
     }
 
-    /// Whether a thread waits for its angle of the spindle.
+    /// Whether a thread waits for its spindle angle.
     pub(crate) fn waits_for_spindle(&self) -> bool {
         self.drives.interpolator.waits_for_spindle()
     }
 
-    /// Lead of the thread under way, mm.
+    /// Lead of the thread under way, mm; `None` outside threads.
     pub(crate) fn lead_followed(&self) -> Option<f64> {
         if !self.drives.interpolator.in_thread() {
             return None;
@@ -54,8 +54,8 @@ impl Cnc {
         }
     }
 
-    /// Whether the spindle is still to become what a command needs: known, and for a
-    /// thread steady. What it never becomes is an alarm when the command begins.
+    /// Whether a command still waits for its spindle: known, and for a thread steady. If
+    /// the time budget ends first, the command raises an alarm when it begins.
     pub(crate) fn board_spindle_delays(&mut self, action: &Action) -> bool {
         let Some(spindle) = self.drives.board.and_then(|board| board.spindle) else {
             return false;
@@ -92,7 +92,7 @@ impl Cnc {
         variation <= self.variation_allowed() && spindle.turn.now != spindle.turn.before
     }
 
-    /// The smaller of No.106 and what the board can follow, %.
+    /// Permitted variation, %: the smaller of No.106 and the board's limit.
     fn variation_allowed(&self) -> f64 {
         let limit = self.memory.parameters.fluctuation_limit();
         if limit > 0.0 {
@@ -102,8 +102,8 @@ impl Cnc {
         }
     }
 
-    /// A thread needs a steady spindle (alarm 091). A spindle that stands has its own
-    /// alarm.
+    /// Checks that the spindle is steady for a thread (alarm 091). A spindle at standstill
+    /// has its own alarm.
     pub(crate) fn check_board_spindle(&self, action: &Action) -> Result<(), Alarm> {
         let Some(spindle) = self.drives.board.and_then(|board| board.spindle) else {
             return Ok(());
@@ -127,8 +127,8 @@ impl Cnc {
         )
     }
 
-    /// What the board tells of the spindle in a thread. A spoilt one goes on to its end
-    /// with its run-out; without an index it ends here.
+    /// Handles a spindle fault that the board reports during a thread. A spoilt thread
+    /// continues to its end with its run-out; without an index it ends at once.
     pub(crate) fn watch_board_spindle(&mut self) {
         let spindle = self.drives.board.and_then(|board| board.spindle);
         let Some(trouble) = spindle.and_then(|spindle| spindle.trouble) else {
@@ -142,7 +142,7 @@ impl Cnc {
         }
     }
 
-    /// Behind a spoilt thread nothing begins. Returns whether that is so.
+    /// Raises the alarm of a spoilt thread before the next command. Returns whether it did.
     pub(crate) fn ends_spoilt(&mut self, next: &Action) -> bool {
         let goes_on = matches!(
             next,

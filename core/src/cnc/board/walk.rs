@@ -1,4 +1,4 @@
-//! A program walked through before it begins: how fast it will drive the axes.
+//! Interprets a program before it begins, to check the pulse rates of its cuts.
 
 use core::cell::LazyCell;
 
@@ -10,14 +10,14 @@ use crate::interpreter::Advance;
 use crate::interpreter::Host;
 use crate::interpreter::Immediate;
 
-/// Commands that are looked at: as many as take no time that matters to a board that
-/// waits for its heartbeat. What comes behind them is looked at block by block.
+/// Most commands that are checked: the check must not delay a board that waits for its
+/// heartbeat. Later commands are checked block by block.
 const MOST_COMMANDS: u32 = 100_000;
 
 impl Cnc {
-    /// The first cut of a program that the board could not follow, with the offsets,
-    /// overrides and inputs as they are. What else may be wrong with the program it
-    /// tells itself, when its turn comes.
+    /// The alarm for the first cut that the board could not follow, with the present
+    /// offsets, overrides and inputs. Other errors of the program are reported at their
+    /// execution.
     pub(crate) fn walk_for_board(
         &mut self,
         board: &BoardDrives,

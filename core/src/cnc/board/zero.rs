@@ -1,6 +1,6 @@
-//! The return to the machine zero on a board that sees its switches itself (manual
-//! III-7): the same stages, but the edge of a switch stops the axes in the board,
-//! and the next stage begins where the board says it stopped them.
+//! Reference return on a board that reads the switches (manual III-7): the stages are the
+//! same, but the edge of a switch stops the axes in the board, and the next stage begins at
+//! the position that the board reports.
 //!
 //! ```text
 //!  B    113 ────────╮ dead stop on the switch
@@ -13,9 +13,10 @@
 //!       033             zero ├───╯ back
 //!       switch _____/‾‾‾‾‾‾‾‾\_____
 //!
-//!  Without such a switch the limit switch takes its place: back off it, and a little
-//!  farther.
 //! ```
+//!
+//! Without such a switch the limit switch replaces it: the axis backs off it, and a little
+//! farther.
 
 use crate::alarm::{Alarm, number};
 use crate::board::BoardDrives;
@@ -27,7 +28,7 @@ use gsk_link::{AwaitedInput, Input, InputCondition};
 use gsk_messages::say;
 
 impl Cnc {
-    /// Begins the return of an axis with a switch at the board.
+    /// Starts the return of an axis whose switch is wired to the board.
     pub(crate) fn seek_with_board(&mut self, axis: Axis, board: &BoardDrives) -> Result<(), Alarm> {
         let outgrown = board
             .checked
@@ -74,7 +75,7 @@ impl Cnc {
             );
         }
         let leaves = !wiring.switch && wiring.on_limit;
-        // Stopped dead by its switch, a fast stepper may slip.
+        // A fast stepper may lose steps at the dead stop on its switch.
         *self.coordinates.referenced.get_mut(axis) = false;
         *self.coordinates.at_reference.get_mut(axis) = None;
         *self.coordinates.returns.get_mut(axis) = Some(if leaves {
@@ -85,8 +86,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// A board that seeks all switches with one order seeks one that is not there to the
-    /// end of the axis.
+    /// Checks the switch of the other axis: a board that homes both axes together would
+    /// seek a missing switch to the end of the axis.
     fn check_other_switch(&self, axis: Axis, board: &BoardDrives) -> Result<(), Alarm> {
         let (other, bit) = match axis {
             Axis::X => (Axis::Z, 1),
@@ -99,20 +100,20 @@ impl Cnc {
             .because(say::zero_switch_of_other_axis(bit, format!("{other:?}"))))
     }
 
-    /// Whether returns to a switch are under way that the board must not stop other
-    /// motion for.
+    /// Whether returns to a switch are under way. The board must not stop other motion for
+    /// them.
     pub(crate) fn board_seeks(&self) -> bool {
         let seeks = |stage: Option<Return>| stage.is_some_and(|stage| stage != Return::Straight);
         self.drives.board.is_some_and(|board| board.zero.is_some())
             && (seeks(self.coordinates.returns.x) || seeks(self.coordinates.returns.z))
     }
 
-    /// Whether the board makes the return by itself.
+    /// Whether the board homes on its own.
     pub(crate) fn board_homes(&self) -> bool {
         self.drives.board.is_some_and(|board| board.zero.is_none())
     }
 
-    /// What the return of an axis waits for at the board.
+    /// The input that the return of an axis waits for at the board; `None`: none.
     pub(crate) fn board_awaits(&self, axis: Axis) -> Option<AwaitedInput> {
         let board = self.drives.board?;
         let wiring = *board.zero?.get(axis);
@@ -120,7 +121,7 @@ impl Cnc {
         if [self.coordinates.returns.x, self.coordinates.returns.z]
             .contains(&Some(Return::Straight))
         {
-            // A rapid to a known place is not stopped dead.
+            // A rapid to a known position does not end with a dead stop.
             return None;
         }
         let [switch, signal, limit] = match axis {
@@ -151,7 +152,7 @@ impl Cnc {
         })
     }
 
-    /// Whether the board looks at the switch that the return of an axis waits for.
+    /// Whether the board is armed for the switch that the return of an axis waits for.
     pub(crate) fn board_lets_return(&self, axis: Axis) -> bool {
         self.drives.board.is_none_or(|board| {
             board.zero.is_none()
@@ -162,13 +163,13 @@ impl Cnc {
         })
     }
 
-    /// The board has stopped the axes at a switch: the control waits for where.
+    /// Stops the motion because the board stopped at a switch. The position follows.
     pub(crate) fn pause_for_board(&mut self) {
         self.drives.interpolator.stop_now();
         self.hand.jog = PerAxis::default();
     }
 
-    /// An axis stands where its switch was met.
+    /// Continues the return of an axis that the board stopped at its switch.
     pub(crate) fn board_reached(&mut self, axis: Axis) {
         let Some(wiring) = self.drives.board.and_then(|board| board.zero) else {
             return;
@@ -196,7 +197,7 @@ impl Cnc {
         *self.coordinates.returns.get_mut(axis) = Some(next);
     }
 
-    /// A tick of a return at the board; whether there is nothing more to do for it.
+    /// Advances a return at the board. Returns whether the board handles it.
     pub(crate) fn return_with_board(&mut self, axis: Axis, stage: Return) -> bool {
         let Some(board) = self.drives.board else {
             return false;

@@ -1,4 +1,4 @@
-//! The handwheel (manual III-6.2): 100 graduations a turn, one increment each.
+//! The handwheel (manual III-6.2): 100 graduations per turn, one increment each.
 
 use crate::cnc::Cnc;
 use crate::mode::Mode;
@@ -6,11 +6,11 @@ use crate::motion::JogRate;
 use crate::operation::Direction;
 use crate::units::Axis;
 
-/// The axis follows the wheel by at most the way of so many seconds at rapid.
+/// Greatest lag of the axis after the wheel, s of motion at rapid.
 const LAG_S: f64 = 0.5;
 
 impl Cnc {
-    /// The axis stands as soon as it can, however far the wheel was turned.
+    /// Stops the axis as soon as possible and drops the rest of the handwheel's motion.
     pub(crate) fn drop_wheel(&mut self) {
         if self.run.mode.motion() != Mode::Handwheel {
             return;
@@ -22,7 +22,7 @@ impl Cnc {
         }
     }
 
-    /// The selected axis follows the wheel, at no more than its rapid rate.
+    /// Lets the selected axis follow the wheel, at most at its rapid rate.
     pub(crate) fn follow_wheel(&mut self, axis: Axis, counts: i32) {
         let rate = JogRate::Feed(self.drives.limits.rapid_rate(axis));
         let rate = self.board_slows(axis, rate);

@@ -1,5 +1,5 @@
-//! Travel limits of the software, 045–048 (manual III-3.5.2). Those of the ladder are
-//! among its interlocks; the hard limits open the emergency-stop loop.
+//! Software travel limits, 045–048 (manual III-3.5.2). The limits of the ladder are among
+//! its interlocks; the hard limits open the emergency-stop loop.
 
 use crate::alarm::Alarm;
 use crate::cnc::Cnc;
@@ -8,7 +8,7 @@ use crate::operation::{Direction, travel_alarm};
 use crate::units::{Axis, PerAxis, Point, TICK_S};
 use gsk_messages::{Message, say};
 
-/// Both axes, both ways.
+/// Both directions of both axes.
 const SIDES: [(Axis, Direction); 4] = [
     (Axis::X, Direction::Plus),
     (Axis::X, Direction::Minus),
@@ -17,21 +17,23 @@ const SIDES: [(Axis, Direction); 4] = [
 ];
 
 impl Cnc {
-    /// Whether an axis may be moved by hand this way: a limit leaves only the way
-    /// back, until the axis is inside again and the alarm is cleared.
+    /// Whether an axis may be moved manually in this direction. Beyond a limit only the
+    /// opposite direction is permitted, until the axis is inside again and the alarm is
+    /// cleared.
     pub(crate) fn may_go(&mut self, axis: Axis, way: Direction) -> bool {
         if self.direction_locked(axis, way) {
             return false;
         }
         let beyond = !self.machine_locked() && self.is_outside(axis, way);
         if beyond {
-            // The limit came to lie inside of it: it goes back instead of further.
+            // The limit has been moved inside the axis position: only the way back is
+            // permitted.
             self.raise(Alarm::new(travel_alarm(axis, way)));
         }
         !beyond
     }
 
-    /// Whether the slide stands beyond a software limit that is watched.
+    /// Whether the slide is beyond a software limit that is checked.
     fn is_outside(&self, axis: Axis, way: Direction) -> bool {
         let place = self.slide().get(axis);
         *self.watched().get(axis)
@@ -41,8 +43,8 @@ impl Cnc {
                 .is_beyond(axis, way == Direction::Plus, place)
     }
 
-    /// The overtravel alarms that RESET does not clear yet: the axis has to be moved
-    /// back by hand first (manual III-3.5.3), or off the limit of the ladder.
+    /// The overtravel alarms that RESET cannot clear yet: the axis must first be moved back
+    /// manually (manual III-3.5.3), or off the limit of the ladder.
     pub(crate) fn still_outside(&self) -> [Option<u16>; 4] {
         SIDES.map(|(axis, way)| {
             let outside = self.limit_reached(axis, way) || self.is_outside(axis, way);
@@ -50,8 +52,8 @@ impl Cnc {
         })
     }
 
-    /// Axes whose software limits are watched: with 172.4 MOT = 0, those whose
-    /// machine coordinates are true.
+    /// Axes whose software limits are checked: with 172.4 MOT = 0, those whose machine
+    /// coordinates are valid.
     fn watched(&self) -> PerAxis<bool> {
         if self.memory.parameters.soft_limits_masked() {
             return PerAxis::default();
@@ -62,10 +64,10 @@ impl Cnc {
         PerAxis::new(known(Axis::X), known(Axis::Z))
     }
 
-    /// Software travel limits; once a tick.
+    /// Checks the software travel limits; once per tick.
     pub(crate) fn watch_travel(&mut self) {
         let drives = &self.drives;
-        // Most often, and soon seen.
+        // The most frequent case, and cheap to check.
         if let Some(way) = drives.interpolator.stops_within(&drives.limits) {
             let (slide, commanded) = (self.slide(), drives.interpolator.commanded());
             let far = |point, way| drives.soft_limits.are_far(point, way);
@@ -90,12 +92,12 @@ impl Cnc {
         }
     }
 
-    /// The limits that the axes overrun, or would overrun if they braked only a tick later.
+    /// The limits that the axes overrun, or would overrun if they braked one tick later.
     fn overrun_soon(&self, watched: PerAxis<bool>) -> [bool; 4] {
         let drives = &self.drives;
         let (slide, stop) = (self.slide(), self.stopping_point());
         let overrun = |stop| drives.soft_limits.overrun(slide, stop, watched);
-        // While the axes gain speed they stop up to two ticks of their way farther.
+        // While the axes accelerate they stop up to two ticks of motion farther.
         let farthest = stop + drives.interpolator.velocity() * (2.0 * TICK_S);
         let now = overrun(stop);
         if now.contains(&true) || !overrun(farthest).contains(&true) {
@@ -106,7 +108,7 @@ impl Cnc {
         overrun(later.stopping_point(&drives.limits))
     }
 
-    /// Whether a cut that nothing here can stop ends within the limits.
+    /// Checks that a cut which the control cannot stop ends within the limits.
     pub(crate) fn check_pass_end(&self, to: Point) -> Result<(), Alarm> {
         let over = self
             .drives
@@ -119,8 +121,8 @@ impl Cnc {
         }
     }
 
-    /// What a look at the limit switches shows when the loop opens: the axis, its side
-    /// and the way off.
+    /// Names the limit switches that opened the emergency-stop loop: axis, side, and the
+    /// direction off the switch.
     pub(crate) fn over_limit_detail(&self, inputs: &Inputs) -> Option<Message> {
         let mut said = Vec::new();
         for axis in [Axis::X, Axis::Z] {
@@ -145,7 +147,7 @@ impl Cnc {
         (!said.is_empty()).then(|| say::several(said))
     }
 
-    /// Raises the alarm of a limit, with the block that ran into it.
+    /// Raises the alarm of a limit, with the block that caused it.
     pub(crate) fn raise_travel(&mut self, axis: Axis, way: Direction) {
         let alarm = Alarm::new(travel_alarm(axis, way));
         let source = self

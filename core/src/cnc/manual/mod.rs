@@ -1,5 +1,5 @@
-//! Manual motion: jog, manual rapid and steps (manual III-4.1, III-6.1); what all
-//! ways to move an axis by hand have in common.
+//! Manual motion: jog, manual rapid and steps (manual III-4.1, III-6.1), and the parts that
+//! all manual motion shares.
 
 mod handwheel;
 mod limits;
@@ -14,10 +14,10 @@ use crate::operation::{Direction, RunState, jog_rate};
 use crate::units::{Axis, PerAxis, Point};
 
 impl Cnc {
-    /// One tick of manual motion.
+    /// Advances manual motion by one tick.
     pub(crate) fn manual_tick(&mut self, inputs: &Inputs) {
         let counts = self.hand.wheel.counts(inputs.handwheel);
-        // A key held from before a mode change must be released first.
+        // A key held since before a mode change must be released first.
         let plus = self.plc.signals.jog_plus;
         let minus = self.plc.signals.jog_minus;
         let down = PerAxis::new(plus.x || minus.x, plus.z || minus.z);
@@ -56,7 +56,7 @@ impl Cnc {
                     self.follow_wheel(axis, if allowed && by_hand { counts } else { 0 });
                 }
                 Mode::MachineZero => {
-                    // One that returns by itself is asked once it can.
+                    // A board that homes on its own starts when it is ready.
                     let begins = by_hand || self.board_seeks() || self.board_homes();
                     self.return_keys(axis, key.is_some(), pressed.is_some() && begins);
                 }
@@ -68,14 +68,14 @@ impl Cnc {
         }
     }
 
-    /// Jog: the axis moves while its key is held.
+    /// Jog: moves the axis while its key is held.
     fn jog(&mut self, axis: Axis, key: Option<Direction>) {
         let way = key.filter(|way| !self.interlocked(axis) && self.may_go(axis, *way));
         let command = way.map(|way| (way == Direction::Plus, self.manual_rate(axis)));
         self.command_axis(axis, command);
     }
 
-    /// Asks an axis for a jog, or for standstill.
+    /// Commands a jog of an axis, or a standstill.
     pub(crate) fn command_axis(&mut self, axis: Axis, command: Option<(bool, JogRate)>) {
         if *self.hand.jog.get(axis) != command {
             *self.hand.jog.get_mut(axis) = command;
@@ -83,8 +83,8 @@ impl Cnc {
         }
     }
 
-    /// Step: each press moves the axis by one increment, to its end even when the
-    /// key comes up (manual III-6.1).
+    /// Step: each press moves the axis by one increment, to its end even when the key is
+    /// released (manual III-6.1).
     fn step(&mut self, axis: Axis, pressed: Option<Direction>) {
         if let Some(way) = pressed
             && !self.drives.interpolator.stepping(axis)
@@ -99,7 +99,7 @@ impl Cnc {
         self.guide_step(axis, rate);
     }
 
-    /// A step under way keeps to its rate, to the interlocks and to the limits.
+    /// Applies the rate, the interlocks and the limits to a step under way.
     pub(crate) fn guide_step(&mut self, axis: Axis, rate: JogRate) {
         let Some(way) = self
             .drives
@@ -120,8 +120,8 @@ impl Cnc {
         }
     }
 
-    /// One step, or one graduation of the handwheel, mm of the slide: X counts on
-    /// the diameter. 173.1 SINC = 1 leaves the small ones only.
+    /// One step, or one graduation of the handwheel, mm of the slide: X counts on the
+    /// diameter. 173.1 SINC = 1 permits only the small ones.
     pub(crate) fn step_distance(&self, axis: Axis) -> f64 {
         let increments = self.plc.signals.step_increments;
         if increments >= 100 && self.memory.parameters.small_steps_only() {
@@ -130,7 +130,7 @@ impl Cnc {
         f64::from(increments) * least_increment(axis, &self.memory.parameters)
     }
 
-    /// Manual motion needs the path of the program at rest and out of the way.
+    /// Whether manual motion is possible: the program's motion is at rest or suspended.
     fn manual_possible(&self) -> bool {
         match self.run.automatic.state {
             RunState::Run => false,
@@ -140,7 +140,7 @@ impl Cnc {
         }
     }
 
-    /// Jog rate, or rapid with 快速 on; without a reference that needs 012.0 ISOT.
+    /// Jog rate, or rapid with 快速 on; without a reference the rapid needs 012.0 ISOT.
     pub(crate) fn manual_rate(&self, axis: Axis) -> JogRate {
         let referenced = *self.coordinates.referenced.get(axis);
         let rapid = self.plc.signals.rapid
@@ -153,8 +153,8 @@ impl Cnc {
         self.board_slows(axis, rate)
     }
 
-    /// A mode change: what moved by hand stops, and keys that are down count
-    /// only after they were released.
+    /// Handles a mode change: manual motion stops, and keys that are down count only after
+    /// their release.
     pub(crate) fn manual_mode_left(&mut self) {
         self.abandon_returns();
         for axis in [Axis::X, Axis::Z] {

@@ -1,4 +1,4 @@
-//! Return to the machine zero and to the program zero point (manual III-7, II-2.8.3).
+//! Return to the machine zero and to the program zero (manual III-7, II-2.8.3).
 //!
 //! ```text
 //!  A  (014 ZRS = 0)         ───────── rapid ─────────────────► coordinate 0
@@ -16,11 +16,11 @@
 //!     switch ___________/‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾\__/  stop: machine zero
 //! ```
 //!
-//! X approaches at half of 113; the rapid override acts on the approach alone. The
-//! zero input latches the pulse count at which its signal changes, and the axis
-//! stops on that pulse: what the tick went too far is taken back. Where this gives out
-//! backlash the motor is waited for: one that is still on its way would come to stand on
-//! the other flank of the screw than its control takes it to.
+//! X approaches at half of 113; the rapid override acts on the approach only. The zero
+//! input latches the pulse count at which its signal changes, and the axis stops on that
+//! pulse: the distance that the tick went too far is taken back. If this takes up backlash,
+//! the axis first waits for its motor: a motor that still moves would stop on the other
+//! flank of the screw.
 
 use crate::alarm::{Alarm, number};
 use crate::cnc::{Cnc, Event};
@@ -32,16 +32,17 @@ use crate::operation::{Return, RunState};
 use crate::units::{Axis, PerAxis, Point, Pulses};
 use gsk_messages::{Message, say};
 
-/// How long a motor is waited for, ms: of a servo with a gain of 20/s or more a
-/// three thousandth of its following error is left.
+/// Wait for a motor, ms. Of the following error of a servo with a gain of 20/s or more,
+/// less than 0.1 % is left.
 const REST_TICKS: u16 = 400;
 
 /// Deceleration switches, X0.3 and X1.3.
 const SWITCH_MASK: u8 = 1 << 3;
 
 impl Cnc {
-    /// The keys of one axis in the zero modes: either starts the return; letting go
-    /// stops it (011.2 ZNIK, with which one press is enough, is the ladder's).
+    /// Handles the keys of one axis in the zero modes: either key starts the return, and
+    /// its release stops it. With 011.2 ZNIK one press is enough, because the ladder keeps
+    /// the signal.
     pub(crate) fn return_keys(&mut self, axis: Axis, held: bool, pressed: bool) {
         if pressed && self.coordinates.returns.get(axis).is_none() {
             if let Err(alarm) = self.begin_return(axis) {
@@ -60,9 +61,9 @@ impl Cnc {
         }
     }
 
-    /// A return that ends because its key was let go says so; with 011.2 ZNIK = 1 a key
-    /// was pressed to stop it. Past the switch a second try finds none on its way and
-    /// runs to the end of the travel.
+    /// Advises the operator when a return ended because its key was released. With 011.2
+    /// ZNIK = 1 a key was pressed to stop it. Past the switch, a second try would find no
+    /// switch and run to the end of the travel.
     fn advise_to_hold(&mut self, axis: Axis, stage: Option<Return>) {
         if *self.hand.axis_keys.get(axis) || self.memory.parameters.zero_keys_latch() {
             return;
@@ -88,7 +89,7 @@ impl Cnc {
         self.seek_reference(axis)
     }
 
-    /// Begins the return of an axis to its machine zero.
+    /// Starts the return of an axis to its machine zero.
     fn seek_reference(&mut self, axis: Axis) -> Result<(), Alarm> {
         if let Some(board) = self.drives.board
             && self.memory.parameters.has_zero_switch(axis)
@@ -118,29 +119,29 @@ impl Cnc {
         Ok(())
     }
 
-    /// A return that begins on its switch, and which way leads off it.
+    /// The alarm for a return that begins on its switch; it names the direction off it.
     pub(crate) fn begins_on_switch(&self, axis: Axis) -> Alarm {
         let way = self.way_off_switch(axis);
         Alarm::new(number::ZERO_RETURN).because(say::return_on_switch(axis, way))
     }
 
-    /// The direction away from the machine zero, `X-`.
+    /// The direction away from the machine zero, such as `X-`.
     fn way_off_switch(&self, axis: Axis) -> String {
         let negative = self.memory.parameters.zero_is_negative(axis);
         format!("{axis}{}", if negative { '+' } else { '-' })
     }
 
-    /// What a stop in the middle of an approach has to do with it.
+    /// The reason of a stop during an approach: the switch was not reached.
     pub(crate) fn unmet_switch(&self, axis: Axis) -> Option<Message> {
         let approaches = *self.coordinates.returns.get(axis) == Some(Return::Approach);
         approaches.then(|| say::return_before_switch(axis))
     }
 
-    /// G28: seeks the reference points of axes that have none; those that have one
-    /// stand on it already.
+    /// G28: starts the search for the reference points of axes without one. Axes that have
+    /// one are already there.
     pub(crate) fn begin_zero_return(&mut self, x: bool, z: bool) -> Result<(), Alarm> {
         let mut axes = [(Axis::X, x), (Axis::Z, z)];
-        // Those without a switch first.
+        // Axes without a switch first.
         axes.sort_by_key(|(axis, _)| self.memory.parameters.has_zero_switch(*axis));
         for (axis, taken) in axes {
             if taken && *self.coordinates.referenced.get(axis) {
@@ -152,12 +153,12 @@ impl Cnc {
         Ok(())
     }
 
-    /// Whether an axis is on its way to a zero.
+    /// Whether a return of any axis is under way.
     pub(crate) const fn returning(&self) -> bool {
         self.coordinates.returns.x.is_some() || self.coordinates.returns.z.is_some()
     }
 
-    /// Forgets the returns under way; what moves is stopped elsewhere.
+    /// Abandons the returns under way and stops their axes.
     pub(crate) fn abandon_returns(&mut self) {
         for axis in [Axis::X, Axis::Z] {
             if self.coordinates.returns.get_mut(axis).take().is_some() {
@@ -167,7 +168,7 @@ impl Cnc {
         }
     }
 
-    /// One tick of the returns under way.
+    /// Advances the returns under way by one tick.
     pub(crate) fn return_tick(&mut self, inputs: &Inputs) {
         if !self.returning() {
             return;
@@ -190,7 +191,8 @@ impl Cnc {
             return;
         }
         let low = self.memory.parameters.zero_low_rate();
-        // A dog too short to brake on: the signal counts only at the low rate.
+        // The deceleration switch may be too short to brake on: the signal counts only at
+        // the low rate.
         let slow = self.drives.interpolator.manual_speed(axis) <= low * 1.001;
         let next = match stage {
             Return::Straight => return self.go_straight(axis),
@@ -224,12 +226,12 @@ impl Cnc {
         if zero == Some(self.position().get(axis)) {
             self.arrive(axis, false);
         } else {
-            // A limit has stopped it on the way.
+            // A limit has stopped the axis.
             *self.coordinates.returns.get_mut(axis) = None;
         }
     }
 
-    /// Speed and direction of a return, as the locks allow.
+    /// Sets speed and direction of a return, as far as the interlocks permit.
     pub(crate) fn drive_return(&mut self, axis: Axis, stage: Return) {
         let back = matches!(stage, Return::Back | Return::Leave);
         let negative = self.memory.parameters.zero_is_negative(axis) != back;
@@ -248,7 +250,7 @@ impl Cnc {
         self.command_axis(axis, command);
     }
 
-    /// Whether something keeps a return from going on.
+    /// Whether something prevents a return from continuing.
     pub(crate) fn return_held(&self, axis: Axis) -> bool {
         let by_program = self.run.automatic.state == RunState::Run && self.plc.signals.start_lock;
         by_program || self.run.automatic.state == RunState::Hold || self.interlocked(axis)
@@ -272,7 +274,7 @@ impl Cnc {
         closed == self.memory.parameters.closed_means_deceleration()
     }
 
-    /// The zero signal came: the place of its pulse is the machine zero.
+    /// Makes the position of the zero signal's pulse the machine zero.
     pub(crate) fn meet_zero(&mut self, axis: Axis, latch: Option<Pulses>) {
         let Some(count) = latch else { return };
         let here = self.drives.chain.zero_at(axis, count);
@@ -293,7 +295,7 @@ impl Cnc {
         self.arrive(axis, shifted);
     }
 
-    /// Stands until its motor has come, then goes back to the pulse of the zero signal.
+    /// Waits until the motor has stopped, then moves back to the pulse of the zero signal.
     fn rest(&mut self, axis: Axis, ticks: u16, shifted: bool) {
         if let Some(left) = ticks.checked_sub(1) {
             let ticks = left;
@@ -310,7 +312,7 @@ impl Cnc {
             || matches!(self.coordinates.returns.z, Some(Return::Rest { .. }))
     }
 
-    /// The end of a return; `shifted`: the machine coordinates are others now.
+    /// Ends a return; `shifted`: the machine coordinates have changed.
     pub(crate) fn arrive(&mut self, axis: Axis, shifted: bool) {
         *self.coordinates.returns.get_mut(axis) = None;
         let before = self.coordinates.frame;
@@ -323,7 +325,7 @@ impl Cnc {
         }
         let by_program = matches!(self.run.automatic.action(), Some(Action::ZeroReturn { .. }));
         if !by_program && (shifted || before != self.coordinates.frame) {
-            // The rest of a stopped program was read for other coordinates.
+            // The rest of a stopped program was read for the old coordinates.
             self.forget_stopped_program();
         }
         if !by_program {
@@ -335,7 +337,7 @@ impl Cnc {
         }
     }
 
-    /// An axis stands on its reference point: lamp, coordinates of 049 and 050
+    /// Sets the state of an axis at its reference point: lamp, coordinates of 049 and 050
     /// (012.7 APRS), end of the tool offset.
     fn stand_on_reference(&mut self, axis: Axis) {
         let at = self.position().get(axis);
@@ -357,9 +359,8 @@ impl Cnc {
         self.tell_frame();
     }
 
-    /// Method A: the place where an axis stands becomes its machine zero (取消 and
-    /// the letter of the axis on the page of all positions). Axes with a zero switch
-    /// have theirs.
+    /// Method A: makes the present position of an axis its machine zero (取消 and the letter
+    /// of the axis on the page of all positions). Axes with a zero switch are not changed.
     pub(crate) fn set_machine_zero(&mut self, axis: Axis) {
         let at_rest = !self.is_moving() && !self.run.automatic.operating();
         if self.memory.parameters.has_zero_switch(axis) || !at_rest {
@@ -376,7 +377,7 @@ impl Cnc {
         self.tell_frame();
     }
 
-    /// What is left of the reference when the pulses were lost: method A's.
+    /// Axes that keep their reference when pulses were lost: those of method A.
     pub fn reference_without_switch(&self) -> PerAxis<bool> {
         let kept = |axis| {
             *self.coordinates.referenced.get(axis) && !self.memory.parameters.has_zero_switch(axis)
@@ -384,7 +385,7 @@ impl Cnc {
         PerAxis::new(kept(Axis::X), kept(Axis::Z))
     }
 
-    /// The machine coordinates begin elsewhere; the program's go on.
+    /// Shifts the machine coordinates; the program coordinates stay.
     pub(crate) fn shift_frame(&mut self, shift: Point) {
         self.coordinates.frame.zero = self.coordinates.frame.zero + shift;
         if let Some(zero) = &mut self.coordinates.program_zero {

@@ -1,4 +1,4 @@
-//! Coordinate systems, and which of them is known.
+//! Coordinate systems, and the axes whose coordinates are known.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,16 +15,17 @@ pub(crate) struct Coordinates {
     pub relative_zero: Point,
     /// Machine coordinate of the program zero point, once a G50 has run.
     pub program_zero: Option<Point>,
-    /// Programmed X minus that of the tip, at the end of the last move.
+    /// Programmed X minus X of the tip at the end of the last move, mm.
+    #[serde(rename = "programmed_ahead")]
     pub programmed_ahead: f64,
-    /// Axes that have not left the program zero point since an emergency stop or an alarm
-    /// of the drives ended PRO there.
+    /// Axes whose PRO an emergency stop or a drive alarm ended, and which have not left the
+    /// program zero since.
     #[serde(default)]
     pub program_zero_ended: PerAxis<bool>,
-    /// Axes with a reference.
+    /// Axes whose reference point is established.
     pub referenced: PerAxis<bool>,
-    /// Coordinate of the reference point an axis stands at.
+    /// Machine coordinate of the reference point at which an axis is; `None`: elsewhere.
     pub at_reference: PerAxis<Option<f64>>,
-    /// Returns to a zero under way.
+    /// Stage of the return under way of each axis.
     pub returns: PerAxis<Option<Return>>,
 }

@@ -1,4 +1,4 @@
-//! From the path to the pulses, and the drives behind them.
+//! The chain from the path to the pulses, and the drives.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,40 +13,41 @@ use crate::units::{Axis, Point};
 /// Interpolator, axes and drives.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Drives {
-    /// The motion under way.
+    /// Produces the path of the motion under way.
     pub interpolator: Interpolator,
-    /// Rates and accelerations.
+    /// Rates and accelerations from the parameters.
     pub limits: MotionLimits,
-    /// Positions to pulses: pitch errors, backlash, gear.
+    /// Converts positions to pulses: pitch errors, backlash, gear.
+    #[serde(rename = "chain")]
     pub chain: AxisChain,
-    /// Stored stroke limits.
+    /// Software travel limits.
     pub soft_limits: SoftLimits,
     /// Signals of drives and encoder.
     pub sensors: Sensors,
-    /// What the drives' alarm and ready signals have led to.
+    /// Supervision of the drives' alarm and ready signals.
     pub watch: DriveWatch,
-    /// Real drives behind a pulse board, if they make the motion. An open link is never
-    /// part of what is saved.
+    /// The pulse board with real drives, if one makes the motion. A saved state never
+    /// contains an open link.
     #[serde(skip)]
     pub board: Option<BoardDrives>,
-    /// Alarms of the board and what they are still to say.
+    /// Alarms of the board, and what is still to be added to them.
     #[serde(skip)]
     pub board_alarms: BoardAlarms,
 }
 
-/// Alarms of the board, and what they are still to say.
+/// Alarms of the board, and what is still to be added to them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct BoardAlarms {
-    /// It stands as long as its cause, whatever RESET does.
+    /// An alarm that stays in force as long as its cause, regardless of RESET.
     pub standing: Option<Alarm>,
-    /// Alarms that do not say yet where the slides stand.
+    /// Alarms whose detail does not name the position of the slides yet.
     pub incomplete: Vec<Alarm>,
-    /// The reference was dropped where the axes could have moved on.
+    /// Whether the reference was dropped while the axes could have continued.
     pub fell: bool,
 }
 
 impl Drives {
-    /// At power-on: slides that stand at `start`.
+    /// State at power-on with the slides at `start`.
     pub(crate) fn new(memory: &Memory, start: Point) -> Self {
         let (parameters, pitch) = (&memory.parameters, &memory.pitch);
         let mut chain = AxisChain::new(parameters, pitch);

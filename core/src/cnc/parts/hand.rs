@@ -1,4 +1,4 @@
-//! Motion by hand: jog keys and handwheel.
+//! State of manual motion: jog keys and handwheel.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,15 +6,15 @@ use crate::motion::JogRate;
 use crate::operation::WheelCounter;
 use crate::units::PerAxis;
 
-/// Keys that are down and what the axes make of them.
+/// Keys that are down, and the manual motion of the axes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct HandMotion {
-    /// A key that was down when its motion was refused: it must be let go first.
+    /// Whether a key was down when its motion was refused: it must be released first.
     pub jog_blocked: PerAxis<bool>,
     /// Direction (`true`: plus) and rate of the jog under way.
     pub jog: PerAxis<Option<(bool, JogRate)>>,
     /// Axis keys that were down at the last tick.
     pub axis_keys: PerAxis<bool>,
-    /// Detents of the handwheel.
+    /// Counter of the handwheel's detents.
     pub wheel: WheelCounter,
 }

@@ -1,4 +1,4 @@
-//! What the control is made of: each part owns its state and what needs that alone.
+//! Parts of the control; each one owns its state and the functions that need no other part.
 
 mod coordinates;
 mod drives;

@@ -1,4 +1,4 @@
-//! The PLC and what passes between it and the control.
+//! The PLC and its interface to the control.
 
 use std::sync::Arc;
 
@@ -8,46 +8,48 @@ use serde::{Deserialize, Serialize};
 use crate::operation::{FromPlc, InputFilter, OutputTimers, Turning, X_BYTES};
 use crate::units::PerAxis;
 
-/// Bytes of outputs.
+/// Number of output bytes.
 const Y_BYTES: usize = 20;
 
-/// The PLC at its port.
+/// The PLC with its interface to the control.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PlcPort {
     /// The ladder engine with its memory.
     pub engine: Plc,
     /// G signals of the last slot.
     pub signals: FromPlc,
-    /// Contacts that are accepted.
+    /// Debounced contacts.
     pub filter: InputFilter,
     /// Contacts that the keys of the machine panel close.
     pub panel_keys: [u8; X_BYTES],
-    /// A soft switch on its way.
+    /// A soft switch that is changing to a new state.
+    #[serde(rename = "turning")]
     pub turning: Option<Turning>,
-    /// The OUTPUT key is down.
+    /// Whether the OUTPUT key is down.
     pub output_key: bool,
-    /// The soft machine panel, as F75 has it.
+    /// Switches of the soft machine panel, as the bits of F75.
     pub soft_switches: u8,
-    /// The ladder stands still, for stepping.
+    /// Whether the ladder is halted for stepping.
     pub halted: bool,
-    /// The ladder that the next power-on loads.
+    /// The ladder that the next power-on loads; `None`: the present one.
     pub next_ladder: Option<Arc<Ladder>>,
-    /// A message of the ladder stands.
+    /// Whether a message of the ladder is in force.
     pub message: bool,
-    /// Outputs, as last refreshed.
+    /// Outputs at their last refresh.
     pub y: Vec<u8>,
-    /// Outputs that a program has switched for a time.
+    /// Timers of outputs that a program has switched.
     #[serde(default, skip_serializing_if = "OutputTimers::is_idle")]
     pub output_timers: OutputTimers,
-    /// Inputs that act by themselves, as they were sampled last.
+    /// Levels of the inputs with an own function at their last sample.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub input_levels: u32,
-    /// Outputs of the ladder that outputs of the model follow, as they were last.
+    /// Levels of the ladder outputs that outputs of the model follow, at their last sample.
     #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(rename = "followed")]
     pub followed: u32,
-    /// Axes whose last motion went minus.
+    /// Axes whose last motion was in the negative direction.
     pub negative: PerAxis<bool>,
-    /// The last motion was a rapid.
+    /// Whether the last motion was a rapid.
     pub last_rapid: bool,
 }
 
@@ -60,7 +62,7 @@ const fn is_zero(levels: &u32) -> bool {
 }
 
 impl PlcPort {
-    /// At power-on.
+    /// State at power-on.
     pub(crate) fn new(engine: Plc) -> Self {
         Self {
             signals: FromPlc::read(engine.memory()),

@@ -1,4 +1,4 @@
-//! The run of a program, and the block that is read for it.
+//! The program run: mode, state, and the block that is read for it.
 
 use std::collections::VecDeque;
 
@@ -12,41 +12,43 @@ use crate::motion::Interpolator;
 use crate::operation::{Automatic, Handshake, Mode};
 use crate::program::MdiBlock;
 
-/// Mode, run state and interpreter.
+/// State of the program run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Run {
     /// Operating mode.
     pub mode: Mode,
     /// State of automatic operation.
     pub automatic: Automatic,
-    /// M, S, T and their FIN.
+    /// Handshakes of M, S and T functions.
     pub handshake: Handshake,
-    /// Reads the blocks.
+    /// Reads the blocks of the program.
     pub interpreter: Interpreter,
-    /// Timer, date and what a program has switched off, for macro B.
+    /// Timer, date, and functions that a macro B program has switched off.
     #[serde(default)]
     pub registers: Registers,
     /// The block keyed in on the MDI page.
     pub mdi: MdiBlock,
     /// Modal state of the block in execution.
     pub modal: Modal,
-    /// The rest of a held block while the axes are moved by hand.
+    /// The rest of a held block while the axes are moved manually.
+    #[serde(rename = "held")]
     pub held: Option<Interpolator>,
-    /// Tool and offset number on the T display.
+    /// Tool number and offset number on the T display.
     pub tool: (u8, u8),
-    /// The tool-change key turns the tool post.
+    /// Whether the tool-change key turns the tool post.
+    #[serde(rename = "indexing_by_hand")]
     pub indexing_by_hand: bool,
-    /// Where the next cycle start begins, from 1.
+    /// Line at which the next cycle start begins, from 1.
     pub cursor_line: u32,
-    /// The program ended: the next cycle start begins at its head.
+    /// Whether the next cycle start begins at the head, because the program ended.
     pub rewind_at_start: bool,
-    /// Explanations of what was read and has not begun yet; `None`: nobody asked.
+    /// Explanations of commands that were read but have not begun; `None`: switched off.
     #[serde(skip)]
     pub explanations: Option<VecDeque<Option<Explanation>>>,
 }
 
 impl Run {
-    /// At power-on: nothing runs.
+    /// State at power-on: no program runs.
     pub(crate) fn new(interpreter: Interpreter, tool: u8, registers: Registers) -> Self {
         Self {
             mode: Mode::Mdi,

@@ -1,23 +1,23 @@
-//! The spindle: its control, its angle, the override in force.
+//! The spindle: control, angle and override.
 
 use serde::{Deserialize, Serialize};
 
 use crate::memory::Parameters;
 use crate::spindle::{SpindleAngle, SpindleControl};
 
-/// What the control knows and commands of the spindle.
+/// State and commands of the spindle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SpindleUnit {
     /// Speed, gears, constant surface speed.
     pub control: SpindleControl,
-    /// Angle by the encoder.
+    /// Angle measured by the encoder.
     pub angle: SpindleAngle,
-    /// Spindle override in force, %; a change waits for the end of a thread.
+    /// Spindle override in force, %; a change during a thread waits for its end.
     pub override_percent: u8,
 }
 
 impl SpindleUnit {
-    /// At power-on: it stands.
+    /// State at power-on: standstill.
     pub(crate) fn new(parameters: &Parameters) -> Self {
         Self {
             control: SpindleControl::new(parameters),

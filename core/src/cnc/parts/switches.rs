@@ -1,12 +1,12 @@
-//! The switches of the setting page.
+//! The write switches of the setting page.
 
 use serde::{Deserialize, Serialize};
 
-/// 参数开关 and 程序开关: on, their memory may be written.
+/// 参数开关 and 程序开关: while one is on, its memory may be written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Switches {
-    /// 参数开关.
+    /// 参数开关: parameters may be written.
     pub parameters: bool,
-    /// 程序开关.
+    /// 程序开关: programs may be written.
     pub programs: bool,
 }

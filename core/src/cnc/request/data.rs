@@ -16,19 +16,19 @@ use crate::setup::TOOL_IN_POSITION;
 use crate::spindle::SpindleAngle;
 use crate::units::Axis;
 
-/// The highest tool that DGN.075 takes.
+/// The highest tool number that DGN.075 accepts.
 const LAST_TOOL: u8 = 32;
-/// Parameters that the spindle angle is worked out from.
+/// Parameters that determine the spindle angle.
 const ENCODER: [u16; 3] = [
     parameter::ENCODER_LINES,
     parameter::SPINDLE_TEETH,
     parameter::ENCODER_TEETH,
 ];
-/// Millimetres of an inch.
+/// Millimetres per inch.
 const INCH: f64 = 25.4;
 
 impl Cnc {
-    /// A value of the offset page (manual III-7): stored, measured, added, or the
+    /// Sets a value of the offset page (manual III-7): stored, measured, added, or the
     /// relative coordinate.
     pub(super) fn set_offset(&mut self, number: u8, entry: OffsetEntry) -> Result<(), Alarm> {
         if self.rights().offsets().is_err() {
@@ -75,7 +75,7 @@ impl Cnc {
         self.store_offset(number, offset)
     }
 
-    /// Row 000 is there for the work shift alone (012.6 WSFT).
+    /// Stores an offset. Row 000 exists only for the work shift (012.6 WSFT).
     fn store_offset(&mut self, number: u8, offset: ToolOffset) -> Result<(), Alarm> {
         if number == 0 && self.memory.parameters.work_shift() {
             self.memory.offsets.set_work_shift(offset)
@@ -84,9 +84,8 @@ impl Cnc {
         }
     }
 
-    /// The offset of a tool that stands at a measured coordinate: what is
-    /// displayed, with the offset in force added (005.1 PPD), minus what was
-    /// measured.
+    /// The offset of a tool at a measured coordinate: the displayed coordinate, plus the
+    /// offset in force (005.1 PPD), minus the measured one.
     fn measured(&self, axis: Axis, measured: f64) -> f64 {
         let radius = match axis {
             Axis::X if !self.memory.parameters.radius_programming() => measured / 2.0,
@@ -100,8 +99,8 @@ impl Cnc {
         self.as_offset(axis, self.position_absolute().get(axis) + in_force - radius)
     }
 
-    /// A distance of the slide as the offset page counts it: X as a diameter
-    /// unless 004.4 ORC says otherwise.
+    /// Converts a distance of the slide to the offset page: X as a diameter unless 004.4
+    /// ORC = 1.
     fn as_offset(&self, axis: Axis, distance: f64) -> f64 {
         match axis {
             Axis::X if !self.memory.parameters.offset_is_radius() => distance * 2.0,
@@ -117,7 +116,7 @@ impl Cnc {
         }
     }
 
-    /// Writes parameters, and lets them act.
+    /// Writes parameters and applies them.
     pub(super) fn change_parameters(
         &mut self,
         change: impl FnOnce(&mut Parameters) -> Result<(), ParameterError>,
@@ -131,8 +130,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// New values of all parameters: what is worked out from them follows, except
-    /// for those that wait for the next power-on (alarm 000).
+    /// Applies new values of all parameters, except those that wait for the next power-on
+    /// (alarm 000).
     pub(super) fn take_parameters(&mut self, changed: Parameters) {
         let needs_power_cycle = changed.needs_power_cycle(&self.memory.parameters);
         let encoder = ENCODER
@@ -156,7 +155,8 @@ impl Cnc {
         }
     }
 
-    /// A variable of macro B, local ones while no program runs, or of the Huaxing lathes.
+    /// Sets a variable of macro B (local ones while no program runs) or of the Huaxing
+    /// lathes.
     pub(super) fn set_macro_variable(
         &mut self,
         number: u16,
@@ -179,7 +179,7 @@ impl Cnc {
         }
     }
 
-    /// A point of the pitch error table.
+    /// Sets a point of the pitch error table.
     pub(super) fn set_pitch(&mut self, axis: Axis, point: u8, value: i16) -> Result<(), Alarm> {
         if self.rights().parameters().is_ok() {
             self.memory.pitch.set(axis, point, value)?;
@@ -200,9 +200,9 @@ impl Cnc {
         }
     }
 
-    /// 参数开关: on raises alarm 100, off takes it away (manual III-2.5.1).
+    /// Switches 参数开关: on raises alarm 100, off clears it (manual III-2.5.1).
     pub(super) fn set_parameter_switch(&mut self, on: bool) {
-        // Off is always the safe side: only a run in progress stands against it.
+        // Off is always the safe side: only a run in progress forbids it.
         let refused = if on {
             self.rights().parameter_switch().is_err()
         } else {
@@ -243,7 +243,8 @@ impl Cnc {
         }
     }
 
-    /// DGN.075: the tool post was turned by hand, with the power off.
+    /// DGN.075: sets the tool in position after the tool post was turned manually with the
+    /// power off.
     pub(super) fn set_tool_in_position(&mut self, tool: u8) -> Result<(), Alarm> {
         if self.rights().machine_data().is_err() || self.run.automatic.operating() {
             return Ok(());
@@ -259,8 +260,7 @@ impl Cnc {
         Ok(())
     }
 
-    /// A preset of the PLC. The timers that a data parameter sets are not written
-    /// here.
+    /// Sets a preset of the PLC. Timers that a data parameter sets cannot be changed here.
     pub(super) fn set_preset(&mut self, address: ByteAddress, value: i32) -> Result<(), Alarm> {
         let own = |entry: u16| TIMER_PRESETS.iter().any(|(preset, _)| *preset == entry);
         let timer_of_parameter = address.area == Area::T && own(address.byte);

@@ -33,7 +33,7 @@ impl Cnc {
         })
     }
 
-    /// What a search on the program page raises that found nothing.
+    /// The alarm for a search on the program page that found nothing.
     pub(super) fn not_found(&self, sequence: bool) -> Alarm {
         Alarm::new(if sequence && self.run.mode == Mode::Auto {
             number::SEQUENCE_MISSING
@@ -46,7 +46,7 @@ impl Cnc {
         if allowed(self.rights().program(number))? {
             self.memory.programs.create(number)?;
             self.show_changed(number);
-            // Behind the name, where the first block goes.
+            // After the name, where the first block goes.
             self.run.cursor_line = 2;
         }
         Ok(())
@@ -100,7 +100,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// What was typed while it was allowed; the mode may have changed since.
+    /// Stores a text that was typed while that was permitted; the mode may have changed
+    /// since.
     pub(super) fn store_edited(&mut self, number: u16, program: Program) -> Result<(), Alarm> {
         if self.run.automatic.state == RunState::Run
             || !allowed(self.rights().program_memory(number))?
@@ -121,8 +122,7 @@ impl Cnc {
         self.void_run();
     }
 
-    /// The rest of a held run cannot be gone on with: the next start begins at the
-    /// head.
+    /// Ends a held run that cannot be resumed: the next start begins at the head.
     pub(super) fn void_run(&mut self) {
         if self.run.automatic.operating() {
             self.stop_run(RunState::Reset);
@@ -131,7 +131,7 @@ impl Cnc {
         self.run.cursor_line = 1;
     }
 
-    /// A moved cursor voids the rest of a stopped run.
+    /// Drops the rest of a stopped run, because the cursor has moved.
     pub(super) fn forget_run(&mut self) {
         self.run.automatic.clear();
     }

@@ -1,4 +1,4 @@
-//! What came in through the serial port (manual III-9.4, III-9.6).
+//! Stores data received through the serial port (manual III-9.4, III-9.6).
 
 use super::allowed;
 use crate::alarm::Alarm;
@@ -7,44 +7,44 @@ use crate::command::ProgramId;
 use crate::memory::{Offsets, PitchTable};
 use crate::program::Program;
 
-/// What the port is doing: F213.
+/// State of the serial port: F213.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum SerialPort {
-    /// Nothing.
+    /// No transfer is under way.
     #[default]
     Idle,
-    /// Something goes out.
+    /// Data is being sent.
     Sending,
-    /// Something comes in.
+    /// Data is being received.
     Receiving,
 }
 
-/// What came in, as a whole.
+/// A complete transfer through the serial port.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Received {
-    /// A program for the memory.
+    /// A program for the memory; its number must be free.
     Program(String),
-    /// A program that takes the place of the one with its number.
+    /// A program that replaces the one with its number.
     Replacement(String),
-    /// A program is to be deleted.
+    /// Deletes the program with this number.
     Deletion(u16),
-    /// A program is to have another number.
+    /// Renames a program.
     Renaming {
-        /// Its number.
+        /// Present number.
         from: u16,
-        /// The new one.
+        /// New number.
         to: u16,
     },
     /// All tool offsets.
     Offsets(Offsets),
-    /// The pitch error table.
+    /// The whole pitch error table.
     Pitch(PitchTable),
-    /// Parameters: numbers and values.
+    /// Parameters as numbers and values.
     Parameters(Vec<(u16, i32)>),
 }
 
 impl Cnc {
-    /// Takes it, or leaves everything as it was.
+    /// Stores received data completely, or changes nothing.
     pub(super) fn take_received(&mut self, received: Received) -> Result<(), Alarm> {
         match received {
             Received::Program(text) => {
@@ -102,7 +102,7 @@ impl Cnc {
         self.memory.programs.current() == Some(ProgramId::Stored(number))
     }
 
-    /// The next start of the selected program begins at its head.
+    /// Makes the next start of the program begin at its head, if it is selected.
     fn changed_from_outside(&mut self, number: u16) {
         if self.is_selected(number) {
             self.void_run();

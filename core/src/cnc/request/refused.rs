@@ -1,5 +1,5 @@
-//! Requests that are refused without an alarm, and why (manual III-2.5.1): words for
-//! the line beside the panel.
+//! Reasons of requests that are refused without an alarm (manual III-2.5.1), for the line
+//! beside the panel.
 
 use super::Request;
 use crate::cnc::Cnc;
@@ -7,7 +7,7 @@ use crate::memory::Refusal;
 use crate::operation::Mode;
 use gsk_messages::{Message, say};
 
-/// The mode that a request needs, when it is refused for the mode.
+/// The mode that a request needs.
 const fn needed(request: &Request) -> Mode {
     match request {
         Request::CreateProgram(_)
@@ -35,8 +35,8 @@ fn words(refusal: Refusal, mode: Mode) -> Message {
 }
 
 impl Cnc {
-    /// Why a request would be refused now without an alarm; none: it is carried out,
-    /// or its alarm tells.
+    /// Why a request would be refused now without an alarm. `None`: it would be executed,
+    /// or an alarm names the reason.
     pub fn refuses(&self, request: &Request) -> Option<Message> {
         let rights = self.rights();
         let running = |refused: bool| {
@@ -83,7 +83,7 @@ impl Cnc {
             _ => Ok(()),
         };
         let refusal = right.err()?;
-        // The level of a program has its alarm.
+        // A program level that is too low raises an alarm.
         let mode = needed(request);
         let told = mode == Mode::Edit && refusal.alarm().is_some();
         (!told).then(|| words(refusal, mode))

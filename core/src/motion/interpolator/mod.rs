@@ -1,4 +1,4 @@
-//! The interpolator: one position per tick, from whatever motion is under way.
+//! The interpolator: one position per tick from the motion under way.
 
 mod tick;
 
@@ -17,7 +17,7 @@ use crate::motion::tap::Tap;
 use crate::motion::thread::{Thread, ThreadMove};
 use crate::units::{Axis, Feed, PerAxis, Point, TICK_S, min_not_nan};
 
-/// Programmed motion.
+/// Programmed motion under way.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Motion {
     None,
@@ -28,43 +28,49 @@ enum Motion {
         ramp: Ramp,
         feed: Feed,
     },
-    /// A cut whose command runs ahead of the tool, and the way it has still to go.
+    /// A cut whose command runs ahead of the tool, with its distance to go.
+    #[serde(rename = "Led")]
     Led {
         path: Path,
+        #[serde(rename = "rest")]
         rest: f64,
         feed: Feed,
     },
     Thread(Thread),
     Tap(Tap),
-    /// A cut that the drives make by themselves.
+    /// A cut that the drives make on their own.
+    #[serde(rename = "Driven")]
     Driven(Driven),
 }
 
-/// Produces the positions. Machine coordinates, X in radius; plain data.
+/// The interpolator: produces a position per tick. Machine coordinates, X in radius; plain
+/// data.
 ///
-/// A block that ends within a tick leaves the rest of that tick. Start the next
-/// block at once and call `continue_tick` to use it up in the same
-/// tick; if the next block is started only before the next [`Interpolator::tick`],
-/// that tick makes up for it. Nothing is lost either way.
+/// A block that ends within a tick leaves the rest of that tick. Start the next block at
+/// once and call `continue_tick` to use the rest in the same tick. If the next block starts
+/// only before the next [`Interpolator::tick`], that tick makes up for it. No time is lost
+/// either way.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interpolator {
     position: Point,
-    /// Where this tick began.
+    /// Position at the start of this tick.
     tick_start: Point,
     motion: Motion,
-    /// How far the tool is behind the command while cuts go over into each other.
+    /// Distance from the tool to the command while cuts continue into each other.
     lag: Lag,
     manual: PerAxis<ManualAxis>,
     /// Time left of the tick in which the last block ended, s.
+    #[serde(rename = "carry")]
     carry: f64,
-    /// What the last motion leaves to a thread that goes on from it.
+    /// State that the last motion passes to a thread that continues it.
     handover: Option<Handover>,
     stopping: bool,
+    #[serde(rename = "dry")]
     dry: bool,
 }
 
 impl Interpolator {
-    /// At rest.
+    /// An interpolator at rest.
     pub fn new(position: Point) -> Self {
         Self {
             position,
@@ -84,8 +90,8 @@ impl Interpolator {
         self.position
     }
 
-    /// Where the command stands: ahead of the position while cuts go over into each
-    /// other.
+    /// Commanded position: ahead of [`position`](Self::position) while cuts continue into
+    /// each other.
     pub fn commanded(&self) -> Point {
         self.position + self.lag.behind
     }
@@ -95,12 +101,12 @@ impl Interpolator {
         (self.position - self.tick_start) * (1.0 / TICK_S)
     }
 
-    /// What the last block has left of the tick in which it ended, s.
+    /// Time that the last block left of the tick in which it ended, s.
     pub(crate) const fn time_left(&self) -> f64 {
         self.carry
     }
 
-    /// Whether an axis has speed.
+    /// Whether any axis has speed.
     pub fn is_moving(&self) -> bool {
         let programmed = match &self.motion {
             Motion::None => !self.lag.is_none(),
@@ -120,7 +126,7 @@ impl Interpolator {
         matches!(self.motion, Motion::None)
     }
 
-    /// What the programmed motion has still to go, per axis.
+    /// Distance to go of the programmed motion, per axis.
     pub fn distance_to_go(&self) -> Point {
         match &self.motion {
             Motion::None => Point::default(),
@@ -133,11 +139,10 @@ impl Interpolator {
         }
     }
 
-    /// A way from [`commanded`](Self::commanded) that a cut does not leave if it brakes
-    /// now, mm; it takes less to work out than where it comes to rest. Of other motions it
-    /// is not known.
+    /// Upper bound of a cut's stopping distance from [`commanded`](Self::commanded), mm,
+    /// which is cheaper to compute than its stopping point. `None` for other motion.
     pub(crate) fn stops_within(&self, limits: &MotionLimits) -> Option<f64> {
-        // An arc with unequal ends runs a little more than its length says.
+        // An arc with unequal radii is a little longer than its computed length.
         const UNEQUAL_ENDS: f64 = 0.1;
         match &self.motion {
             Motion::Led { .. } => Some(0.0),
@@ -149,7 +154,7 @@ impl Interpolator {
         }
     }
 
-    /// Where the axes would come to rest if they braked now.
+    /// Position at which the axes stop if they brake now.
     pub(crate) fn stopping_point(&self, limits: &MotionLimits) -> Point {
         match &self.motion {
             Motion::None => {
@@ -175,7 +180,7 @@ impl Interpolator {
         }
     }
 
-    /// Begins a rapid.
+    /// Starts a rapid.
     pub(crate) fn start_rapid(&mut self, to: Point, limits: &MotionLimits) {
         self.begin(match limits.rapids_are_straight() {
             true => Motion::StraightRapid(StraightRapid::new(self.position, to)),
@@ -183,42 +188,41 @@ impl Interpolator {
         });
     }
 
-    /// Begins a straight cut.
+    /// Starts a straight cut.
     pub(crate) fn start_line(&mut self, to: Point, feed: Feed) {
         self.start_cut(Path::line(self.commanded(), to), feed);
     }
 
-    /// Begins a circular cut, clockwise as seen with +Z to the right and +X up;
-    /// a full circle when it ends where it starts.
+    /// Starts a circular cut, clockwise as seen with +Z to the right and +X up. It is a
+    /// full circle when it ends at its start.
     pub(crate) fn start_arc(&mut self, to: Point, center: Point, clockwise: bool, feed: Feed) {
         self.start_cut(Path::arc(self.commanded(), to, center, clockwise), feed);
     }
 
-    /// Begins a thread: it waits for its angle of the spindle, or goes on from the
-    /// thread before.
+    /// Starts a thread. It waits for its spindle angle, or continues the thread before.
     pub(crate) fn start_thread(&mut self, thread: &ThreadMove, limits: &MotionLimits) {
         let before = self.handover.take();
         let thread = Thread::new(self.position, thread, before, limits);
         self.begin(Motion::Thread(thread));
     }
 
-    /// Whether a thread is under way that has begun to follow the spindle.
+    /// Whether a thread is under way that follows the spindle.
     pub(crate) const fn in_thread(&self) -> bool {
         matches!(&self.motion, Motion::Thread(thread) if thread.running())
     }
 
-    /// Whether a thread waits for its angle of the spindle.
+    /// Whether a thread waits for its spindle angle.
     pub(crate) const fn waits_for_spindle(&self) -> bool {
         matches!(&self.motion, Motion::Thread(thread) if !thread.running())
     }
 
-    /// Begins a straight cut that the drives make by themselves once they are told
-    /// to ([`begin_driven`](Self::begin_driven)).
+    /// Starts a straight cut that the drives make on their own after
+    /// [`begin_driven`](Self::begin_driven).
     pub(crate) fn start_driven(&mut self, to: Point) {
         self.begin(Motion::Driven(Driven::new(self.position, to)));
     }
 
-    /// Whether a cut waits for the drives to make it, and its end.
+    /// End point of a cut that waits for the drives; `None` if none waits.
     pub(crate) const fn waits_for_drives(&self) -> Option<Point> {
         match &self.motion {
             Motion::Driven(cut) if !cut.is_begun() => Some(cut.to()),
@@ -226,21 +230,21 @@ impl Interpolator {
         }
     }
 
-    /// The drives make the cut: from here on only they end it.
+    /// Notes that the drives make the cut: from now on only they end it.
     pub(crate) const fn begin_driven(&mut self) {
         if let Motion::Driven(cut) = &mut self.motion {
             cut.begin();
         }
     }
 
-    /// The drives have made this part of their cut.
+    /// Takes the fraction of the cut that the drives have made.
     pub(crate) fn driven_progress(&mut self, share: f64) {
         if let Motion::Driven(cut) = &mut self.motion {
             cut.tell(share);
         }
     }
 
-    /// The drives stand at the end of their cut; false if there is none.
+    /// Ends the cut at its end point; false if there is none.
     pub(crate) fn end_driven(&mut self) -> bool {
         let Motion::Driven(cut) = &self.motion else {
             return false;
@@ -252,26 +256,26 @@ impl Interpolator {
         true
     }
 
-    /// Begins tapping: in phase inwards until [`Interpolator::turn_back`].
+    /// Starts tapping: in phase inwards until [`Interpolator::turn_back`].
     pub(crate) fn start_tap(&mut self, to: Point, lead: f64, degrees: f64) {
         let tap = Tap::new(self.position, to, lead, degrees);
         self.begin(Motion::Tap(tap));
     }
 
-    /// Whether a tap has reached its depth; it follows the spindle further.
+    /// Whether a tap has reached its depth. It continues to follow the spindle.
     pub(crate) fn tap_at_bottom(&self) -> bool {
         matches!(&self.motion, Motion::Tap(tap) if tap.at_bottom())
     }
 
-    /// The tap follows the reversed spindle out to its start, and ends there.
+    /// Reverses the tap: it follows the reversed spindle out to its start and ends there.
     pub(crate) fn turn_back(&mut self) {
         if let Motion::Tap(tap) = &mut self.motion {
             tap.turn_back();
         }
     }
 
-    /// A cut goes on from the command of the one before; which law it follows is
-    /// known at its first tick.
+    /// Starts a cut from the command of the previous one. Its first tick decides which law
+    /// applies.
     fn start_cut(&mut self, path: Path, feed: Feed) {
         let lag = self.lag;
         self.begin(Motion::Cut {
@@ -290,57 +294,57 @@ impl Interpolator {
         self.handover = None;
     }
 
-    /// Asks an axis to jog (true = positive), or to stop; effective while no
-    /// programmed motion is under way. To be repeated only on a change.
+    /// Sets the jog of an axis (true = positive), or stops it. It acts while no programmed
+    /// motion is under way. Call it on changes only.
     pub(crate) const fn set_jog(&mut self, axis: Axis, command: Option<(bool, JogRate)>) {
         self.manual.get_mut(axis).set(command);
     }
 
-    /// Moves an axis by `distance` mm (a step, or one detent of the handwheel). A
-    /// further one adds to what is still to go.
+    /// Moves an axis by `distance` mm (a step, or one detent of the handwheel). Further
+    /// steps add to the distance to go.
     pub(crate) fn start_step(&mut self, axis: Axis, distance: f64, rate: JogRate) {
         let position = self.position.get(axis);
         self.manual.get_mut(axis).step(position, distance, rate);
     }
 
-    /// Sends an axis to a coordinate, at a rate of its own.
+    /// Moves an axis to a coordinate at a given rate.
     pub const fn go_to(&mut self, axis: Axis, coordinate: f64, rate: JogRate) {
         self.manual.get_mut(axis).go_to(coordinate, rate);
     }
 
-    /// Changes the rate of a step under way.
+    /// Changes the rate of the step under way.
     pub(crate) const fn set_step_rate(&mut self, axis: Axis, rate: JogRate) {
         self.manual.get_mut(axis).set_rate(rate);
     }
 
-    /// What a step has still to go, mm.
+    /// Distance to go of a step, mm; `None` if no step is under way.
     pub(crate) fn step_rest(&self, axis: Axis) -> Option<f64> {
         let goal = self.manual.get(axis).goal()?;
         Some(goal - self.position.get(axis))
     }
 
-    /// Speed of an axis moved by hand, mm/min.
+    /// Speed of an axis in manual motion, mm/min.
     pub(crate) const fn manual_speed(&self, axis: Axis) -> f64 {
         self.manual.get(axis).speed() * 60.0
     }
 
-    /// Lets an axis moved by hand decelerate, and drops what it was asked for.
+    /// Drops the manual command of an axis, which then decelerates.
     pub const fn release(&mut self, axis: Axis) {
         self.manual.get_mut(axis).release();
     }
 
-    /// Stops an axis moved by hand on a place that it has reached or just passed.
+    /// Stops an axis in manual motion at a coordinate that it has reached or just passed.
     pub(crate) fn stop_on(&mut self, axis: Axis, coordinate: f64) {
         *self.manual.get_mut(axis) = ManualAxis::default();
         *self.position.get_mut(axis) = coordinate;
     }
 
-    /// Whether an axis has a step still to go.
+    /// Whether a step of an axis is under way.
     pub const fn stepping(&self, axis: Axis) -> bool {
         self.manual.get(axis).stepping()
     }
 
-    /// Lets the axes decelerate by their laws and drops the rest of the motion.
+    /// Decelerates the axes by their laws and drops the rest of the motion.
     pub(crate) const fn decelerate(&mut self) {
         self.stopping = true;
         self.manual.x.release();
@@ -357,7 +361,7 @@ impl Interpolator {
         self.stop_now();
     }
 
-    /// Moves the whole motion to another place: position, ends and centre.
+    /// Shifts the whole motion: position, end points and centre.
     pub(crate) fn translate(&mut self, by: Point) {
         self.position = self.position + by;
         self.tick_start = self.tick_start + by;

@@ -1,4 +1,4 @@
-//! A millisecond of the interpolator: programmed motion and motion by hand.
+//! One tick of the interpolator: programmed motion and manual motion.
 
 use super::{Interpolator, Motion};
 use crate::motion::follower::SpindleTick;
@@ -9,7 +9,7 @@ use crate::motion::ramp::Ramp;
 use crate::units::{Axis, Feed, Point, TICK_S};
 
 impl Interpolator {
-    /// One millisecond; the new position.
+    /// Advances by one tick (1 ms) and returns the new position.
     pub fn tick(&mut self, limits: &MotionLimits, inputs: &MotionInputs) -> Point {
         self.tick_start = self.position;
         let time = TICK_S + core::mem::take(&mut self.carry);
@@ -29,8 +29,8 @@ impl Interpolator {
         self.position
     }
 
-    /// Uses what the last block left of this tick for the block started since; the
-    /// new position.
+    /// Uses the rest of this tick, which the last block left, for the block started since.
+    /// Returns the new position.
     pub(crate) fn continue_tick(&mut self, limits: &MotionLimits, inputs: &MotionInputs) -> Point {
         if !self.finished() && self.carry > 0.0 {
             let time = core::mem::take(&mut self.carry);
@@ -54,8 +54,8 @@ impl Interpolator {
         }
     }
 
-    /// A thread or tap that must stop leaves the spindle and comes to rest on its
-    /// line, like a cut.
+    /// Makes a thread or tap that must stop leave the spindle and come to rest on its line,
+    /// like a cut.
     fn leave_spindle(&mut self, limits: &MotionLimits) {
         let (to, ends) = match &self.motion {
             Motion::Thread(thread) => (thread.to(), true),
@@ -82,8 +82,8 @@ impl Interpolator {
         };
     }
 
-    /// Without exact corners (007.3 = 0) the command of a cut that begins runs ahead
-    /// of the tool.
+    /// Without exact corners (007.3 = 0) makes the command of a starting cut run ahead of
+    /// the tool.
     fn lead(&mut self, limits: &MotionLimits) {
         let Motion::Cut { path, ramp, feed } = self.motion else {
             return;

@@ -1,24 +1,24 @@
-//! Threads that are more than one straight pass, as far as their blocks show it.
-//! What macros make of them is found when they are carried out.
+//! Finds threads that are more than one straight pass, as far as the text shows it. Macros
+//! are checked at their execution.
 
 use crate::command::BeyondPass;
 
-/// What the blocks before have left.
+/// State that earlier blocks have left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Threads {
-    /// Tails by No.019, which G76 P sets.
+    /// Whether threads have a run-out by No.019, which G76 P sets.
     tails: bool,
     /// The last motion code.
     motion: u32,
-    /// J of G92: whether there is a tail; none where it was not given.
+    /// Whether J of G92 makes a run-out; `None`: J was not given.
     j: Option<bool>,
 }
 
-/// The number behind a letter; none for a variable.
+/// The number after a letter; `None` for a variable.
 type Value = Option<f64>;
 
 impl Threads {
-    /// `width`: No.019.
+    /// State at the start; `width` is No.019.
     pub(super) const fn new(width: i32) -> Self {
         Self {
             tails: width != 0,
@@ -27,7 +27,7 @@ impl Threads {
         }
     }
 
-    /// What in the next block no single pass can be.
+    /// Reads the next block. Returns the feature that a single pass cannot have.
     pub(super) fn look(&mut self, block: &str) -> Option<BeyondPass> {
         let words = words(block);
         let word = |wanted: char| {
@@ -37,7 +37,7 @@ impl Threads {
         let moves = ['X', 'U', 'Z', 'W']
             .into_iter()
             .any(|letter| word(letter).is_some());
-        // A variable may be anything: let it pass.
+        // A variable can have any value: it passes here.
         let is_more = |value: Value, least: f64| value.is_some_and(|value| value.abs() > least);
         let mut compound = false;
         for (letter, value) in &words {
@@ -77,7 +77,7 @@ impl Threads {
     }
 }
 
-/// Letters and numbers of a block, comments left out.
+/// Letters and numbers of a block without comments.
 fn words(block: &str) -> Vec<(char, Value)> {
     let mut words = Vec::new();
     let mut comment = false;
@@ -104,7 +104,7 @@ fn number(text: &str) -> Value {
 mod tests {
     use super::*;
 
-    /// What the last of these blocks is refused for.
+    /// The refusal of the last of these blocks.
     fn look(width: i32, blocks: &[&str]) -> Option<BeyondPass> {
         let mut threads = Threads::new(width);
         blocks.iter().fold(None, |_, block| threads.look(block))
