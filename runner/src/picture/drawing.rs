@@ -134,15 +134,15 @@ impl Drawing {
         self.labels.end();
     }
 
-    /// Draws part and clamping behind the path, and tools and dimensions if the options
-    /// include them. The legend then describes the tools.
+    /// Draws part and clamping under the path, and tools and dimensions if the options include
+    /// them. The legend then describes the tools.
     pub fn stand_before(&mut self, machining: &Machining) {
         let ends = self.tools.iter().copied().zip(self.ends.iter().copied());
         let ends = ends.filter(|_| self.look.tools).collect();
         self.scenery = Scenery::of(machining, ends, self.look.dimensions);
     }
 
-    /// What is drawn behind the path.
+    /// The part and clamping drawn under the path.
     pub(super) const fn scenery(&self) -> &Scenery {
         &self.scenery
     }

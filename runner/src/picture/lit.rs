@@ -19,8 +19,7 @@ const GROUND: [[f32; 3]; 2] = [[250.0, 251.0, 252.0], [206.0, 212.0, 220.0]];
 /// Samples across a pixel, for pictures up to this number of pixels.
 const SAMPLES: [(usize, usize); 2] = [(3, 4_000_000), (2, 16_000_000)];
 
-/// The current part of a job as the bytes of a PNG file. `rear` means that the tool post is
-/// behind the spindle.
+/// The current part of a job as the bytes of a PNG file. `rear` means a rear tool post.
 ///
 /// # Errors
 /// There is not enough memory.

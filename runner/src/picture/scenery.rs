@@ -1,5 +1,5 @@
-//! What is drawn behind a path: the part, the original stock, chuck and tailstock, and marks
-//! at collisions.
+//! What is drawn under a path: the part, the original stock, chuck and tailstock, and marks at
+//! collisions.
 
 use std::collections::BTreeMap;
 

@@ -183,7 +183,7 @@ mod tests {
         let outline = lines(&stock);
         let skin = edges(&part, 0.01).into_iter();
         let skin: Vec<Edge> = skin.filter(|edge| edge.lies_on(&outline)).collect();
-        // The axis, the bar behind the cut, its back, and the remaining face.
+        // The axis, the bar on the far side of the cut, its back, and the remaining face.
         assert_eq!(skin.len(), 4, "{skin:?}");
     }
 

@@ -19,9 +19,9 @@ const SIDES: (f32, f32) = (36.0, 144.0);
 const MOST: usize = 60_000;
 /// Width of a jaw as a share of the chuck's radius.
 const JAW: f32 = 0.5;
-/// Range of an insert, a holder and a turret across the plane of the tools, mm. They are
-/// behind the plane, where they hide nothing, and only slightly in front of it, so that they
-/// are visible inside the part.
+/// Range of an insert, a holder and a turret across the plane of the tools, mm. They are on
+/// the far side of the plane, where they hide nothing, and only slightly in front of it, so
+/// that they are visible inside the part.
 const INSERT: (f32, f32) = (-4.8, 0.02);
 const HOLDER: (f32, f32) = (-20.0, 0.01);
 const TURRET: (f32, f32) = (-60.0, 0.01);

@@ -18,7 +18,7 @@ use glam::{Mat3, Vec2, Vec3};
 /// A direction of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
-    /// Whether the tool post is behind the spindle: X then points up, otherwise to the viewer.
+    /// Whether the lathe has a rear tool post: X then points up, otherwise to the viewer.
     pub rear: bool,
     /// Angle about the vertical, degrees; negative angles bring the end of +Z nearer.
     pub yaw: f32,
@@ -29,9 +29,9 @@ pub struct Turn {
 impl Turn {
     /// Greatest yaw to either side, degrees: the plane of the tools is never seen edge-on.
     const SIDE: f32 = 70.0;
-    /// Least and greatest pitch with a post behind the spindle, degrees.
+    /// Least and greatest pitch with a rear tool post, degrees.
     const REAR: (f32, f32) = (-35.0, 70.0);
-    /// Least and greatest pitch with a post in front, degrees.
+    /// Least and greatest pitch with a front tool post, degrees.
     const FRONT: (f32, f32) = (15.0, 90.0);
 
     /// Straight onto the plane of the tools: the half section as drawn.
