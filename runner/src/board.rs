@@ -8,7 +8,7 @@ pub trait PulseBoard {
     /// Blocks until the control may make its next tick. Returns false if the end was requested
     /// (Ctrl-C); the board then moves nothing more.
     fn wait(&mut self, simulation: &mut Simulation) -> bool;
-    /// Sends the motion of a finished tick to the board. Called after every tick.
+    /// Takes over the motion of a finished tick. Called after every tick of the control.
     fn after(&mut self, simulation: &mut Simulation);
     /// Waits until the board has made all motion sent so far, then stops it and closes its
     /// port.

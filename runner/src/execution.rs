@@ -116,7 +116,7 @@ struct Run<'a> {
 
 /// Executes the selected program on the simulated lathe or on a board. With `partner` the
 /// program comes from the partner in DNC operation. Returns the report, with texts in
-/// `language` (both languages if `None`), and the control as it is after the end.
+/// `language` (English if `None`), and the control as it is after the end.
 ///
 /// # Errors
 /// The ladder has no keys to select DNC.

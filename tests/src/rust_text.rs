@@ -1,6 +1,6 @@
 //! Splits Rust sources into identifiers and comments, for tests of names and comments.
 
-/// A piece of a source with the line where it begins, from 1.
+/// A token of a source with its line, from 1.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Token {
     /// A name or a keyword.

@@ -6,7 +6,7 @@ mod conventions;
 use gsk_core::model::{GCode, MCode, Record};
 use gsk_messages::{Message, say};
 
-/// A difference between the two models at a place in the program.
+/// A difference between the two models, with its line in the program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// Line of the program text, from 1.

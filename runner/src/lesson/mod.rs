@@ -54,7 +54,7 @@ pub struct Lesson {
     pub name: String,
     /// Title in the list of lessons.
     pub title: Text,
-    /// One sentence on what the lesson teaches.
+    /// What the lesson teaches, for the list of lessons.
     pub about: Text,
     /// Initial state of the practice machine.
     pub begins: Begins,

@@ -1,5 +1,5 @@
 //! Guesses a job for a program that has none: its tools from their moves, its stock from the
-//! positions of the cuts. All reports mark the result as a guess.
+//! positions of the cuts. Reports mark the result as guessed.
 //!
 //! ```text
 //!            rapids: air, or a collision

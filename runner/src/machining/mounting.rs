@@ -10,8 +10,7 @@ use gsk_workpiece::job::{DiameterPoint, Job};
 ///
 /// If the job does not give a length or zero, the control's value is used: the tool is assumed
 /// to be set correctly when it first cuts. After that a changed offset or work zero moves the
-/// cut, as on the machine. A zero offset does not change the zero of the part: the part's zero
-/// counts from there.
+/// cut, as on the machine. A zero offset is no new zero of the part: it counts from that zero.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mounting {
     zero: Option<Point>,

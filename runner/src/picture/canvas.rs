@@ -105,8 +105,8 @@ impl Canvas {
         }
     }
 
-    /// Draws a straight line, pixel by pixel. `along` is the length of its dashes before it, in
-    /// pixels.
+    /// Draws a straight line, pixel by pixel. `along` is the length of its dashes before it,
+    /// in pixels.
     /// ```text
     ///   a step a pixel along the longer side, as many across it as the pen is wide
     /// ```

@@ -91,7 +91,7 @@ fn common<T: Board>(opened: &Machine<T>, connected: &Machine<T>, ready: &Machine
     assert_eq!(machine.alarms(), [0_u16; 0], "there, and set as it must be");
     goes_on(machine);
 
-    // 604: what the board cannot do; another program goes.
+    // 604: the board cannot make the motion; another program works.
     let mut machine = ready.clone();
     machine.load("O1\nM03 S300\nG01 X50 F100\nG33 Z-5 F1\nM30\n", None);
     machine.starts_nothing();
@@ -137,7 +137,7 @@ fn common<T: Board>(opened: &Machine<T>, connected: &Machine<T>, ready: &Machine
     stops(&mut machine, 612);
     goes_on(machine);
 
-    // 622: the limit switch; off it by hand.
+    // 622: the limit switch; it is left manually.
     let mut machine = working(ready);
     machine.twin.press_limit(true);
     stops(&mut machine, 622);
@@ -301,7 +301,7 @@ fn what_a_board_dropped_is_shown_as_off() {
 #[test]
 fn a_board_that_restarts_with_other_settings_is_603() {
     let mut machine = working(&Machine::referenced(Variant::Grbl));
-    // X turns the other way.
+    // X turns in the other direction.
     machine.twin.settings_mut().set(3, 1.0).unwrap();
     machine.twin.press_reset();
     stops(&mut machine, 606);
