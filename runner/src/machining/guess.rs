@@ -145,7 +145,7 @@ fn fronts(cuts: &[&Step]) -> Vec<f64> {
         .map(|(_, to)| to.z)
         .reduce(f64::max);
     match faced {
-        // A cut after the zero of the face parts the bar off or faces deeper steps.
+        // A cut on the chuck side of the zero parts the bar off or faces deeper steps.
         Some(faced) if !at_the_face || faced >= -FACE => return vec![faced + FACE, faced],
         _ if at_the_face => return vec![0.0],
         _ => {}

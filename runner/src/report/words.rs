@@ -7,8 +7,8 @@ use super::{AlarmReport, Bounds, End, PathReport, Place, Report};
 use crate::words::{beginning, clock};
 
 impl AlarmReport {
-    /// The alarm with its block: `P/S 011 … in line 3: N30 G01 X50;`. Detail and remedy follow
-    /// on indented lines.
+    /// The alarm with its block: `P/S 011 … in line 3: N30 G01 X50;`. The detail, and in class
+    /// PLC cause and remedy, follow on indented lines.
     pub fn sentence(&self, language: Option<Language>) -> String {
         let words = language.unwrap_or(Language::En);
         let mut out = format!("{} {}", self.shown, self.text);
