@@ -1,6 +1,5 @@
-//! Writes a function for every row of the table of messages: its parameters are the
-//! placeholders of the row, so that a message without one of its values, or with one
-//! too many, does not compile.
+//! Generates a function for every row of the message table. Its parameters are the row's
+//! placeholders, so a caller with a missing or surplus value does not compile.
 
 #[path = "src/template.rs"]
 mod template;
@@ -25,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut rows: Vec<Row> = Vec::new();
     for (line, number) in lines {
         let row = parse(line).map_err(|wrong| Wrong::Line(number, wrong))?;
-        // Alphabetical order: what belongs together begins with the same word.
+        // Alphabetical order keeps rows of the same subject together.
         if let Some(last) = rows.last()
             && last.id >= row.id
         {
@@ -39,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// What is wrong with the table.
+/// Why the table cannot be compiled.
 #[derive(Debug, thiserror::Error)]
 enum Wrong {
     #[error("{TABLE} does not begin with the line `{HEADER}`")]
@@ -48,7 +47,7 @@ enum Wrong {
     Line(u32, RowError),
 }
 
-/// What is wrong with a line of it.
+/// Why a line of the table is invalid.
 #[derive(Debug, thiserror::Error)]
 enum RowError {
     #[error("`{0}` must stand after `{1}`, once")]
@@ -73,7 +72,7 @@ struct Row {
     values: Vec<(String, Kind)>,
 }
 
-/// A line of the table: the same placeholders in both languages, each of them used.
+/// Parses a line of the table. Both languages must use the same placeholders.
 fn parse(line: &str) -> Result<Row, RowError> {
     let fields: Vec<&str> = line.split('\t').collect();
     let [id, en, zh] = fields[..] else {
@@ -160,7 +159,7 @@ fn sources(rows: &[Row]) -> Result<String, std::fmt::Error> {
     ))
 }
 
-/// A text as it is: nothing in it is a link or a tag.
+/// Quotes a text for a doc comment and escapes everything that makes a link or a tag.
 fn in_docs(text: &str) -> String {
     let mut quoted = String::from('"');
     for letter in text.chars() {

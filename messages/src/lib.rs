@@ -1,7 +1,7 @@
-//! Every sentence the program says, in Chinese and English.
+//! Every message that the program shows, in Chinese and English.
 //!
-//! `assets/tables/messages.tsv` has a row a message: its id and its text in both
-//! languages. What raises a message names the row and gives the values; whoever
+//! `assets/tables/messages.tsv` has a row for each message: its id and its text in both
+//! languages. The code that raises a message names the row and gives the values. The code that
 //! shows it chooses the language:
 //!
 //! ```
@@ -22,7 +22,7 @@ use template::{Piece, pieces};
 
 include!(concat!(env!("OUT_DIR"), "/messages.rs"));
 
-/// The languages of the program.
+/// A language of the program's messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Language {
     /// Chinese.
@@ -33,7 +33,7 @@ pub enum Language {
 }
 
 impl Language {
-    /// The other one.
+    /// The other of the two languages.
     pub const fn other(self) -> Self {
         match self {
             Self::Zh => Self::En,
@@ -52,21 +52,22 @@ struct Row {
     values: &'static [&'static str],
 }
 
-/// A message: which one, and its values. [`say`] has a function for each.
+/// A message: its row in the table and the values of its placeholders. [`say`] has a
+/// constructor for each row. It stores no text until [`Message::text`] chooses a language.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Message {
     id: Id,
     values: Vec<Value>,
 }
 
-/// What stands in the place of a name.
+/// The value of a placeholder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Value {
-    /// The same in every language: a number, a code, a file name.
+    /// A text that is the same in every language: a number, a code, a file name.
     Text(String),
     /// Another message.
     Message(Message),
-    /// Several, with "; " between them.
+    /// Several messages, joined with "; ".
     List(Vec<Message>),
 }
 
@@ -75,12 +76,13 @@ impl Message {
         Self { id, values }
     }
 
-    /// Which message it is.
+    /// The row of the table that this message comes from.
     pub const fn id(&self) -> Id {
         self.id
     }
 
-    /// A value that is the same in every language, as it is shown.
+    /// The value of the placeholder `name` as text. `None` if the message has no such
+    /// placeholder, or if its value is another message.
     pub fn plain_value(&self, name: &str) -> Option<&str> {
         let values = self.id.row().values;
         let index = values.iter().position(|known| *known == name)?;
@@ -90,8 +92,8 @@ impl Message {
         }
     }
 
-    /// The same, also of a message that stands within it: the column within the profile of
-    /// a cycle.
+    /// Like [`Message::plain_value`], but searches nested messages too: the column within the
+    /// profile of a cycle, for example.
     pub fn value_within(&self, name: &str) -> Option<&str> {
         self.plain_value(name).or_else(|| {
             self.values.iter().find_map(|value| match value {
@@ -102,19 +104,19 @@ impl Message {
         })
     }
 
-    /// Its text in a language.
+    /// The text in a language, with all values filled in.
     pub fn text(&self, language: Language) -> String {
         self.text_by(language, &str::to_owned)
     }
 
-    /// Its text in a language; what is [`say::as_written`] is said as `written` says it.
+    /// The text in a language. `written` translates the text of a [`say::as_written`].
     pub(crate) fn text_by(&self, language: Language, written: &dyn Fn(&str) -> String) -> String {
         let row = self.id.row();
         let template = match language {
             Language::Zh => row.zh,
             Language::En => row.en,
         };
-        // The table is checked when it is compiled.
+        // The build script checks the table, so the text has no error.
         let pieces = pieces(template).unwrap_or_default();
         pieces
             .into_iter()
@@ -148,7 +150,7 @@ impl Message {
     }
 }
 
-/// In English.
+/// Prints the English text.
 impl fmt::Display for Message {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text(Language::En))
@@ -157,22 +159,22 @@ impl fmt::Display for Message {
 
 impl Id {
     fn row(self) -> &'static Row {
-        // As many rows as ids, in the same order: both are made from the table.
+        // The build script makes rows and ids from the same table, in the same order.
         &ROWS[self as usize]
     }
 
-    /// Its name in the table.
+    /// The name of the row in the table, as serialized.
     pub fn name(self) -> &'static str {
         self.row().name
     }
 
-    /// All of them, in the order of the table.
+    /// All ids, in the order of the table.
     pub const fn all() -> &'static [Self] {
         &IDS
     }
 }
 
-/// English and Chinese of every row, with their placeholders.
+/// Texts of every row, English first, with their placeholders.
 pub fn texts() -> impl Iterator<Item = [&'static str; 2]> {
     ROWS.iter().map(|row| [row.en, row.zh])
 }
@@ -231,10 +233,10 @@ mod tests {
         }
     }
 
-    /// Lines of the screen, quoted as they stand there.
+    /// Texts quoted from the screen.
     const OF_THE_SCREEN: [&str; 3] = ["英制编程", "参数开关", "程序开关"];
 
-    /// What is printed on a key stands in brackets, as it is printed: `[运行]`.
+    /// The caption of a key is in brackets, as printed on it: `[运行]`.
     fn is_english(text: &str) -> bool {
         let quoted = |text: String, line: &&str| text.replace(line, "");
         let text = OF_THE_SCREEN.iter().fold(text.to_owned(), quoted);

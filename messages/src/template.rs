@@ -1,52 +1,52 @@
-//! A text with placeholders, in pieces.
+//! Splits a text with placeholders into pieces.
 //!
 //! ```text
-//! {name}            a value as it prints itself
-//! {name:04}         the same in a format of Rust; the Chinese text names it alone
-//! {name:message}    another message, in the language of the whole
-//! {name:messages}   several, with "; " between them
+//! {name}            a value in its own format
+//! {name:04}         the same in a format of Rust; the Chinese text repeats the name alone
+//! {name:message}    another message, in the same language
+//! {name:messages}   several messages, joined with "; "
 //! ```
 
-/// What is wrong with a text.
+/// Why a text cannot be split.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TemplateError {
-    /// A placeholder does not end.
+    /// A placeholder has no closing brace.
     #[error("a {{ without its }} in `{0}`")]
     Open(String),
-    /// A placeholder whose name is none.
+    /// The name of a placeholder is empty or invalid.
     #[error("`{{{0}}}` names no value")]
     Name(String),
 }
 
-/// What stands in a placeholder.
+/// What a placeholder accepts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A value, in this format.
+    /// A value printed with this format specification; empty for the default.
     Plain(String),
-    /// A message.
+    /// Another message.
     Message,
-    /// Messages.
+    /// A list of messages.
     Messages,
 }
 
 /// A piece of a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Piece<'a> {
-    /// Words.
+    /// Literal text between placeholders.
     Text(&'a str),
-    /// A value.
+    /// A placeholder.
     Value {
-        /// Its name.
+        /// The name of the parameter.
         name: &'a str,
-        /// What it is.
+        /// What the parameter accepts.
         kind: Kind,
     },
 }
 
-/// The pieces of a text.
+/// Splits a text into literal text and placeholders, in their order.
 ///
 /// # Errors
-/// A placeholder without end or with a name that is none.
+/// A placeholder has no closing brace or an invalid name.
 pub fn pieces(text: &str) -> Result<Vec<Piece<'_>>, TemplateError> {
     let mut pieces = Vec::new();
     let mut rest = text;

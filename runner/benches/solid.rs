@@ -1,5 +1,5 @@
-//! What a picture of the solid costs: a shaft with arcs and a thread, its clamping and a
-//! tool, on 900 by 500 pixels.
+//! Measures how long it takes to build and draw a solid: a shaft with arcs and a thread, its
+//! clamping and a tool, on 900 by 500 pixels.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use gsk_runner::solid::{Canvas, Fineness, Turn, View, clamping, part, tool};

@@ -1,36 +1,37 @@
-//! A real machine, as whoever carries a program or a script out meets it: a pulse board
-//! that sets the pace, and a person who is asked.
+//! Interfaces to a real machine: the pulse board that sets the pace, and the operator at the
+//! terminal.
 
 use gsk_core::simulation::Simulation;
 
-/// A pulse board that makes the motion, at its own pace.
+/// A pulse board that makes the motion and sets the pace of the control.
 pub trait PulseBoard {
-    /// Waits until the control may make one tick; false: the end was asked for, and
-    /// nothing moves any more.
+    /// Blocks until the control may make its next tick. Returns false if the end was requested
+    /// (Ctrl-C); the board then moves nothing more.
     fn wait(&mut self, simulation: &mut Simulation) -> bool;
-    /// The control has made its tick.
+    /// Takes over the motion of a finished tick. Called after every tick of the control.
     fn after(&mut self, simulation: &mut Simulation);
-    /// Lets the board make what it was handed, stops it and lets it go.
+    /// Waits until the board has made all motion sent so far, then stops it and closes its
+    /// port.
     fn close(self: Box<Self>, simulation: &mut Simulation);
 }
 
-/// Somebody at the machine, who is asked before it goes on.
+/// The operator at the terminal, who confirms that a stopped program continues.
 pub trait Operator {
-    /// What was said before a question is no answer to it.
+    /// Discards all input typed so far, so that it does not answer the next question.
     fn forget(&self);
-    /// What was said since the last look; does not wait.
+    /// The input since the last call. Does not block.
     fn answer(&self) -> Answer;
 }
 
-/// What a person said since the last look.
+/// What the operator typed since the last call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// Nothing.
+    /// Nothing yet.
     None,
-    /// Enter alone.
+    /// Enter alone: continue.
     Enter,
-    /// Something else.
+    /// Any other text.
     Other,
-    /// Nobody is there any more: the end of the input.
+    /// The input has ended: no operator is at the terminal.
     Gone,
 }

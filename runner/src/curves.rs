@@ -1,22 +1,23 @@
-//! The shape of moves: where a rapid bends, and arcs as chords.
+//! Computes the shape of moves: the bend of a rapid and the chords of an arc.
 
 use gsk_core::battery::Memory;
 use gsk_core::units::{Axis, Point};
 use gsk_workpiece::curve::PlaneArc;
 
-/// Rapid rates, for the bend in the path of a rapid with both axes.
+/// Rapid rates of the axes, from which [`rapid_bend`] computes the path of a rapid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RapidRates {
-    /// mm/min of radius.
+    /// Rate of X, mm/min of radius.
     pub x: f64,
-    /// mm/min.
+    /// Rate of Z, mm/min.
     pub z: f64,
-    /// Both axes arrive together: there is no bend.
+    /// Whether the model interpolates rapids: both axes then arrive together and the path has
+    /// no bend.
     pub straight: bool,
 }
 
 impl RapidRates {
-    /// Of a control.
+    /// The rates in the parameters of a control, and whether its model has straight rapids.
     pub fn of(memory: &Memory) -> Self {
         Self {
             x: memory.parameters.rapid_rate(Axis::X),
@@ -26,8 +27,8 @@ impl RapidRates {
     }
 }
 
-/// Rapids move both axes at their own rates: at 45° on equal ones, then along the
-/// axis that has further to go. Where that bend is, if there is one.
+/// Where a rapid bends. Both axes move at their own rates, at 45° if these are equal, until
+/// the first one arrives; the other one finishes alone. `None` if the path is straight.
 pub fn rapid_bend(from: Point, to: Point, rates: RapidRates) -> Option<Point> {
     let distance = to - from;
     let time_x = distance.x.abs() / rates.x.max(1.0);
@@ -42,8 +43,8 @@ pub fn rapid_bend(from: Point, to: Point, rates: RapidRates) -> Option<Point> {
     ))
 }
 
-/// The points of an arc after its first: as many as keep the chords within half a
-/// cell of the arc.
+/// The points of an arc after `from`, ending exactly at `to`. Their chords stay within half of
+/// `cell_mm` of the arc. X of all points is a radius.
 pub fn arc_points(
     from: Point,
     to: Point,

@@ -1,13 +1,14 @@
-//! A line of JSON put together number by number: files of moves hold millions of them.
+//! Writes lines of JSON number by number. Files of moves have millions of lines, so this
+//! avoids the general formatter.
 
 use gsk_core::units::round_to_i64;
 
-/// Millionths in one.
+/// Millionths in a unit.
 const ONE: u64 = 1_000_000;
-/// Below this many millionths a number has at most fifteen digits, and its decimal form
-/// is the shortest one that reads back as the same number.
+/// Below this many millionths a number has at most fifteen digits. Its decimal form is then
+/// the shortest that reads back as the same number.
 const EXACT: f64 = 1e15;
-/// A line of a move is hardly longer.
+/// The line of a move is rarely longer.
 const USUAL_BYTES: usize = 256;
 
 /// A line being written.
@@ -25,21 +26,21 @@ impl Default for Line {
 }
 
 impl Line {
-    /// Text as it is.
+    /// Appends a text unchanged.
     #[inline]
     pub(crate) fn text(&mut self, text: &str) {
         self.bytes.extend_from_slice(text.as_bytes());
     }
 
-    /// A whole number behind a text.
+    /// Appends a text and an integer.
     #[inline]
     pub(crate) fn number(&mut self, before: &str, number: u64) {
         self.text(before);
         self.digits(number);
     }
 
-    /// A number rounded to a millionth behind a text, as JSON writes it: `50.0`, `-0.25`;
-    /// `null` for none and for what is no number.
+    /// Appends a text and a number rounded to a millionth, in the form of JSON: `50.0`,
+    /// `-0.25`. `None`, NaN and infinities become `null`.
     #[inline]
     pub(crate) fn value(&mut self, before: &str, value: Option<f64>) {
         self.text(before);
@@ -65,7 +66,7 @@ impl Line {
             self.text("-");
         }
         let size = millionths.unsigned_abs();
-        // JSON goes over to exponents there.
+        // JSON writes these with an exponent.
         if (1..10).contains(&size) {
             self.digits(size);
             return self.text("e-6");
@@ -75,13 +76,13 @@ impl Line {
         self.fraction((size % ONE) as u32);
     }
 
-    /// Decimal places without the zeros at the end, one at least.
+    /// Appends decimal places without trailing zeros, at least one.
     fn fraction(&mut self, millionths: u32) {
         let [a, b] = pair(millionths / 10_000);
         let [c, d] = pair(millionths / 100 % 100);
         let [e, f] = pair(millionths % 100);
         let places = [a, b, c, d, e, f, b'0', b'0'];
-        // Zero bits where there are zeros at the end, which are the highest bytes.
+        // Trailing zeros are zero bits of the highest bytes.
         let zeros = (u64::from_le_bytes(places) ^ u64::from_le_bytes([b'0'; 8])).leading_zeros();
         self.front_of(places, 8 - (zeros as usize / 8).min(7));
     }
@@ -101,7 +102,7 @@ impl Line {
         self.four_digits(number, count);
     }
 
-    /// The last digits of a number below ten thousand.
+    /// Appends the last `count` digits of a number below ten thousand.
     fn four_digits(&mut self, number: u32, count: usize) {
         let ([a, b], [c, d]) = (pair(number / 100), pair(number % 100));
         let leading = 8 * (4 - count as u32);
@@ -111,7 +112,8 @@ impl Line {
         );
     }
 
-    /// The first of these bytes: all are copied at once, which is quicker than a few.
+    /// Appends the first `count` bytes. Copying all bytes and truncating is quicker than
+    /// copying a few.
     fn front_of<const N: usize>(&mut self, bytes: [u8; N], count: usize) {
         let length = self.bytes.len() + count;
         self.bytes.extend_from_slice(&bytes);

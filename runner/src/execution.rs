@@ -1,6 +1,6 @@
-//! Executing a program in the full kernel, as fast as the PC can: the keys are
-//! pressed as an operator presses them, and the ladder does the rest. With a pulse
-//! board it goes at the board's pace, and a person presses what goes on.
+//! Executes a program in the full kernel, as fast as the PC can. It presses the keys that an
+//! operator presses, and the ladder reacts. With a pulse board the board sets the pace, and
+//! the operator presses cycle start after each stop.
 
 mod board;
 
@@ -25,21 +25,21 @@ const AUTO_KEY: BitAddress = BitAddress::new(Area::X, 20, 1);
 const START_KEY: BitAddress = BitAddress::new(Area::X, 25, 0);
 const M03_OUTPUT: BitAddress = BitAddress::new(Area::Y, 1, 2);
 const M04_OUTPUT: BitAddress = BitAddress::new(Area::Y, 0, 4);
-/// How long a key is held, and the pause behind it.
+/// How long a key is held, and the pause after it.
 const PRESS_MS: u32 = 100;
-/// After the end the axes come to rest and the last lamps settle.
+/// Time limit for the axes to stop and for the last outputs to switch off after the end.
 const SETTLE_MS: u32 = 5000;
 
 /// Why a program cannot be executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum ExecutionError {
-    /// A ladder without keys for DNC.
+    /// DNC is requested, but the ladder has no keys to select DNC.
     NoWayToDnc,
 }
 
 impl ExecutionError {
-    /// What is said of it.
+    /// The message for the user.
     pub fn message(self) -> Message {
         match self {
             Self::NoWayToDnc => say::dnc_no_way(),
@@ -47,28 +47,29 @@ impl ExecutionError {
     }
 }
 
-/// When an execution ends.
+/// When an execution ends, if the program does not end it.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// After so many parts.
+    /// After this number of parts.
     pub parts: u32,
-    /// After so much machine time.
+    /// After this machine time, ms.
     pub time_ms: u64,
 }
 
-/// What an execution tells while it goes on.
+/// Receives the progress of an execution.
 pub trait Watcher {
-    /// A move was executed; times count from cycle start.
+    /// A move was executed. Its times, s, count from cycle start.
     fn moved(&mut self, executed: &ExecutedMove);
-    /// A tick has passed. True ends the run: a tool hit something.
+    /// A tick has passed, `time_ms` after cycle start. `machine` is the position of the
+    /// slides. Returning true ends the run: a tool hit something.
     fn ticked(&mut self, time_ms: u64, machine: Point, simulation: &Simulation) -> bool;
-    /// A block begins; `line` counts from 1.
+    /// A block begins. `line` counts from 1, `modal` holds the words in force.
     fn block(&mut self, line: u32, text: &str, modal: &Modal);
-    /// A pass of a cycle begins; only if [`Watcher::wants_explanations`].
+    /// A pass of a cycle begins. Called only if [`Watcher::wants_explanations`] is true.
     fn pass(&mut self, explanation: &Explanation);
-    /// Whether passes of cycles are to be explained.
+    /// Whether the passes of cycles are to be explained.
     fn wants_explanations(&self) -> bool;
-    /// The person at the terminal has to know something.
+    /// Shows a message to the operator at the terminal.
     fn tell(&mut self, said: &Message);
 }
 
@@ -79,29 +80,27 @@ enum End {
     M02,
     M99,
     Text,
-    /// An alarm, or a message of the ladder: both hold the program.
+    /// An alarm or a message of the ladder. Both hold the program.
     Alarm(Alarm),
-    /// Cycle start does nothing, and why.
+    /// Cycle start has no effect, for this reason.
     Refused(Message),
-    /// It stands at a board, and nobody was there to press what goes on.
+    /// The program is stopped at a board, and no operator is there to press cycle start.
     Stop(Message),
-    /// The end was asked for: Ctrl-C, `kill`.
+    /// The end was requested: Ctrl-C, `kill`.
     Asked,
-    /// A tool hit something, and that was to end it.
+    /// A tool hit something, and the watcher ends the run for it.
     Collision,
     Limit,
 }
 
 struct Run<'a> {
     simulation: Simulation,
-    /// Sends the program in DNC operation.
     partner: Option<&'a mut dyn Partner>,
-    /// Makes the motion.
     board: Option<Board>,
     standing: Standing,
     watcher: &'a mut dyn Watcher,
     start_ticks: u64,
-    /// The run has begun.
+    /// Whether the run has started.
     begun: bool,
     wanted_parts: u32,
     parts: u32,
@@ -109,14 +108,18 @@ struct Run<'a> {
     blocks: u64,
     moves: u64,
     cutting_s: f64,
-    /// End of the last move and modal state of the last block that count.
+    /// End of the last counted move and modal state of the last counted block.
     last_point: Option<Point>,
     last_modal: Option<Modal>,
     ended: Option<End>,
 }
 
-/// Executes the selected program, or the one that a partner sends, on the simulated
-/// lathe or at a board that is known; the report is in a language.
+/// Executes the selected program on the simulated lathe or on a board. With `partner` the
+/// program comes from the partner in DNC operation. Returns the report, with texts in
+/// `language` (English if `None`), and the control as it is after the end.
+///
+/// # Errors
+/// The ladder has no keys to select DNC.
 pub fn execute<'a>(
     name: &str,
     simulation: Simulation,
@@ -172,7 +175,7 @@ pub fn execute<'a>(
         _ => None,
     };
     let turns = |address| cnc.plc().memory().bit(address);
-    // After the last part that was wanted an M99 has begun another one.
+    // After the last requested part an M99 has started another one.
     let (beyond, modal) = match end {
         End::M99 => (
             run.last_point
@@ -249,8 +252,8 @@ impl Run<'_> {
         }
     }
 
-    /// Presses cycle start and waits until the run has begun. Machine time
-    /// counts from there.
+    /// Presses cycle start and waits until the run has started. Machine time counts from
+    /// there.
     fn start(&mut self) {
         self.simulation.cnc.set_panel_key(START_KEY, true);
         self.ticks(PRESS_MS);
@@ -272,7 +275,7 @@ impl Run<'_> {
             if let Some(end) = self.ended.take() {
                 let more = self.parts < limits.parts;
                 match end {
-                    // A part more: the cycle is started again.
+                    // Another part: start the cycle again.
                     End::M30 | End::M02 | End::Text if more && self.parts > 0 => {
                         if self.may_begin_another() {
                             self.press_again();
@@ -306,7 +309,7 @@ impl Run<'_> {
         }
     }
 
-    /// Why nothing runs although cycle start was pressed, if that is so.
+    /// Why nothing runs although cycle start was pressed; `None` if the program runs.
     fn refused(&self) -> Option<End> {
         let cnc = &self.simulation.cnc;
         let stands = matches!(cnc.run_state(), RunState::Reset | RunState::Stop);
@@ -322,7 +325,7 @@ impl Run<'_> {
         }
     }
 
-    /// Lets the axes come to rest.
+    /// Waits until the axes stop.
     fn settle(&mut self) {
         for _ in 0..SETTLE_MS {
             if !self.simulation.cnc.is_moving() {
@@ -351,13 +354,13 @@ impl Run<'_> {
         self.begun |= self.start_ticks != 0 && self.simulation.cnc.run_state() == RunState::Run;
         let cnc = &self.simulation.cnc;
         if self.ended.is_none() {
-            // It holds the program, and no cycle start goes on behind it.
+            // The message holds the program, and cycle start does not continue it.
             self.ended = cnc.standing_message().map(End::Alarm);
         }
         let start_s = self.start_ticks as f64 / 1000.0;
         for event in cnc.events() {
-            // A loop without motion finishes several parts in a tick: what follows
-            // the last one wanted does not count.
+            // A loop without motion finishes several parts in a tick. Events after the last
+            // requested part do not count.
             let enough = self.parts >= self.wanted_parts;
             match event {
                 Event::BlockBegan(..)

@@ -1,5 +1,5 @@
-//! What is said of a program the moment it is opened: how long, how many tools, how far
-//! the cuts reach, whether there is an alarm.
+//! Summarizes a program when it is opened: machine time, tools, extent of the cuts, first
+//! alarm.
 
 use gsk_core::alarm::Alarm;
 use gsk_core::command::{ExecutedMove, MoveKind};
@@ -15,27 +15,28 @@ use crate::report::AlarmReport;
 use crate::times::Times;
 use crate::words::clock_in_seconds;
 
-/// Room around the cuts on the graphic page, mm.
+/// Margin around the cuts on the graphic page, mm.
 const MARGIN: f64 = 5.0;
 
-/// A program looked through once.
+/// The summary of a program from one preview.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FirstLook {
-    /// What it is called: its number, or the name of its file.
+    /// Name of the program: its number, or the name of its file.
     pub name: String,
-    /// How it ended.
+    /// How the preview ended.
     pub end: End,
-    /// Machine time up to there, s.
+    /// Machine time up to the end, s.
     pub time_s: f64,
-    /// Tools that cut.
+    /// Number of tools that cut.
     pub tools: usize,
-    /// How far the cuts reach, program coordinates.
+    /// Bounds of the cuts, in program coordinates; `None` without cuts.
     pub cuts: Option<Bounds>,
-    /// The alarm that ended it, in both languages.
+    /// The alarm that ended the program, in Chinese and English.
     alarm: Option<[AlarmReport; 2]>,
 }
 
-/// Looks the selected program of a set-up through, as long as `goes_on` says so.
+/// Previews the selected program of a set-up once. `goes_on` is called with the progress; it
+/// returns false to cancel.
 pub fn look(name: String, setup: &Setup, goes_on: &mut dyn FnMut(&Progress) -> bool) -> FirstLook {
     let mut seen = Seen::default();
     let programs = &setup.memory.programs;
@@ -43,8 +44,8 @@ pub fn look(name: String, setup: &Setup, goes_on: &mut dyn FnMut(&Progress) -> b
     seen.into_look(name, setup, &preview)
 }
 
-/// As [`look`], behind alarms too: all that were found, the first one first, and the likely
-/// slips.
+/// Like [`look`], but continues after alarms. Also returns all alarms, in their order, and the
+/// likely mistakes.
 pub fn look_beyond(
     name: String,
     setup: &Setup,
@@ -59,7 +60,7 @@ pub fn look_beyond(
     (look, alarms, preview.cautions)
 }
 
-/// What the moves say.
+/// What the summary adds up from the moves.
 #[derive(Debug, Default)]
 struct Seen {
     times: Times,
@@ -93,13 +94,13 @@ impl Seen {
 }
 
 impl FirstLook {
-    /// Whether it has an alarm.
+    /// Whether an alarm ended the program.
     pub const fn has_alarm(&self) -> bool {
         self.alarm.is_some()
     }
 
-    /// How far the cuts reach, with some room around: least and greatest point. `None`
-    /// for a program without cuts, and for one that was given up.
+    /// Least and greatest point of the cuts with a margin of 5 mm. `None` for a program
+    /// without cuts, and for a preview that reached its limit.
     pub fn extents(&self) -> Option<(Point, Point)> {
         let margin = Point::new(MARGIN, MARGIN);
         self.cuts
@@ -107,8 +108,8 @@ impl FirstLook {
             .map(|cuts| (cuts.least - margin, cuts.greatest + margin))
     }
 
-    /// One line: `O0002, 3:27, 4 tools, X 20–60, Z -80–5, no alarm`, or the block that
-    /// raises an alarm.
+    /// One line of text: `O0002, 3:27, 4 tools, X 20–60, Z -80–5, no alarm`, or the block that
+    /// raises the alarm.
     pub fn line(&self, language: Language) -> String {
         if let Some([chinese, english]) = &self.alarm {
             let alarm = match language {

@@ -1,6 +1,6 @@
-//! A part program or an operator script carried out to its end, and what is told of it:
-//! moves, reports, pictures. Pure: files, the terminal, ports and pulse boards are handed
-//! in by whoever carries something out.
+//! Runs part programs and operator scripts to their end and reports the results: moves,
+//! reports, pictures. It does no I/O itself; the caller passes in files, the terminal, ports
+//! and pulse boards.
 
 pub mod board;
 pub mod curves;

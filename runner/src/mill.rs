@@ -1,4 +1,4 @@
-//! A program of the mill looked through: its moves as lines, its report.
+//! Checks a program of the mill without a clock: its moves as lines of JSON, its report.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -19,8 +19,8 @@ use crate::report::{
 
 pub use gsk_milling::MillSetup;
 
-/// Looks the selected program through. `on_move` gets every move in order; `goes_on` gives
-/// the look up when it says no.
+/// Previews the selected program. `on_move` receives every move in order. `goes_on` is called
+/// with the progress; it returns false to cancel.
 pub fn check(
     name: &str,
     setup: &MillSetup,
@@ -99,7 +99,7 @@ fn of(
     }
 }
 
-/// The box of the path with the further axes of the machine.
+/// The bounds of the path, with those of the further axes of the machine.
 fn bounds(preview: &MillPreview, found: &gsk_milling::MillBounds) -> Bounds {
     let side = |axis: usize| (rounded(found.least[axis]), rounded(found.greatest[axis]));
     let mut bounds = Bounds {
@@ -125,7 +125,7 @@ fn bounds(preview: &MillPreview, found: &gsk_milling::MillBounds) -> Bounds {
     bounds
 }
 
-/// A point with the further axes of the machine.
+/// A point with the further axes of the machine, mm or degrees.
 fn place(preview: &MillPreview, point: &MillPosition) -> MillPlace {
     let further = preview.axes.all_further();
     MillPlace {
@@ -136,12 +136,12 @@ fn place(preview: &MillPreview, point: &MillPosition) -> MillPlace {
     }
 }
 
-/// The word of a tool without its T.
+/// The digits of a T word.
 pub(crate) fn tool_word(tool: u16) -> String {
     format!("{tool:02}")
 }
 
-/// Where the time goes: of all, and of the tools in the order in which they work.
+/// Machine time of the whole program, and of each tool in the order of their use.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Times {
     pub(crate) all: Seconds,
@@ -149,7 +149,7 @@ pub(crate) struct Times {
 }
 
 impl Times {
-    /// Adds a move.
+    /// Adds the time of a move.
     pub(crate) fn push(&mut self, made: &MillMove) {
         let known = self.tools.iter().position(|(tool, _)| *tool == made.tool);
         let index = known.unwrap_or_else(|| {
@@ -186,12 +186,12 @@ impl Times {
     }
 }
 
-/// Writes a move as one line, a JSON object: the tip of the tool in work coordinates, mm;
-/// `cx`, `cy`, `cz` are those of the centre that lie in the plane of an arc. A fourth and a
-/// fifth axis have their own letters: `a0` and `a`, in degrees where they turn.
+/// Writes a move as one line, a JSON object: the tip of the tool in work coordinates, mm.
+/// `cx`, `cy`, `cz` give the centre in the plane of an arc. A fourth and a fifth axis use
+/// their own letters, `a0` and `a` for example, with degrees for rotary axes.
 ///
 /// # Errors
-/// It cannot be written.
+/// Writing to `out` fails.
 pub fn write_move(out: &mut dyn Write, made: &MillMove) -> io::Result<()> {
     let mut line = Line::default();
     line.number("{\"line\":", made.source.line.into());

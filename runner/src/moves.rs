@@ -1,4 +1,4 @@
-//! Executed moves and positions as lines of text: NDJSON and CSV.
+//! Writes executed moves and positions as lines of text: NDJSON and CSV.
 
 use std::io::{self, Write};
 
@@ -6,26 +6,27 @@ use crate::decimal::Line;
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::units::{Feed, Point};
 
-/// Rounds to a millionth: a nanometre, a microsecond.
+/// Rounds to six decimals: a nanometre, a microsecond. Returns no negative zero.
 pub fn rounded(value: f64) -> f64 {
     let rounded = (value * 1e6).round() / 1e6;
     // No negative zero in the output.
     if rounded == 0.0 { 0.0 } else { rounded }
 }
 
-/// A point as diameter and Z.
+/// A point as diameter and Z, mm, rounded to six decimals.
 pub fn diameter_z(point: Point) -> (f64, f64) {
     (rounded(point.diameter().0), rounded(point.z))
 }
 
-/// Whether a move belongs into the output: a motion of no length does not.
+/// Whether a move is part of the output. Motions without length are not, but dwells and full
+/// circles are.
 pub fn counts(executed: &ExecutedMove) -> bool {
     let full_circle = executed.center.is_some();
     executed.kind == MoveKind::Dwell || full_circle || executed.from != executed.to
 }
 
-/// Writes a move as one line, a JSON object. X values are diameters in the program's
-/// work coordinates without tool offset; times are seconds of machine time.
+/// Writes a move as one line, a JSON object. X values are diameters in the program's work
+/// coordinates without tool offset, mm. Times are seconds of machine time.
 pub fn write_move(out: &mut dyn Write, executed: &ExecutedMove) -> io::Result<()> {
     let mut line = Line::default();
     line.number("{\"line\":", executed.source.line.into());
@@ -49,7 +50,7 @@ pub fn write_move(out: &mut dyn Write, executed: &ExecutedMove) -> io::Result<()
         Some(Feed::PerRevolution(feed)) => (Some(feed), "\"rev\""),
         None => (None, "null"),
     };
-    // A thread has a lead, no feed.
+    // A thread has a lead instead of a feed.
     let (feed, per, lead) = if executed.kind.is_thread() {
         (None, "null", feed)
     } else {
@@ -65,10 +66,11 @@ pub fn write_move(out: &mut dyn Write, executed: &ExecutedMove) -> io::Result<()
     out.write_all(&line.bytes)
 }
 
-/// The head of the CSV of positions.
+/// Header line of the CSV file of positions.
 pub const POSITIONS_HEAD: &str = "t,x,z,spindle_deg\n";
 
-/// Writes the position at a tick: X as a diameter, machine coordinates.
+/// Writes a line of the CSV file: the time, s, the machine position with X as a diameter, mm,
+/// and the angle of the spindle, degrees.
 pub fn write_position(
     out: &mut dyn Write,
     time_s: f64,

@@ -1,4 +1,4 @@
-//! A program told block by block while it is carried out, as on a blackboard.
+//! Describes a running program in words, block by block.
 
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::interpreter::{Explanation, Modal};
@@ -9,7 +9,7 @@ use crate::moves::{diameter_z, rounded};
 use crate::report::modal_codes;
 use crate::words::beginning;
 
-/// A block that begins, with the words in force; `line` counts from 1.
+/// Text for a block that begins: its line number from 1, its text, and the words in force.
 pub fn block(line: u32, text: &str, modal: &Modal) -> String {
     let codes = modal_codes(modal).join(" ");
     let (feed, speed) = (rounded(modal.feed), rounded(modal.spindle));
@@ -20,14 +20,14 @@ pub fn block(line: u32, text: &str, modal: &Modal) -> String {
     )
 }
 
-/// A pass of a cycle.
+/// Text for a pass of a cycle.
 pub fn pass(explanation: &Explanation, language: Language) -> String {
     let (said, formula) = pass_in_words(explanation, language);
     format!("        {said}\n          {formula}\n")
 }
 
-/// Which pass of a cycle it is and how deep it cuts; and the formula of its place with
-/// the words and parameters that made it.
+/// Two texts for a pass of a cycle: its number and depth, and the formula of its position with
+/// the words and parameters that it uses.
 pub fn pass_in_words(explanation: &Explanation, language: Language) -> (String, String) {
     let Explanation {
         code,
@@ -49,7 +49,7 @@ pub fn pass_in_words(explanation: &Explanation, language: Language) -> (String, 
     (said, format!("{formula}   [{words}]"))
 }
 
-/// A move that was executed.
+/// Text for an executed move: target, feed and duration.
 pub fn executed(executed: &ExecutedMove, language: Language) -> String {
     format!("        {}\n", sentence(executed, language))
 }

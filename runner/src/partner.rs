@@ -1,24 +1,25 @@
-//! The partner at the serial line in DNC operation, as a control meets it.
+//! The partner at the serial port that sends the program in DNC operation.
 
 use gsk_core::cnc::Cnc;
 
-/// Whether the partner may be waited for.
+/// Whether the control waits for the partner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Patience {
-    /// Machine time stands still until it has sent: the same program runs in the same
-    /// time, however slow the partner is.
+    /// Machine time stops until the partner has sent. The same program then takes the same
+    /// machine time, however slow the partner is.
     Waits,
-    /// Machine time goes on.
+    /// Machine time continues without data.
     None,
 }
 
 /// Sends programs in DNC operation.
 pub trait Partner {
-    /// Sends what the control has room for, before a tick.
+    /// Sends as much text as the control's buffer takes. Called before every tick. With
+    /// [`Patience::Waits`] it may block.
     fn feed(&mut self, cnc: &mut Cnc, patience: Patience);
 }
 
-/// A partner that has a text at hand, and sends it from its beginning at each call.
+/// A partner with the whole text, which it sends from its beginning at each call.
 #[derive(Clone, Debug, Default)]
 pub struct TextPartner {
     text: String,
@@ -27,7 +28,7 @@ pub struct TextPartner {
 }
 
 impl TextPartner {
-    /// A partner that sends this text.
+    /// Takes the text of the program.
     pub fn new(text: String) -> Self {
         Self {
             text,

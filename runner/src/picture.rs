@@ -1,5 +1,5 @@
-//! Pictures as bytes of a file: the toolpath as PNG or SVG, the part as a solid, the LCD
-//! and the panel as PNG.
+//! Makes picture files in memory: the toolpath as PNG or SVG, the part as a solid, the LCD and
+//! the panel as PNG.
 
 mod canvas;
 mod clip;
@@ -35,18 +35,18 @@ const LCD_SCALE: u32 = 2;
 /// Pixels of a panel unit in a picture of the whole panel.
 const PANEL_SCALE: f32 = 1.5;
 
-/// Why there is no picture.
+/// Why a picture cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum PictureError {
-    /// It is too large for the memory.
+    /// The picture does not fit into memory.
     Memory,
-    /// The encoder refuses it.
+    /// The PNG encoder reports an error.
     Encoder(#[from] png::EncodingError),
 }
 
 impl PictureError {
-    /// What is said of it.
+    /// The message for the user.
     pub fn message(&self) -> Message {
         match self {
             Self::Memory => say::picture_too_large(),
@@ -55,32 +55,32 @@ impl PictureError {
     }
 }
 
-/// A name whose ending is none of a picture.
+/// A file name without the extension of a picture format.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct NoPicture(pub PathBuf);
 
 impl NoPicture {
-    /// What is said of it.
+    /// The message for the user; it lists the extensions.
     pub fn message(&self) -> Message {
         say::picture_ending(self.0.display())
     }
 }
 
-/// What kind of file a picture is.
+/// The file format of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Pixels.
+    /// PNG: pixels.
     Png,
-    /// Lines, as text.
+    /// SVG: lines, as text.
     Svg,
 }
 
 impl Format {
-    /// By the ending of a name.
+    /// The format for the extension of a file name, in upper or lower case.
     ///
     /// # Errors
-    /// It is another one.
+    /// The extension is not png or svg.
     pub fn of(name: &Path) -> Result<Self, NoPicture> {
         let ending = name
             .extension()
@@ -93,10 +93,10 @@ impl Format {
     }
 }
 
-/// The bytes of a picture file, its words in a language.
+/// Draws a toolpath. Returns the bytes of the file, with its texts in a language.
 ///
 /// # Errors
-/// There is no memory for it.
+/// There is not enough memory.
 pub fn encode(
     format: Format,
     drawing: &Drawing,
@@ -108,10 +108,11 @@ pub fn encode(
     }
 }
 
-/// The LCD as the bytes of a PNG file, at a brightness of its page.
+/// The LCD as the bytes of a PNG file. `brightness` is the value of the control's brightness
+/// page.
 ///
 /// # Errors
-/// There is no memory for it.
+/// There is not enough memory.
 pub fn of_lcd(screen: &Screen, brightness: u8) -> Result<Vec<u8>, PictureError> {
     let pixels = raster::render(screen, LCD_SCALE, brightness).ok_or(PictureError::Memory)?;
     png_file::encode(&pixels)
@@ -120,13 +121,13 @@ pub fn of_lcd(screen: &Screen, brightness: u8) -> Result<Vec<u8>, PictureError> 
 /// The whole panel as the bytes of a PNG file.
 ///
 /// # Errors
-/// There is no memory for it.
+/// There is not enough memory.
 pub(crate) fn of_panel(emulator: &Emulator) -> Result<Vec<u8>, PictureError> {
     let pixels = emulator.panel_picture(PANEL_SCALE);
     png_file::encode(&pixels.ok_or(PictureError::Memory)?)
 }
 
-/// What has to be said of a picture that does not show the whole path.
+/// The message for a picture that does not show the whole path; `None` if it does.
 pub fn shortfall(drawing: &Drawing) -> Option<Message> {
     let left_out = drawing.left_out();
     (left_out > 0).then(|| say::picture_not_complete(left_out))

@@ -1,7 +1,7 @@
 //! The result of a program as one JSON object, and in words.
 //!
-//! With a language all texts are in it. Without one the words are English, and the
-//! texts of alarms those of the screen, which are Chinese.
+//! With a language all texts are in it. Without one the texts are English, except for the
+//! alarm texts of the screen, which are Chinese.
 
 pub mod annotations;
 mod checked;
@@ -30,59 +30,59 @@ pub use spent::{Seconds, ToolSeconds};
 use crate::moves::diameter_z;
 use crate::words::beginning;
 
-/// An alarm in a result.
+/// An alarm in a report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AlarmReport {
-    /// PS, SYS, OT, ESTOP, SERVO, LINK or PLC.
+    /// Class of the alarm: PS, SYS, OT, ESTOP, SERVO, LINK or PLC.
     pub class: &'static str,
-    /// Number.
+    /// Number of the alarm in its class.
     pub number: u16,
-    /// Class and number as the control writes them: `P/S 010`, on the NC-B08 `E010`; not
-    /// part of the JSON.
+    /// Class and number as the control writes them: `P/S 010`, on the NC-B08 `E010`. Not part
+    /// of the JSON.
     #[serde(skip)]
     pub shown: String,
     /// The text of the screen, or its meaning in English.
     pub text: String,
     /// Line of the block, from 1.
     pub line: Option<u32>,
-    /// Column in the line, in characters from 1, where the text of the block is at fault.
+    /// Column of the fault in the line, in characters from 1, if it is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub column: Option<u32>,
-    /// Its sequence number; not part of the JSON.
+    /// Sequence number of the block. Not part of the JSON.
     #[serde(skip)]
     pub sequence: Option<u32>,
-    /// The program it stands in; not part of the JSON.
+    /// The program of the block. Not part of the JSON.
     #[serde(skip)]
     pub program: Option<ProgramId>,
-    /// The block.
+    /// The text of the block.
     pub block: Option<String>,
-    /// The rule that was broken.
+    /// The rule that is broken.
     pub detail: Option<String>,
-    /// What raises it, where the table says so.
+    /// What raises the alarm, if the alarm table has a cause.
     pub cause: Option<&'static str>,
-    /// What helps: the parameter, the word or the key.
+    /// The remedy: the parameter, the word or the key.
     pub way_out: Option<&'static str>,
 }
 
-/// What is no alarm and yet likely a slip; in JSON its sentence.
+/// A probable mistake that raises no alarm. Its JSON is its sentence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WarningReport {
-    /// Its name: `spindle-stands`.
+    /// Identifier of the rule: `spindle-stands`.
     pub rule: &'static str,
-    /// The program it stands in.
+    /// The program of the block.
     pub program: ProgramId,
-    /// Line of its block, from 1.
+    /// Line of the block, from 1.
     pub line: u32,
-    /// First and last column of what it is about, in characters from 1.
+    /// First and last column of the fault, in characters from 1.
     pub columns: Option<(u32, u32)>,
-    /// In words.
+    /// The message without its line.
     pub text: String,
-    /// In words, with the line.
+    /// The message with its line.
     pub sentence: String,
 }
 
 impl WarningReport {
-    /// What a mill takes without an alarm.
+    /// The warning for a probable mistake in a mill program.
     pub(crate) fn of_mill(caution: &gsk_milling::MillCaution, language: Option<Language>) -> Self {
         Self {
             rule: caution.slip.id(),
@@ -112,22 +112,22 @@ impl Serialize for WarningReport {
     }
 }
 
-/// A position: in JSON a list of its numbers.
+/// A position. Its JSON is a list of numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Place {
-    /// X as a diameter, Z.
+    /// X as a diameter and Z, mm.
     Lathe(f64, f64),
     /// X, Y, Z and further axes.
     Mill(MillPlace),
 }
 
-/// A position of a mill: X, Y, Z, and the further axes that it has, with their letters.
+/// A position of a mill: X, Y, Z, and the machine's further axes with their letters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MillPlace {
-    /// mm.
+    /// X, Y and Z, mm.
     pub basic: [f64; 3],
-    /// mm, or degrees of an axis that turns.
+    /// Letter and value of each further axis: mm, or degrees for a rotary axis.
     pub further: Vec<(char, f64)>,
 }
 
@@ -144,20 +144,20 @@ impl From<(f64, f64)> for Place {
     }
 }
 
-/// Positions at the end: X of a lathe as a diameter.
+/// Positions at the end of the program; X of a lathe is a diameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Final {
     /// Absolute coordinates.
     pub abs: Place,
     /// Machine coordinates.
     pub machine: Place,
-    /// Relative coordinates; a mill has none here.
+    /// Relative coordinates; `None` for a mill.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rel: Option<Place>,
 }
 
 impl Final {
-    /// From points as the control holds them.
+    /// Converts points of the control, with X as a radius.
     pub fn new(absolute: Point, machine: Point, relative: Point) -> Self {
         Self {
             abs: diameter_z(absolute).into(),
@@ -170,99 +170,99 @@ impl Final {
 /// The result of `run` and `check`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
-    /// The file.
+    /// Name of the program file.
     pub file: String,
-    /// How it ended.
+    /// How the program ended.
     pub end: End,
-    /// The alarm or the message of the ladder that ended it.
+    /// The alarm, or the message of the ladder, that ended it.
     pub alarm: Option<AlarmReport>,
-    /// Why cycle start was refused, or what the program waited for at the limit or at a
-    /// stop.
+    /// Why cycle start was refused, or what the program waited for at the limit or at a stop.
     pub waits_for: Option<String>,
     /// Machine time, s.
     pub time_s: f64,
-    /// Of that, with a cutting feed, s.
+    /// Part of it with a cutting feed, s.
     pub cutting_s: f64,
-    /// Blocks executed.
+    /// Number of executed blocks.
     pub blocks: u64,
-    /// Moves executed.
+    /// Number of executed moves.
     pub moves: u64,
-    /// Parts counted.
+    /// Number of counted parts.
     pub parts: u32,
-    /// M00 answered with cycle start.
+    /// Number of M00 stops that cycle start continued.
     pub stops: u32,
-    /// Where everything stands.
+    /// Final positions.
     #[serde(rename = "final")]
     pub position: Final,
-    /// G codes in force.
+    /// G codes in force at the end.
     pub modal: Vec<String>,
     /// F word in force.
     pub f: f64,
     /// S word in force.
     pub s: f64,
-    /// Tool and offset in force.
+    /// Tool and offset in force, as the digits of a T word.
     pub t: String,
-    /// cw, ccw or stop.
+    /// State of the spindle: cw, ccw or stop.
     pub spindle: &'static str,
-    /// Whether the coolant runs.
+    /// Whether the coolant is on.
     pub coolant: bool,
-    /// Parameters that the program changed, with their values now.
+    /// Parameters that the program changed: three-digit number and new value.
     pub parameters_changed: BTreeMap<String, i32>,
-    /// What is no alarm and yet likely a slip, with its line.
+    /// Probable mistakes that raise no alarm.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<WarningReport>,
-    /// What `check` knows besides.
+    /// Results of `check` alone; `None` from `run`.
     #[serde(flatten)]
     pub path: Option<PathReport>,
-    /// What became of the part, if it was carried out on one.
+    /// The machined part, if the program ran on a part.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub part: Option<PartReport>,
 }
 
-/// Lengths, tools and the box around the path.
+/// Lengths, tools and bounds of the path, from `check`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PathReport {
-    /// Alarms behind the first one.
+    /// Alarms after the first one.
     pub more_alarms: Vec<AlarmReport>,
-    /// What comes behind this line was not checked for further alarms.
+    /// Line after which the check for further alarms stopped; `None` if it reached the end.
+    #[serde(rename = "unchecked_behind")]
     pub unchecked_behind: Option<u32>,
     /// Path length of each kind of move, mm.
     pub lengths: BTreeMap<&'static str, f64>,
-    /// Tools called, as T words.
+    /// Selected tools, as T words.
     pub tools: Vec<String>,
-    /// Smallest and largest X (diameter) and Z of the path.
+    /// Bounds of the path.
     #[serde(rename = "box")]
     pub bounds: Option<Bounds>,
-    /// Where the machine time goes.
+    /// Machine time by kind of motion.
     pub times: Seconds,
-    /// The same for each tool, in the order in which they work.
+    /// Machine time of each tool, in the order of their use.
     pub tool_times: Vec<ToolSeconds>,
 }
 
-/// A box; X of a lathe as diameters.
+/// Bounds of a path; X of a lathe is a diameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bounds {
-    /// From, to.
+    /// Least and greatest X, mm.
     pub x: (f64, f64),
-    /// From, to; of a mill.
+    /// Least and greatest Y of a mill, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub y: Option<(f64, f64)>,
-    /// From, to.
+    /// Least and greatest Z, mm.
     pub z: (f64, f64),
-    /// From, to, of the further axes of a mill by their letters.
+    /// Least and greatest value of a mill's further axes, by their letters.
     #[serde(flatten)]
     pub further: BTreeMap<&'static str, (f64, f64)>,
-    /// Which of them count in degrees.
+    /// Letters of the further axes that count in degrees.
     #[serde(skip)]
     pub turning: Vec<&'static str>,
 }
 
-/// A message in the language that was chosen.
+/// The text of a message in the selected language, English if none is selected.
 pub fn said(message: &Message, language: Option<Language>) -> String {
     message.text(language.unwrap_or(Language::En))
 }
 
-/// The short name of a class of alarms.
+/// The short name of a class of alarms: `PS`, for example.
 pub const fn class_name(class: AlarmClass) -> &'static str {
     match class {
         AlarmClass::Ps => "PS",
@@ -276,7 +276,7 @@ pub const fn class_name(class: AlarmClass) -> &'static str {
 }
 
 impl AlarmReport {
-    /// An alarm with the block that raised it.
+    /// The report of an alarm, with the block that raised it from `programs`.
     pub fn new(alarm: &Alarm, programs: &ProgramMemory, language: Option<Language>) -> Self {
         let block = alarm.source.and_then(|source| {
             programs
@@ -313,8 +313,8 @@ impl AlarmReport {
     }
 }
 
-/// The column of an alarm in its own line; in the profile of a cycle it is one of another
-/// line.
+/// The column of an alarm in its own line. In the profile of a cycle the column belongs to
+/// another line and is not used.
 fn column_of(alarm: &Alarm) -> Option<u32> {
     let detail = alarm.detail.as_ref()?;
     let own = detail.id() == gsk_messages::Id::AtColumn;
@@ -322,7 +322,7 @@ fn column_of(alarm: &Alarm) -> Option<u32> {
 }
 
 impl Report {
-    /// Whether the program did not come to its own end.
+    /// Whether the program did not reach its own end.
     pub const fn failed(&self) -> bool {
         !self.end.is_own()
     }
@@ -334,10 +334,10 @@ impl Report {
             .is_some_and(|part| !part.collisions.is_empty())
     }
 
-    /// As one JSON object on a line of its own.
+    /// The report as one JSON object on a line.
     ///
     /// # Errors
-    /// It cannot be told as JSON.
+    /// The report cannot be serialized.
     pub fn json(&self) -> Result<String, serde_json::Error> {
         Ok(serde_json::to_string(self)? + "\n")
     }
@@ -358,12 +358,12 @@ pub(crate) fn modal_codes(modal: &Modal) -> Vec<String> {
     ]
 }
 
-/// The T word of a tool and an offset.
+/// The digits of the T word for a tool and an offset.
 pub(crate) fn tool_word((tool, offset): (u8, u8)) -> String {
     format!("{tool:02}{offset:02}")
 }
 
-/// The parameters that differ, by their three-digit numbers.
+/// The parameters that differ: three-digit number and value in `after`.
 pub fn changed(before: &Parameters, after: &Parameters) -> BTreeMap<String, i32> {
     (0..1000)
         .filter(|number| before.value(*number) != after.value(*number))

@@ -1,4 +1,4 @@
-//! An operator script carried out to its end.
+//! Executes an operator script to its end.
 
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
@@ -12,61 +12,61 @@ use crate::board::PulseBoard;
 use crate::partner::{Partner, Patience};
 use crate::picture::{self, PictureError};
 
-/// Ticks between two looks at a script.
+/// Ticks between two calls of a script without a board.
 const SLICE: u64 = 100_000;
 
-/// What a script needs of whoever runs it.
+/// What a script needs from the program that runs it: files, output, a serial partner.
 pub trait Surroundings {
-    /// Why something cannot be done.
+    /// Why an operation failed.
     type Error: Into<Message>;
 
-    /// The rows of the LCD are asked for.
+    /// Shows the rows of the LCD.
     fn show(&mut self, screen: &str);
 
-    /// A picture is to be stored under a name; `bytes` makes the file.
+    /// Stores a picture under a file name. `bytes` makes the file.
     ///
     /// # Errors
-    /// It cannot be stored.
+    /// The file cannot be stored.
     fn shot(
         &mut self,
         name: &str,
         bytes: &dyn Fn() -> Result<Vec<u8>, PictureError>,
     ) -> Result<(), Self::Error>;
 
-    /// A program file, with the name that it is known by.
+    /// Reads a program file. The result contains the name for the program.
     ///
     /// # Errors
-    /// It cannot be read.
+    /// The file cannot be read.
     fn program(&mut self, name: &str) -> Result<SerialFile, Self::Error>;
 
-    /// A file for the serial port.
+    /// Reads a file for the serial port.
     ///
     /// # Errors
-    /// It cannot be read.
+    /// The file cannot be read.
     fn transfer(&mut self, name: &str) -> Result<SerialFile, Self::Error>;
 
-    /// The control does not take a file at its serial port: why, for the partner.
+    /// Shows why the control refuses a file at its serial port.
     fn told(&mut self, said: &Message);
 
-    /// A partner that sends this file in DNC mode.
+    /// Opens a partner that sends this file in DNC mode.
     ///
     /// # Errors
-    /// It cannot be read.
+    /// The file cannot be read.
     fn partner(&mut self, name: &str) -> Result<Box<dyn Partner>, Self::Error>;
 }
 
 /// How a script ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ScriptEnd {
-    /// Its last line is done.
+    /// The last line is done.
     Finished,
-    /// A line did not come out as written.
+    /// A line failed: an expectation was not met, or an operation was not possible.
     Failed(Failure),
-    /// The end was asked for.
+    /// The end was requested.
     Asked,
 }
 
-/// A script on an emulator.
+/// A script that runs on an emulator.
 pub struct Session<'a, S> {
     emulator: &'a mut Emulator,
     surroundings: &'a mut S,
@@ -78,7 +78,7 @@ pub struct Session<'a, S> {
 }
 
 impl<'a, S: Surroundings> Session<'a, S> {
-    /// Before the first line of a script.
+    /// Prepares a script run on an emulator; `surroundings` provides files and output.
     pub fn new(emulator: &'a mut Emulator, surroundings: &'a mut S) -> Self {
         Self {
             emulator,
@@ -89,19 +89,19 @@ impl<'a, S: Surroundings> Session<'a, S> {
         }
     }
 
-    /// A board that is known moves the slides.
+    /// Connects an opened board that moves the slides; `None` simulates them.
     #[must_use]
     pub fn at_board(self, board: Option<&'a mut dyn PulseBoard>) -> Self {
         Self { board, ..self }
     }
 
-    /// What the script did is taken down.
+    /// Writes what the script does to `record`, with the ticks.
     #[must_use]
     pub fn recorded(self, record: Option<&'a mut Record>) -> Self {
         Self { record, ..self }
     }
 
-    /// Runs the script.
+    /// Runs the script to its end.
     pub fn run(mut self, script: Script) -> ScriptEnd {
         let mut runner = Runner::new(script);
         let slice = if self.record.is_some() { 1 } else { SLICE };
@@ -126,7 +126,8 @@ impl<'a, S: Surroundings> Session<'a, S> {
         }
     }
 
-    /// Goes on with the script: at the board's pace, tick by tick, if there is one.
+    /// Continues the script: tick by tick at the pace of the board, if there is one. `None` if
+    /// the end was requested.
     fn advance(&mut self, runner: &mut Runner, slice: u64) -> Option<ScriptProgress> {
         let Some(board) = &mut self.board else {
             return Some(runner.advance(self.emulator, slice));
@@ -142,7 +143,7 @@ impl<'a, S: Surroundings> Session<'a, S> {
         Some(progress)
     }
 
-    /// Does what a line asks for; why, if that cannot be.
+    /// Executes the effect of a line. Returns the reason if it fails.
     fn carry_out(&mut self, effect: Effect) -> Result<(), Message> {
         match effect {
             Effect::Show(text) => self.surroundings.show(&text),
@@ -181,7 +182,7 @@ impl<'a, S: Surroundings> Session<'a, S> {
     }
 }
 
-/// What a script did, line by line with the tick at which each began.
+/// A recording of a script, line by line with the tick at which each began.
 #[derive(Clone, Debug)]
 pub struct Record {
     lines: Vec<ScriptLine>,
@@ -190,7 +191,7 @@ pub struct Record {
 }
 
 impl Record {
-    /// Of a script that has not begun.
+    /// An empty recording of a script.
     pub fn new(script: &Script) -> Self {
         Self {
             lines: script.lines.clone(),
@@ -199,12 +200,13 @@ impl Record {
         }
     }
 
-    /// The recording as a script.
+    /// The recording as an operator script with `@tick` times.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The script has come to a line; it and those before it began at this tick.
+    /// Notes that the script has reached a line. This line and those before it began at this
+    /// tick.
     fn reached(&mut self, number: u32, tick: u64) {
         let tick = tick.saturating_sub(POWER_ON_TICKS);
         while let Some(line) = self.lines.get(self.written)

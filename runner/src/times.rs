@@ -1,28 +1,28 @@
-//! Where the time of a program goes: by kind of motion, and by tool.
+//! Adds up the machine time of a program by kind of motion and by tool.
 //!
-//! What lies between two moves (M, S and T functions, the turret, the spindle running
-//! up) belongs to the tool that works after it.
+//! Time between two moves (M, S and T functions, the turret, spindle acceleration) counts for
+//! the tool that works after it.
 
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_messages::{Message, say};
 
-/// What machine time is spent on.
+/// The use of machine time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spending {
     /// Rapids.
     Rapid,
-    /// Cuts, straight and round.
+    /// Straight and circular cuts.
     Feed,
     /// Threads with their run-outs, and taps.
     Thread,
-    /// Waits that the program asks for (G04).
+    /// Dwells (G04).
     Dwell,
-    /// M, S and T functions, tool changes, whatever else the slides wait for.
+    /// M, S and T functions, tool changes, and other waits of the slides.
     Other,
 }
 
 impl Spending {
-    /// All of them, in the order in which they are shown.
+    /// All kinds, in their display order.
     pub const ALL: [Self; 5] = [
         Self::Rapid,
         Self::Feed,
@@ -31,7 +31,7 @@ impl Spending {
         Self::Other,
     ];
 
-    /// Of a kind of motion.
+    /// The kind for a kind of move.
     pub const fn of(kind: MoveKind) -> Self {
         match kind {
             MoveKind::Rapid => Self::Rapid,
@@ -41,7 +41,7 @@ impl Spending {
         }
     }
 
-    /// Its name for programs (`--json`).
+    /// The key in the JSON of a report.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Rapid => "rapid",
@@ -52,7 +52,7 @@ impl Spending {
         }
     }
 
-    /// Its name for people.
+    /// The name for the user.
     pub fn words(self) -> Message {
         match self {
             Self::Rapid => say::report_kind_rapid(),
@@ -64,24 +64,24 @@ impl Spending {
     }
 }
 
-/// Seconds of each kind.
+/// Machine time by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spent {
     seconds: [f64; Spending::ALL.len()],
 }
 
 impl Spent {
-    /// Of one kind, s.
+    /// Time of one kind, s.
     pub const fn on(&self, what: Spending) -> f64 {
         self.seconds[what as usize]
     }
 
-    /// With the tool in the material, s: cuts and threads.
+    /// Time with the tool in the material, s: cuts and threads.
     pub const fn cutting(&self) -> f64 {
         self.on(Spending::Feed) + self.on(Spending::Thread)
     }
 
-    /// Of all kinds, s.
+    /// Sum of all kinds, s.
     pub fn whole(&self) -> f64 {
         self.seconds.iter().sum()
     }
@@ -91,30 +91,31 @@ impl Spent {
     }
 }
 
-/// The time of one tool.
+/// Machine time of one tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolTime {
-    /// Its number, 0 = none.
+    /// Tool number; 0 for no tool.
     pub tool: u8,
-    /// The offset number it cut with first; before a cut, the one it moved with last.
+    /// The number of the offset it first cut with; before a cut, the last one it moved with.
     pub offset: u8,
-    /// Its seconds.
+    /// Its time by kind.
     pub spent: Spent,
 }
 
-/// The times of a program, summed up move by move. Takes no more memory than its tools.
+/// Adds up the times of a program move by move. Its memory grows with the number of tools
+/// only.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Times {
     spent: Spent,
     tools: Vec<ToolTime>,
-    /// The tool in work, as an index.
+    /// Index of the tool in use.
     current: Option<usize>,
     /// Machine time up to which the sums reach, s.
     until_s: f64,
 }
 
 impl Times {
-    /// Adds a move; they come in the order of execution.
+    /// Adds a move. Moves must come in the order of execution.
     pub fn push(&mut self, executed: &ExecutedMove) {
         let (tool, offset) = (executed.conditions.tool, executed.conditions.offset);
         let index = self.change_to(tool, offset);
@@ -130,17 +131,17 @@ impl Times {
         self.until_s += executed.duration_s;
     }
 
-    /// Ends the program at a machine time, s: what came after its last move counts.
+    /// Ends the program at a machine time, s. The time after its last move counts as other.
     pub fn end(&mut self, time_s: f64) {
         self.wait_until(time_s);
     }
 
-    /// Of the whole program.
+    /// The time of the whole program.
     pub const fn spent(&self) -> &Spent {
         &self.spent
     }
 
-    /// Of each tool, in the order in which they work.
+    /// The time of each tool, in the order of their use.
     pub fn tools(&self) -> &[ToolTime] {
         &self.tools
     }
@@ -164,10 +165,10 @@ impl Times {
         index
     }
 
-    /// The slides wait until a machine time.
+    /// Counts the time until a machine time as waiting.
     fn wait_until(&mut self, time_s: f64) {
         let waited = time_s - self.until_s;
-        // Moves that go over into each other overlap by rounding alone.
+        // Blended moves overlap by rounding errors.
         if waited <= 0.0 {
             return;
         }

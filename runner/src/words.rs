@@ -1,14 +1,14 @@
-//! Values and blocks in words.
+//! Formats values, blocks and tools as text.
 
 use std::borrow::Cow;
 
 use gsk_messages::{Message, say};
 use gsk_workpiece::tool::{Insert, Tool};
 
-/// Letters of a block that are shown: a line may hold a whole program.
+/// Limit of the shown characters of a block: a line may hold a whole program.
 const SHOWN: usize = 160;
 
-/// The beginning of a line, with dots where it goes on.
+/// The beginning of a line, with dots if it is longer than 160 characters.
 pub fn beginning(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(SHOWN) {
         Some((end, _)) => Cow::Owned(format!("{} …", &text[..end])),
@@ -16,7 +16,7 @@ pub fn beginning(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Seconds as `1:02:03` or `2:03.4`.
+/// Formats seconds as `1:02:03` or `2:03.4`.
 pub fn clock(seconds: f64) -> String {
     let whole = seconds as u64;
     let (hours, minutes) = (whole / 3600, whole / 60 % 60);
@@ -26,7 +26,7 @@ pub fn clock(seconds: f64) -> String {
     format!("{minutes}:{:04.1}", seconds - 60.0 * (whole / 60) as f64)
 }
 
-/// Seconds as `1:02:03` or `2:03`.
+/// Formats seconds, rounded, as `1:02:03` or `2:03`.
 pub fn clock_in_seconds(seconds: f64) -> String {
     let whole = seconds.round() as u64;
     let (hours, minutes, seconds) = (whole / 3600, whole / 60 % 60, whole % 60);
@@ -36,7 +36,7 @@ pub fn clock_in_seconds(seconds: f64) -> String {
     format!("{minutes}:{seconds:02}")
 }
 
-/// What a tool is, as short as in a tool list.
+/// A short description of a tool, as in a tool list.
 pub fn in_short(tool: &Tool) -> Message {
     match tool.insert {
         Insert::Turning {

@@ -1,4 +1,4 @@
-//! `case.ron`: what a case runs and from which set-up.
+//! `case.ron`: the programs or the script of a case, and its set-up.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use crate::setup::SetupWords;
 
-/// A case as its `case.ron` says.
+/// A case as defined by its `case.ron`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Case {
@@ -14,24 +14,24 @@ pub struct Case {
     pub programs: Vec<String>,
     /// An operator script instead of programs.
     pub script: Option<String>,
-    /// Which paths a program takes; without it both.
+    /// The execution paths of a program; both by default.
     pub paths: Vec<ProgramPath>,
-    /// Whether somebody listens at the serial port.
+    /// Whether a partner is connected to the serial port.
     pub partner: bool,
-    /// What control and lathe start from.
+    /// Initial state of control and lathe.
     pub setup: SetupWords,
-    /// How far times may be off, s.
+    /// Tolerance of times, s.
     pub time_tolerance: f64,
-    /// Why the case is known to fail today.
+    /// Why the case is known to fail; it must fail then.
     pub known_failure: Option<String>,
 }
 
-/// A path through the program: interpretation alone or the full kernel.
+/// The way a program is executed: interpretation alone or the full kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum ProgramPath {
-    /// The preview, as `check` takes it.
+    /// The preview, as in `check`.
     Check,
-    /// Every tick, with PLC and simulated lathe, as `run` takes it.
+    /// Every tick, with PLC and simulated lathe, as in `run`.
     Run,
 }
 
@@ -63,7 +63,7 @@ impl Case {
     /// Reads the `case.ron` of a folder.
     ///
     /// # Errors
-    /// The file is missing or is no case.
+    /// The file is missing or invalid.
     pub fn read(folder: &Path) -> Result<Self, String> {
         let text = crate::read(folder, "case.ron")?;
         let options = ron::Options::default()

@@ -1,13 +1,12 @@
-//! Comparing what was seen with the fields an expectation names.
+//! Compares results with the fields that an expectation names.
 
 use serde_json::Value;
 
-/// How far coordinates may be off, mm: they are equal when shown alike.
+/// Tolerance of coordinates, mm: they are equal when displayed alike.
 const COORDINATE: f64 = 0.000_6;
 
-/// What differs between an expectation and what was seen, one line each. Only
-/// the fields that the expectation names are compared; `time_tolerance` holds
-/// for fields of time, in seconds.
+/// Lists the differences between an expectation and a result, a line each. Only the fields in
+/// the expectation are compared. `time_tolerance`, s, applies to fields of time.
 pub fn differences(
     place: &str,
     expected: &Value,
@@ -54,7 +53,7 @@ pub fn differences(
     }
 }
 
-/// The expectation with the values seen, in the fields it names.
+/// The expectation with the values of the result in its fields.
 pub fn updated(expected: &Value, seen: &Value) -> Value {
     match (expected, seen) {
         (Value::Object(expected), Value::Object(seen)) => Value::Object(

@@ -1,11 +1,11 @@
-//! A session at the panel whose every tick is hashed: the same on every system.
+//! A session at the panel with a hash over every tick, the same on every system.
 
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::script::{Effect, Runner, Script, ScriptProgress};
 
-/// Positions of the session. A change of motion, of the ladder or of the script
-/// changes it: then, and only then, put in the value that the test prints.
+/// Hash of the positions of the session. A change of motion, ladder or script changes it. Only
+/// then replace it with the value that the test prints.
 pub const GOLDEN: u64 = 0x2b0d_c502_6b99_8055;
 
 const PART: &str = "O0001;
@@ -66,7 +66,7 @@ wait 500ms
 expect alarm none
 ";
 
-/// What the session left behind.
+/// The hashes of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Trace {
     /// Hash of the machine positions of every tick.
@@ -79,18 +79,18 @@ pub struct Trace {
     pub ticks: u64,
 }
 
-/// FNV-1a.
+/// Adds bytes to a hash (FNV-1a).
 fn hash(state: &mut u64, bytes: impl IntoIterator<Item = u8>) {
     for byte in bytes {
         *state = (*state ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     }
 }
 
-/// Runs the session. At these ticks the machine is saved and goes on as what was
-/// restored.
+/// Runs the session. At the ticks of `saves` the machine is saved, and the session continues
+/// with the restored copy.
 ///
 /// # Errors
-/// A line of the session that fails, or a state that is another one once restored.
+/// A line of the session fails, or a restored state differs.
 pub fn trace(saves: &[u64]) -> Result<Trace, String> {
     const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
     let mut trace = Trace {

@@ -1,4 +1,4 @@
-//! Programs through both paths, with results as the command line writes them.
+//! Executes programs on both paths, with results as the command line writes them.
 
 use gsk_core::command::{ExecutedMove, ProgramId};
 use gsk_core::interpreter::{Explanation, Modal};
@@ -18,20 +18,20 @@ const LIMITS: Limits = Limits {
     parts: 1,
     time_ms: 1_800_000,
 };
-/// Blocks without motion after which a preview is given up.
+/// Number of blocks without motion after which a preview is cancelled.
 const MOTIONLESS_BLOCKS: u64 = 1_500_000;
 
-/// What a path saw.
+/// The results of a path.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Seen {
-    /// The moves, in execution order.
+    /// The moves in the order of execution.
     pub moves: Vec<Value>,
-    /// The result; what a path does not know is left out.
+    /// The result, without the fields that the path does not compute.
     pub result: Value,
 }
 
 impl Seen {
-    /// What was written, as who reads it back has it.
+    /// Parses the written output, as a reader of the file does.
     fn read(moves: &[u8], report: &Report) -> Self {
         let lines = moves.split(|byte| *byte == b'\n');
         let lines = lines.filter(|line| !line.is_empty());
@@ -66,7 +66,7 @@ fn program_name(program: ProgramId) -> String {
     }
 }
 
-/// Takes the moves down as the command line writes them.
+/// Writes the moves as the command line does.
 #[derive(Default)]
 struct Moves {
     written: Vec<u8>,
@@ -74,7 +74,7 @@ struct Moves {
 
 impl Moves {
     fn take(&mut self, executed: &ExecutedMove) {
-        // Memory takes everything.
+        // Writing to memory cannot fail.
         let _ = moves::write_move(&mut self.written, executed);
     }
 }
@@ -94,7 +94,7 @@ impl Watcher for Moves {
     fn tell(&mut self, _said: &Message) {}
 }
 
-/// The path of `check`.
+/// Executes the path of `check`.
 pub fn check(setup: &Setup) -> Seen {
     let mut moves = Moves::default();
     let report = report::check(
@@ -107,7 +107,7 @@ pub fn check(setup: &Setup) -> Seen {
     Seen::read(&moves.written, &report)
 }
 
-/// The path of `check` with a mill.
+/// Executes the path of `check` with a mill.
 pub fn check_mill(setup: &MillSetup, programs: &ProgramMemory) -> Seen {
     let mut written = Vec::new();
     let report = gsk_runner::mill::check(
@@ -116,7 +116,7 @@ pub fn check_mill(setup: &MillSetup, programs: &ProgramMemory) -> Seen {
         programs,
         None,
         &mut |made| {
-            // Memory takes everything.
+            // Writing to memory cannot fail.
             let _ = gsk_runner::mill::write_move(&mut written, made);
         },
         &mut |progress| progress.motionless < MOTIONLESS_BLOCKS,
@@ -124,7 +124,7 @@ pub fn check_mill(setup: &MillSetup, programs: &ProgramMemory) -> Seen {
     Seen::read(&written, &report)
 }
 
-/// The path of `run`.
+/// Executes the path of `run`.
 pub fn run(setup: &Setup) -> Seen {
     let mut moves = Moves::default();
     let simulation = Simulation::new(setup.clone());

@@ -1,7 +1,7 @@
 //! End-to-end cases as folders of data, run through the public API.
 //!
-//! A case is a folder `tests/cases/<subject>/<code>/<case>/`; what its files mean stands in
-//! `ARCHITECTURE.md`. [`run_case`] runs one and returns what differs.
+//! A case is a folder `tests/cases/<subject>/<code>/<case>/`; `ARCHITECTURE.md` explains its
+//! files. [`run_case`] runs one and returns the differences.
 
 pub mod case;
 pub mod compare;
@@ -22,18 +22,18 @@ use std::path::{Path, PathBuf};
 pub use case::{Case, ProgramPath};
 pub use tree::case_dir;
 
-/// The folder of the repository.
+/// The root folder of the repository.
 pub fn repository() -> PathBuf {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
     manifest.parent().unwrap_or(manifest).to_path_buf()
 }
 
-/// Runs the case in a folder. With `update` the values of its expectation files
-/// are rewritten where they differ.
+/// Runs the case in a folder. With `update` the values of its expectation files are rewritten
+/// where they differ.
 ///
 /// # Errors
-/// What differs, one difference a line; or that the case cannot be read; or that
-/// a case marked as a known failure has begun to pass.
+/// The differences, a line each; or that the case cannot be read; or that a case marked as a
+/// known failure passes.
 pub fn run_case(folder: &Path, update: bool) -> Result<(), String> {
     let case = Case::read(folder)?;
     let outcome = run_as_written(&case, folder, update);
@@ -46,10 +46,10 @@ pub fn run_case(folder: &Path, update: bool) -> Result<(), String> {
     }
 }
 
-/// Runs what a case says, which may have been changed since it was read.
+/// Runs a case, which may have been changed after reading.
 ///
 /// # Errors
-/// What differs.
+/// The differences, a line each.
 pub fn run_as_written(case: &Case, folder: &Path, update: bool) -> Result<(), String> {
     match &case.script {
         Some(script) => operate::run(case, folder, script, update),
@@ -62,7 +62,7 @@ fn read(folder: &Path, name: &str) -> Result<String, String> {
     std::fs::read_to_string(folder.join(name)).map_err(|error| format!("{name}: {error}"))
 }
 
-/// Reads a file of a case that may be missing.
+/// Reads an optional file of a case.
 fn read_if_there(folder: &Path, name: &str) -> Result<Option<String>, String> {
     if folder.join(name).exists() {
         read(folder, name).map(Some)

@@ -1,4 +1,4 @@
-//! Cases that run an operator script.
+//! Runs cases with an operator script.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ const SCREEN: &str = "screen.txt";
 const SENT: &str = "sent.txt";
 const PICTURE: &str = "screen.png";
 
-/// Runs the script and compares the LCD at its end, as text and as picture.
+/// Runs the script and compares the LCD at its end, as text and as a picture.
 pub(crate) fn run(case: &Case, folder: &Path, name: &str, update: bool) -> Result<(), String> {
     let text = crate::read(folder, name)?;
     let script = Script::parse(&text).map_err(|errors| {
@@ -39,7 +39,7 @@ pub(crate) fn run(case: &Case, folder: &Path, name: &str, update: bool) -> Resul
     compare_picture(folder, &emulator, update)
 }
 
-/// The files of a case, which a script names.
+/// The files of a case, by the names in its script.
 struct Files<'a> {
     folder: &'a Path,
 }
@@ -85,8 +85,8 @@ impl Surroundings for Files<'_> {
     }
 }
 
-/// What has arrived at the partner of the serial port, one file after the other; a
-/// last line `…` stands for everything that follows.
+/// Compares the files that the partner at the serial port received, in their order. A last
+/// line `…` matches everything that follows.
 fn compare_sent(folder: &Path, emulator: &mut Emulator, update: bool) -> Result<(), String> {
     let Some(expected) = crate::read_if_there(folder, SENT)? else {
         return Ok(());
@@ -126,7 +126,7 @@ fn compare_text(folder: &Path, emulator: &Emulator, update: bool) -> Result<(), 
     Err(lines.join("\n"))
 }
 
-/// The picture goes beyond the text: looks of characters, big figures, the graphic.
+/// The picture shows more than the text: character styles, large figures, the graphic.
 fn compare_picture(folder: &Path, emulator: &Emulator, update: bool) -> Result<(), String> {
     let path = folder.join(PICTURE);
     if !path.exists() {
@@ -149,7 +149,7 @@ fn padded(text: &str) -> impl Iterator<Item = &str> {
     text.lines().chain(core::iter::repeat(""))
 }
 
-/// The LCD as 15 lines without blanks at their ends.
+/// The LCD as 15 lines without trailing spaces.
 fn screen_text(emulator: &Emulator) -> String {
     let screen = emulator.screen().text();
     screen

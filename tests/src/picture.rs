@@ -1,4 +1,4 @@
-//! The LCD as a picture of two colours, two pixels a dot: what a case keeps of it.
+//! The LCD as a picture of two colours, two pixels a dot, as stored in a case.
 
 use gsk_panel::raster::{self, Palette};
 use gsk_panel::screen::{HEIGHT, Screen, WIDTH};
@@ -20,7 +20,7 @@ fn pixels(screen: &Screen) -> Vec<u8> {
     pixels
 }
 
-/// Every bit twice.
+/// Doubles every bit.
 fn wide(byte: u8) -> [u8; 2] {
     let wide = (0..8)
         .filter(|bit| byte >> bit & 1 == 1)
@@ -35,7 +35,7 @@ fn colours(palette: Palette) -> Vec<u8> {
 /// The picture as a PNG file.
 ///
 /// # Errors
-/// What the encoder says.
+/// The error of the encoder.
 pub(crate) fn encode(screen: &Screen, brightness: u8) -> Result<Vec<u8>, String> {
     let mut file = Vec::new();
     let (width, height) = ((WIDTH * SCALE) as u32, (HEIGHT * SCALE) as u32);
@@ -52,7 +52,7 @@ pub(crate) fn encode(screen: &Screen, brightness: u8) -> Result<Vec<u8>, String>
     Ok(file)
 }
 
-/// Whether a PNG file shows this screen, dot for dot and in its colours.
+/// Whether a PNG file shows this screen, with the same dots and colours.
 pub(crate) fn shows(file: &[u8], screen: &Screen, brightness: u8) -> bool {
     decoded(file).is_some_and(|(palette, stored)| {
         palette == colours(raster::palette(brightness)) && stored == pixels(screen)

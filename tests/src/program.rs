@@ -1,4 +1,4 @@
-//! Cases that run a part program.
+//! Runs cases with a part program.
 
 use std::path::Path;
 
@@ -12,10 +12,10 @@ use crate::setup;
 const MOVES: &str = "moves.ndjson";
 const RESULT: &str = "result.json";
 
-/// Fields of the result that only the preview knows.
+/// Fields of the result that only the preview computes.
 const CHECK_ONLY: [&str; 3] = ["more_alarms", "unchecked_behind", "warnings"];
 
-/// Runs the case through its paths.
+/// Runs the case on its paths.
 pub(crate) fn run(case: &Case, folder: &Path, update: bool) -> Result<(), String> {
     let texts: Vec<String> = case
         .programs
@@ -107,7 +107,7 @@ impl Expected {
         all
     }
 
-    /// Rewrites the values of the fields named; a new case gets the usual fields.
+    /// Rewrites the values of the existing fields. A new case gets the usual fields.
     fn update(&self, folder: &Path, seen: &Seen) -> Result<(), String> {
         let mut fields = json!({"line": 0, "kind": 0, "x0": 0, "z0": 0, "x": 0, "z": 0});
         if seen.moves.iter().any(|it| !it["y"].is_null()) {

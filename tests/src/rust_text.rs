@@ -1,21 +1,20 @@
-//! Splits Rust sources into identifiers and comments, for tests of the language they are
-//! written in.
+//! Splits Rust sources into identifiers and comments, for tests of names and comments.
 
-/// A piece of a source with the line where it begins, from 1.
+/// A token of a source with its line, from 1.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Token {
     /// A name or a keyword.
     Identifier {
         /// The name as written, without `r#`.
         name: String,
-        /// Its line.
+        /// Line of the token, from 1.
         line: usize,
     },
     /// A comment or a doc comment of one line, without its slashes.
     Comment {
         /// The text as written.
         text: String,
-        /// Its line.
+        /// Line of the token, from 1.
         line: usize,
     },
 }

@@ -17,31 +17,31 @@ use serde::Deserialize;
 /// Head of the program that fills the memory.
 const FILLING: &str = "O9999;\n(";
 
-/// What a case starts from where it differs from the dry-run set-up.
+/// The differences of a case from the dry-run set-up.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SetupWords {
-    /// The machine as delivered instead: factory parameters, no reference.
+    /// Starts from the machine as delivered instead: factory parameters, no reference.
     pub delivered: bool,
-    /// Where the tool stands: X as a diameter, Z.
+    /// Tool position at the start: X as a diameter, Z.
     pub start: Option<(f64, f64)>,
-    /// Where the work zero lies in machine coordinates; `start` is counted from it.
+    /// Position of the work zero in machine coordinates; `start` counts from it.
     pub work_zero: Option<(f64, f64)>,
-    /// Speed of a spindle that already turns, r/min.
+    /// Speed of a spindle that is already on, r/min.
     pub spindle: Option<f64>,
-    /// The lathe is wired for the parameters without `params`.
+    /// Wires the lathe for the parameters without `params`.
     pub as_built: bool,
     /// Parameters: `"22=3800"`, `"001.4=0"`.
     pub params: Vec<String>,
     /// Offsets: `"01=2,1.5,0,0"`.
     pub offsets: Vec<String>,
-    /// Characters that a program O9999 already takes in the memory.
+    /// Number of characters of a program O9999 that fills the memory.
     pub filled: usize,
     /// Points of the pitch error table, µm: `"Z 1=7"`.
     pub pitch: Vec<String>,
     /// Machine inputs held at a value: `"X0.4=1"`.
     pub inputs: Vec<String>,
-    /// Whether the axes have their reference.
+    /// Whether the axes are referenced.
     pub referenced: Option<bool>,
     /// Whether programs are in inches.
     pub inch: bool,
@@ -49,9 +49,9 @@ pub struct SetupWords {
     pub macro_b: bool,
     /// The control model: `"ncb08"`.
     pub model: Option<String>,
-    /// Parameters that only this model has: `"17=6000"`.
+    /// Parameters of this model alone: `"17=6000"`.
     pub model_params: Vec<String>,
-    /// Of a mill: slides, zeros, tools.
+    /// For a mill: slides, zeros, tools.
     pub mill: MillWords,
     /// Date and time of day at the start: `"1993-03-28 15:34:56"`.
     pub clock: Option<String>,
@@ -69,7 +69,7 @@ pub struct SetupWords {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MillWords {
-    /// Where the slides stand: `"0,0,100"`.
+    /// Position of the slides: `"0,0,100"`.
     pub start: Option<String>,
     /// Zeros of the work: `"54=100,50,0"`.
     pub zeros: Vec<String>,
@@ -78,10 +78,10 @@ pub struct MillWords {
 }
 
 impl SetupWords {
-    /// The set-up of a mill; none where the model is no mill.
+    /// The set-up of a mill; `None` if the model is a lathe.
     ///
     /// # Errors
-    /// A word that cannot be read.
+    /// A word is invalid.
     pub fn mill(&self, setup: &Setup) -> Result<Option<MillSetup>, String> {
         let model = &setup.memory.model;
         if !model.id().is_mill() {
@@ -102,10 +102,10 @@ impl SetupWords {
         Ok(Some(mill))
     }
 
-    /// The set-up.
+    /// The set-up of a program case.
     ///
     /// # Errors
-    /// A word that cannot be read or is refused.
+    /// A word is invalid or refused.
     pub fn setup(&self) -> Result<Setup, String> {
         self.over(Setup::default())
     }
@@ -192,7 +192,7 @@ impl SetupWords {
     }
 }
 
-/// A file of `assets/`.
+/// Reads a file of `assets/`.
 fn asset(folder: &str, name: &str) -> Result<String, String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
     crate::read(&root.join(folder), name)
@@ -283,11 +283,11 @@ fn offset(setup: &mut Setup, word: &str) -> Result<(), String> {
         .map_err(refused)
 }
 
-/// Program memory with these texts; the first one is selected. A text without
-/// an O word is opened as an external program.
+/// Program memory with these texts; the first one is selected. A text without an O word is
+/// opened as an external program.
 ///
 /// # Errors
-/// The alarm with which the memory refuses one.
+/// The alarm with which the memory refuses a text.
 pub fn memory(texts: &[String]) -> Result<ProgramMemory, String> {
     let mut memory = ProgramMemory::default();
     let mut first = None;

@@ -1,4 +1,5 @@
-//! What the sources hold, for tables that name tests and for what they must not hold.
+//! Reads the sources of the workspace, for tables that name tests and for tests of the
+//! sources.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,7 +9,7 @@ use crate::repository;
 /// The packages whose tests a table may name.
 const PACKAGES: [&str; 6] = ["core", "milling", "panel", "app", "twins", "tests"];
 
-/// Whether a Rust test function of this name exists.
+/// Whether a Rust test function with this name exists.
 pub fn has_test(name: &str) -> bool {
     let wanted = format!("fn {name}()");
     PACKAGES
@@ -29,11 +30,11 @@ fn contains(folder: &Path, wanted: &str) -> bool {
     })
 }
 
-/// A file of the control without its tests.
+/// A source file without its tests.
 pub struct Source {
-    /// Where it lies in the repository.
+    /// Path in the repository.
     pub path: PathBuf,
-    /// What it says.
+    /// The text without its tests.
     pub text: String,
 }
 

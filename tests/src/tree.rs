@@ -1,23 +1,22 @@
-//! Where the cases lie: `cases/<subject>/<code>/<case>/`, and a case is called by its
-//! last name alone.
+//! Finds the cases in `cases/<subject>/<code>/<case>/`. The last name alone identifies a case.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Folders above a case: its subject and its code.
+/// Number of folders above a case: its subject and its code.
 const ABOVE: usize = 2;
-/// What makes a folder a case.
+/// The file that makes a folder a case.
 const CASE: &str = "case.ron";
 
-/// A case in its place.
+/// A case folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// Its name, which no other case has.
+    /// Its name, which is unique.
     pub name: String,
-    /// The way to it, as the runner shows it: `cycles/G71/roughing-turn-arc`.
+    /// Its path as the runner shows it: `cycles/G71/roughing-turn-arc`.
     pub path: String,
-    /// The folder on the disk.
+    /// The folder on disk.
     pub folder: PathBuf,
 }
 
@@ -26,18 +25,18 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("cases")
 }
 
-/// Every case, in the order of their paths.
+/// All cases, sorted by path.
 ///
 /// # Errors
-/// What is wrong with the folders, one fault a line.
+/// The faults of the folders, a line each.
 pub fn cases() -> Result<Vec<Place>, String> {
     cases_in(&root())
 }
 
-/// Every case below a folder.
+/// All cases below a folder.
 ///
 /// # Errors
-/// A folder without a case, a case at the wrong depth, a name that two cases have.
+/// A folder without a case, a case at the wrong depth, a name of two cases.
 pub fn cases_in(root: &Path) -> Result<Vec<Place>, String> {
     let mut seen = Seen::default();
     seen.walk(root, &mut Vec::new());
@@ -49,7 +48,7 @@ pub fn cases_in(root: &Path) -> Result<Vec<Place>, String> {
     }
 }
 
-/// The folder of a case, by its name alone.
+/// The folder of the case with a name.
 pub fn case_dir(name: &str) -> Option<PathBuf> {
     let codes = folders(&root())
         .into_iter()
@@ -70,7 +69,7 @@ fn folders(folder: &Path) -> Vec<PathBuf> {
     folders
 }
 
-/// What a walk over the folders has seen.
+/// The result of a walk over the folders.
 #[derive(Default)]
 struct Seen {
     cases: Vec<Place>,

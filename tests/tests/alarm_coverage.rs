@@ -1,10 +1,9 @@
-//! Every alarm of the control has a case that raises it, or a line in
-//! `alarm-coverage.tsv` that says why none can.
+//! Checks that every alarm of the control has a case that raises it, or a line in
+//! `alarm-coverage.tsv` with the reason why none can.
 //!
-//! `never` is for alarms that a simulated machine cannot have, `test` names the Rust
-//! test that raises one which no case can, `open` is for those without either so far.
-//! An alarm of a program may be open only while a case marked as a known failure waits
-//! for it.
+//! `never` marks alarms that a simulated machine cannot have, `test` names the Rust test that
+//! raises an alarm which no case can, `open` marks those without either so far. An alarm of a
+//! program may be open only while a case marked as a known failure waits for it.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -36,7 +35,7 @@ fn expected_alarm(folder: &Path) -> Option<Value> {
         .cloned()
 }
 
-/// The alarms that an operator script waits to see.
+/// The alarms that an operator script waits for.
 fn alarms_of_script(text: &str) -> Vec<u16> {
     text.lines()
         .filter_map(|line| line.trim().strip_prefix("expect alarm "))
@@ -106,7 +105,7 @@ fn reasons() -> BTreeMap<u16, Reason> {
     reasons
 }
 
-/// What is wrong with one row of the alarm table.
+/// The fault of one row of the alarm table.
 fn fault(row: &AlarmRow, cases: &Cases, reason: Option<&Reason>) -> Option<String> {
     let of_program = row.advice.is_some();
     let text = match (cases.pass.first(), reason) {

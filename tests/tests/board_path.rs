@@ -1,5 +1,5 @@
-//! The plotted path ends where the board stopped: what the control was ahead of it is
-//! not drawn.
+//! Checks that the plotted path ends where the board stopped: the motion that the board has
+//! not made is not drawn.
 
 #[allow(dead_code, reason = "the whole bench of the link")]
 #[path = "control/bench/board.rs"]
@@ -19,8 +19,8 @@ use gsk_panel::panel::Panel;
 use gsk_panel::trace::PathSegment;
 use gsk_twins::grbl::{GrblTwin, Variant};
 
-/// 10 mm/s along Z, then along X: at the corner the control is there long before the
-/// board is.
+/// 10 mm/s along Z, then along X. The control is past the corner long before the board reaches
+/// it.
 const CORNER: &str = "O1\nG98 G01 W-10 F600\nU-40\nM30\n";
 
 /// A panel at a control with a board.
@@ -83,7 +83,7 @@ impl<T: Board> Lathe<T> {
             .collect()
     }
 
-    /// Draws the corner until the control is round it and the board is not.
+    /// Draws until the control is past the corner and the board is not.
     fn cuts_the_corner(&mut self) -> Point {
         self.press(Key::Auto);
         let program = gsk_core::program::Program::new(CORNER);
@@ -109,7 +109,7 @@ impl<T: Board> Lathe<T> {
     }
 }
 
-/// A stop before the corner: nothing of the way behind it is drawn.
+/// After a stop before the corner nothing of the path after it is drawn.
 #[track_caller]
 fn ends_where_it_stopped<T: Board>(ready: &Lathe<T>, stop: impl Fn(&mut Lathe<T>)) {
     let mut lathe = ready.clone();
@@ -125,7 +125,7 @@ fn ends_where_it_stopped<T: Board>(ready: &Lathe<T>, stop: impl Fn(&mut Lathe<T>
     assert!((first.from - begins).length() < 1e-9, "{path:?}");
     assert!((last.to - stands).length() < 1e-9, "{stands:?} {path:?}");
     for piece in &path {
-        // Where the count is read it may be a pulse beside the path.
+        // At the point of the reading, the path may be off by a pulse.
         assert!((piece.to.x - begins.x).abs() < 0.006, "{path:?}");
         assert!(piece.to.z > stands.z - 0.006, "{path:?}");
     }
@@ -154,7 +154,7 @@ fn the_path_of_a_board_of_timed_steps_ends_where_it_stopped() {
     common::<Timed>(&Lathe::new(Machine::timed_referenced()));
 }
 
-/// Without a stop all of it is there, in as few pieces as ever.
+/// Without a stop the whole path is drawn, with as few segments as otherwise.
 #[test]
 fn a_path_that_was_made_is_drawn_to_its_end() {
     let mut lathe = Lathe::new(Machine::referenced(Variant::Grbl));

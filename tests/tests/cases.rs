@@ -1,8 +1,8 @@
-//! Runs every case under `tests/cases/`: one trial for each, called by its path.
+//! Runs every case under `tests/cases/` as a test named by its path.
 //!
-//! `cargo test -p gsk980td-tests --test cases -- G71` runs the cases with `G71` in
-//! their path, `--list` names them, `--exact` wants the whole path, `--help` tells
-//! the rest; `UPDATE_CASES=1` in the environment rewrites what differs.
+//! `cargo test -p gsk980td-tests --test cases -- G71` runs the cases with `G71` in their path,
+//! `--list` names them, `--exact` requires the whole path, `--help` lists the rest.
+//! `UPDATE_CASES=1` in the environment rewrites what differs.
 
 use std::process::ExitCode;
 

@@ -1,16 +1,16 @@
-//! Nothing moves without a cause. Fingers press keys at random, inputs fail at
-//! random; an observer that knows the wires and the manual, but nothing of the
-//! control's inside, names for every pulse and every output that rises the cause
-//! that the manual gives it.
+//! Checks that nothing moves without a cause. Keys are pressed at random and inputs fail at
+//! random. An observer knows the wires and the manual, but nothing of the control's inside.
+//! For every pulse and every output that switches on it finds the cause that the manual
+//! gives.
 //!
 //! | What | Cause (manual) |
 //! |---|---|
-//! | pulse of an axis | a program runs (III-5); or its direction key is down in 手动 (III-4.1); or a press in 单步, for at most one increment (III-6.1); or graduations of the wheel in 手轮 with the axis chosen, for one increment each (III-6.2); or a press in a zero mode, until reset, another mode or the zero (III-7); each with the way of braking after it |
+//! | pulse of an axis | a program runs (III-5); or its direction key is down in 手动 (III-4.1); or a press in 单步, for at most one increment (III-6.1); or graduations of the wheel in 手轮 with the axis selected, for one increment each (III-6.2); or a press in a zero mode, until reset, another mode or the zero (III-7); each with its braking distance |
 //! | no pulse at all | emergency-stop loop open (III-2.4), machine lock (III-5.3) |
-//! | a program runs | 运行 let go in 自动 or 录入 (III-5.1) |
+//! | a program runs | 运行 released in 自动 or 录入 (III-5.1) |
 //! | M03, M04 | 正转, 反转 in a manual mode (III-4.2), or the M function |
 //! | M08, M32 | 冷却, 润滑, or the M function |
-//! | TL+, TL- | a T function under way; 换刀 makes one (II-2.8.2) |
+//! | TL+, TL- | a T function in progress; 换刀 makes one (II-2.8.2) |
 //! | brake | the spindle was switched off (II-2.8.4) |
 //! | chuck, tailstock | their M function or input (II-2.8.10) |
 //! | gears | M41 to M44 (II-2.8.6) |
@@ -26,27 +26,27 @@ use gsk_core::units::{Axis, PerAxis};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::{KEYS, Key, KeyRole};
 
-/// Presses in one life of an emulator.
+/// Number of presses in one run of an emulator.
 const PRESSES: u32 = 200;
-/// The longest way of braking: rapid by 024, 025.
+/// The longest braking time: rapid with 024, 025, ms.
 const BRAKING: u64 = 500;
-/// Lives that have found something once.
+/// Seeds that once found a fault.
 const FOUND: [u64; 2] = [218, 492];
-/// From a contact to what the ladder makes of it: filter, slots of level 2, and
-/// from the ladder to an output.
+/// Time from a contact to an output through the ladder, ms: filter, slots of level 2, and the
+/// output itself.
 const LADDER: u64 = 120;
-/// From a contact to what the control itself makes of it, and back.
+/// Time from a contact to an output of the control itself, ms.
 const DIRECT: u64 = 24;
 /// Pulses of the largest increment of a key, 0.1 mm on the display: X counts
 /// diameter in pulses of 0.0005 mm of radius, Z has pulses of 0.001 mm.
 const INCREMENT: i64 = 100;
 
-/// A program with most of what a program may do.
+/// A program with most functions of a program.
 const PROGRAM: &str = "O0001;\nT0101;\nM03 S500;\nM08;\nG00 U-20 W-30;\nG98 G01 U-4 W-6 F800;\n\
     G04 X1;\nM32;\nG02 U4 W-2 R2;\nM05;\nT0202;\nM04 S300;\nG00 U20 W38;\nM09;\nM33;\nM00;\n\
     M41;\nG01 W-5 F300;\nG00 W5;\nM05;\nM99;\n";
 
-/// What an operator does on purpose: chance alone seldom starts anything.
+/// Key sequences of an operator: random keys alone rarely start anything.
 const PHRASES: [&[Key]; 7] = [
     &[Key::Auto, Key::CycleStart],
     &[Key::Reset, Key::Auto, Key::CycleStart],
@@ -57,7 +57,7 @@ const PHRASES: [&[Key]; 7] = [
     &[Key::Jog, Key::SpindleForward, Key::ToolChange],
 ];
 
-/// Numbers without pattern.
+/// A generator of random numbers.
 struct Dice(u64);
 
 impl Dice {
@@ -86,8 +86,8 @@ const fn y(byte: u16, bit: u8) -> BitAddress {
     BitAddress::new(Area::Y, byte, bit)
 }
 
-/// An output, the key that may switch it on (and whether in manual modes alone),
-/// and the M functions that may.
+/// An output, the key that may switch it on (and whether only in manual modes), and the M
+/// functions that may.
 const BY_KEY_OR_M: [(&str, BitAddress, BitAddress, bool, &[u8]); 4] = [
     ("M03", y(1, 2), x(23, 3), true, &[3]),
     ("M04", y(0, 4), x(23, 7), true, &[4]),
@@ -104,12 +104,12 @@ const BY_INPUT_OR_M: [(&str, BitAddress, BitAddress, &[u8]); 4] = [
 const GEARS: [BitAddress; 4] = [y(1, 0), y(0, 0), y(0, 1), y(1, 3)];
 const TURRET: [BitAddress; 2] = [y(1, 6), y(1, 7)];
 const BRAKE: BitAddress = y(0, 7);
-/// The direction keys of each axis: either may be + by 175.
+/// The direction keys of each axis; 175 selects which one is +.
 const DIRECTIONS: PerAxis<[BitAddress; 2]> =
     PerAxis::new([x(22, 3), x(23, 1)], [x(22, 5), x(22, 7)]);
 const CYCLE_START: BitAddress = x(25, 0);
 
-/// When something was last so; long ago at first.
+/// The last time of an event; `None` if it never happened.
 #[derive(Clone, Copy, Default)]
 struct Last(Option<u64>);
 
@@ -137,25 +137,25 @@ struct Observer {
     ran: Last,
     jogged: PerAxis<Last>,
     returned: PerAxis<Last>,
-    /// A press in a zero mode has not come to its end.
+    /// A press in a zero mode whose return has not ended.
     returning: PerAxis<bool>,
-    /// Pulses that steps and graduations have given and that were not used yet.
+    /// Pulses of steps and graduations that are not used up yet.
     credit: PerAxis<i64>,
-    /// A mode of steps or of the wheel.
+    /// Whether the mode is step or handwheel.
     by_hand: Last,
     start_let_go: Last,
     loop_closed: Last,
     unlocked: Last,
     spindle_on: Last,
     tool: Last,
-    /// When each key of the panel was last down, and each M function on.
+    /// The last time each key of the panel was down, and each M function was on.
     down: [[Last; 8]; 30],
     m: [Last; 100],
     manual: Last,
     seen: Seen,
 }
 
-/// How much there was to explain: ticks with pulses by their cause, outputs.
+/// The explained events: ticks with pulses by their cause, outputs.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
     by_program: u64,
@@ -220,7 +220,7 @@ impl Observer {
         }
     }
 
-    /// Looks at the machine after a tick; what has no cause.
+    /// Checks the machine after a tick; the error names the event without a cause.
     fn look(&mut self, emulator: &Emulator) -> Result<(), String> {
         self.now += 1;
         let now = self.now;
@@ -303,7 +303,7 @@ impl Observer {
                 continue;
             }
             self.seen.by_step += 1;
-            // Steps and the wheel: in their mode, and no further than asked for.
+            // Steps and the wheel: in their mode, and no farther than requested.
             let credit = self.credit.get_mut(axis);
             *credit -= way;
             let by_step = self.by_hand.within(now, BRAKING);
@@ -378,7 +378,7 @@ fn check(may: bool, what: impl FnOnce() -> String) -> Result<(), String> {
     if may { Ok(()) } else { Err(what()) }
 }
 
-/// A key: mostly of the machine panel, seldom the emergency button.
+/// A random key: mostly of the machine panel, rarely the emergency button.
 fn random_key(dice: &mut Dice) -> Key {
     loop {
         let row = &KEYS[dice.below(KEYS.len() as u64) as usize];
@@ -393,7 +393,7 @@ fn random_key(dice: &mut Dice) -> Key {
     }
 }
 
-/// One life: what was done, for the report of a failure.
+/// Runs one emulator. The error lists the actions for a failure report.
 fn live(seed: u64) -> Result<Seen, String> {
     let mut dice = Dice(seed);
     let mut setup = Setup::delivered();
@@ -452,10 +452,10 @@ fn live(seed: u64) -> Result<Seen, String> {
                 observer.wheel(&emulator, turn);
             }
             1 if dice.one_in(3) => {
-                // An input that fails, or one that is mended.
+                // An input that fails, or one that is repaired.
                 let at = x(dice.below(2) as u16, dice.below(8) as u8);
                 let state = (!dice.one_in(3)).then(|| dice.one_in(2));
-                // The loop itself fails seldom, or nothing else would happen.
+                // The emergency-stop loop itself fails rarely, or nothing else would happen.
                 let state = if at == x(0, 5) && !dice.one_in(4) {
                     None
                 } else {
@@ -487,8 +487,8 @@ fn live(seed: u64) -> Result<Seen, String> {
         if outcome.is_err() {
             break;
         }
-        // What stops the machine for good would end the test early: the button is
-        // turned free, and RESET is pressed, more often than by chance.
+        // Faults that stop the machine for good would end the test early. So the button is
+        // released and RESET is pressed more often than by chance.
         let key = if emulator.panel.emergency_stop() && dice.one_in(2) {
             Key::EmergencyStop
         } else if !emulator.simulation.cnc.alarms().is_empty() && dice.one_in(4) {
@@ -532,7 +532,7 @@ fn random_keys_and_faults_move_nothing_without_a_cause() {
         }
     }
     println!("{presses} presses: {seen:?}");
-    // Enough happened for the silence to mean something.
+    // Enough happened for the result to be significant.
     let enough = u64::from(presses);
     assert!(
         seen.by_program > enough && seen.by_key > enough / 5,

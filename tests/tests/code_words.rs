@@ -1,6 +1,7 @@
-//! Every code of the GSK980TD with every letter that a word can begin with: the code reads
-//! the word, or the control refuses it, or `check` warns that it has no effect. No word is
-//! silently lost. `code-words.tsv` lists what each code reads beside the words it needs.
+//! Combines every code of the GSK980TD with every letter that a word can begin with. The code
+//! reads the word, or the control refuses it, or `check` warns that it has no effect. No word
+//! is lost without a message. `code-words.tsv` lists what each code reads besides its required
+//! words.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -12,8 +13,8 @@ use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_tests::repository;
 
-/// Letters and a value that most codes take. F, S and T are modal: they have an effect in
-/// every block, and the table leaves them out.
+/// Letters, each with a value that most codes accept. F, S and T are modal: they have an
+/// effect in every block, and the table omits them.
 const WORDS: [&str; 15] = [
     "F50", "H1", "I1", "J1", "K1", "L1", "P10", "Q10", "R1", "S600", "T0101", "U-1", "W-1", "X39",
     "Z-9",
@@ -56,12 +57,12 @@ fn rows() -> Vec<Row> {
     text.lines().skip(1).map(row).collect()
 }
 
-/// Letters of the block in question.
+/// Letters of the tested block.
 fn own_letters(block: &str) -> BTreeSet<char> {
     block.chars().filter(char::is_ascii_uppercase).collect()
 }
 
-/// The fate of a word added to the block in question; without a word, of none.
+/// The fate of a word added to the tested block, or of no word.
 fn fate(row: &Row, word: &str) -> Fate {
     let mut text = HEAD.to_owned();
     for line in &row.lines {
@@ -80,7 +81,7 @@ fn fate(row: &Row, word: &str) -> Fate {
     if seen.alarm.is_some() {
         return Fate::Refused;
     }
-    // The word itself, or one of the block whose place it takes.
+    // The word itself, or the one of the block that it replaces.
     let is_ignored = |slip: &Slip| matches!(slip, Slip::IgnoredWord(_));
     if seen
         .cautions
@@ -114,7 +115,7 @@ fn no_word_is_silently_lost() {
                 false if MODAL.contains(&letter) => found != Fate::Refused,
                 false => found != Fate::Used,
             };
-            // An arithmetic block refuses all words but those of its operation.
+            // An arithmetic block refuses all words except those of its operation.
             let refused = row.code == "G65" && found == Fate::Refused;
             if !right && !refused {
                 wrong.push(format!("{block} {word}: {found:?}"));
@@ -129,7 +130,7 @@ fn every_code_has_a_row() {
     let record = ModelId::Gsk980td.record();
     let g = (0..100).filter(|code| record.g_code(*code).is_some());
     let known: BTreeSet<String> = rows().into_iter().map(|row| row.code).collect();
-    // Nose radius compensation needs the option 002.1 and a contour behind it.
+    // Nose radius compensation needs the option 002.1 and a contour after it.
     let elsewhere = ["G41", "G42"];
     let missing: Vec<String> = g
         .map(|code| format!("G{code:02}"))

@@ -1,6 +1,6 @@
-//! Twenty programs that hit something, each at its block, and twenty that hit nothing.
+//! Runs twenty programs with a collision, each at its block, and twenty without one.
 //!
-//! All of them work on the same stock with the same tools:
+//! All of them use the same stock and tools:
 //!
 //! ```text
 //!   jaws, chuck                    T01 turning, T02 boring bar, T03 grooving 3 mm,
@@ -23,7 +23,7 @@ const TURRET: TouchingPart = TouchingPart::Body(BodyPart::Turret);
 const HOLDER: TouchingPart = TouchingPart::Body(BodyPart::Holder);
 const BACK: TouchingPart = TouchingPart::Body(BodyPart::InsertBack);
 
-/// What the program begins with: the spindle turns.
+/// Program head: the spindle turns.
 const HEAD: &str = "G50 X100 Z50\nG97 M03 S500\nG98\n";
 
 fn job() -> Job {
@@ -49,7 +49,7 @@ fn tube() -> Job {
     job
 }
 
-/// A bore in which the bar touches the other wall.
+/// A bore in which the bar touches the opposite wall.
 fn narrow() -> Job {
     let mut job = tube();
     job.stock.form = Form::Tube {
@@ -85,8 +85,8 @@ fn findings(job: Job, head: &str, text: &str) -> Vec<Finding> {
     machining.findings().to_vec()
 }
 
-/// The program, the block of its first collision (the line after the head, from 1), and
-/// what touches what.
+/// The program, the block of its first collision (the line after the head, from 1), and the
+/// parts that touch.
 type Case = (fn() -> Job, &'static str, u32, TouchingPart, Obstacle);
 
 const CRASHES: [Case; 20] = [
@@ -147,7 +147,7 @@ const CRASHES: [Case; 20] = [
         TouchingPart::RapidInsert,
         Obstacle::Stock,
     ),
-    // The spindle stands.
+    // The spindle is stopped.
     (
         job,
         "M05\nT0101\nG00 X46 Z2\nG01 Z-10 F100",
@@ -237,7 +237,7 @@ const CRASHES: [Case; 20] = [
     ),
 ];
 
-/// A program that hits nothing.
+/// A program without a collision.
 type Clean = (fn() -> Job, &'static str);
 
 const CLEAN: [Clean; 20] = [

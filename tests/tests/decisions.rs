@@ -1,5 +1,5 @@
-//! `docs/decisions.md` is a register: every decision has an id of its own that stays,
-//! and whoever cites one cites one that is there.
+//! Checks the register `docs/decisions.md`: every decision has a permanent id of its section,
+//! and every citation names an existing decision.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -22,7 +22,7 @@ const PLACES: [&str; 10] = [
     "tests",
     "twins",
 ];
-/// Files that people write.
+/// Extensions of hand-written files.
 const TEXTS: [&str; 7] = ["il", "md", "nc", "ron", "rs", "tsv", "txt"];
 
 /// The key in a heading: `## Zero return (ZERO)`.
@@ -40,7 +40,7 @@ fn is_key(word: &str) -> bool {
     !word.is_empty() && word.chars().all(capital)
 }
 
-/// The ids of the register in their order, and what is wrong with it.
+/// The ids of the register in their order, and its faults.
 fn ids(register: &str) -> (Vec<String>, Vec<String>) {
     let (mut ids, mut faults) = (Vec::new(), Vec::new());
     let mut chapters = BTreeSet::new();
@@ -74,13 +74,13 @@ fn ids(register: &str) -> (Vec<String>, Vec<String>) {
     (ids, faults)
 }
 
-/// The ids that a text cites: the word `decision`, a blank, the id.
+/// The ids that a text cites: the word `decision`, a space, the id.
 fn cited(text: &str) -> Vec<&str> {
     let after = text.split("ecision ").skip(1);
     after.filter_map(id_at_the_start).collect()
 }
 
-/// The id that a text begins with.
+/// The id at the beginning of a text.
 fn id_at_the_start(text: &str) -> Option<&str> {
     let (key, rest) = text.split_once('-')?;
     let end = rest
@@ -89,7 +89,7 @@ fn id_at_the_start(text: &str) -> Option<&str> {
     (is_key(key) && end > 0).then(|| &text[..=key.len() + end])
 }
 
-/// The texts of a folder, and of the folders in it when they count.
+/// The texts of a folder, and with `deep` of its subfolders.
 fn texts(folder: &Path, deep: bool, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("folder") {
         let path = entry.expect("entry").path();

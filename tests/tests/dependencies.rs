@@ -1,6 +1,6 @@
-//! Dependencies go one way: between packages as the table of ARCHITECTURE.md says,
-//! between the modules of `core` as `tests/core-modules.tsv` says, and nowhere do two
-//! neighbours use each other. What system it is, one room asks.
+//! Checks the directions of dependencies: between packages according to the table in
+//! ARCHITECTURE.md, between the modules of `core` according to `tests/core-modules.tsv`. No
+//! two neighbours use each other. Only one module queries the system.
 
 mod paths;
 
@@ -33,7 +33,7 @@ const PACKAGES: [&str; 18] = [
     "web",
     "tests",
 ];
-/// Libraries that `core` hands on under its own name.
+/// Libraries that `core` re-exports.
 const HANDED_ON: [&str; 2] = ["plc", "units"];
 
 /// Where one module uses another: file and line.
@@ -41,7 +41,7 @@ type Places = Vec<String>;
 /// Uses between neighbours: `(folder, user, used)`.
 type Uses = BTreeMap<(String, String, String), Places>;
 
-/// The uses between the modules of each folder of a package, its root included.
+/// The uses between the modules of each folder of a package, including its root.
 fn uses(package: &str) -> Uses {
     let sources = sources(&repository().join(package).join("src"));
     let modules: BTreeSet<&[String]> = sources
@@ -71,7 +71,7 @@ fn uses(package: &str) -> Uses {
     uses
 }
 
-/// A path from the root of its package; none for a path into another package.
+/// A path from the root of its package; `None` for a path into another package.
 fn target(module: &[String], segments: &[String]) -> Option<Vec<String>> {
     let ups = segments.iter().take_while(|word| *word == "super").count();
     let (above, rest) = match segments[0].as_str() {
@@ -140,7 +140,7 @@ fn neighbours_use_each_other_one_way() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// What each package may use, as the table of ARCHITECTURE.md says it.
+/// The allowed uses of each package, according to the table in ARCHITECTURE.md.
 fn allowed() -> BTreeMap<String, BTreeSet<String>> {
     let text = fs::read_to_string(repository().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
     let mut allowed = BTreeMap::new();
@@ -166,7 +166,7 @@ fn allowed() -> BTreeMap<String, BTreeSet<String>> {
     allowed
 }
 
-/// What the sources of a package name of the workspace's libraries, and where.
+/// The libraries of the workspace that the sources of a package use, with the position.
 fn named(package: &str, sources: &[Source]) -> BTreeMap<String, String> {
     let mut used = BTreeMap::new();
     for source in sources {
@@ -186,8 +186,7 @@ fn named(package: &str, sources: &[Source]) -> BTreeMap<String, String> {
     used
 }
 
-/// The workspace's libraries among the dependencies of a package, without those of its
-/// own tests.
+/// The workspace's libraries among the dependencies of a package, without those of its tests.
 fn depended_on(package: &str) -> Vec<String> {
     let manifest = repository().join(package).join("Cargo.toml");
     let manifest = fs::read_to_string(manifest).expect("Cargo.toml");
@@ -225,7 +224,7 @@ fn packages_use_what_the_architecture_says() {
                 ));
             }
         }
-        // The app and the tests may use everything and need not.
+        // The app and the tests may use everything, but need not.
         let whole = may.len() == PACKAGES.len() - 1;
         for library in may.iter().filter(|_| !whole) {
             if !used.contains_key(library) {
@@ -238,11 +237,11 @@ fn packages_use_what_the_architecture_says() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// The room of what each system does in its own way.
+/// The folder of the code that differs by system.
 const PLATFORM: &str = "app/src/platform/";
-/// Beside it: what is built for a browser and what compares it with other systems.
+/// Besides it: the entry point for a browser, and the comparison with other systems.
 const OF_A_PAGE: [&str; 2] = ["tests/src/bin/golden.rs", "web/src/main.rs"];
-/// How a source asks for the system, or uses what one of them alone has.
+/// How a source queries the system, or uses functions of one system alone.
 const OF_ONE_SYSTEM: [&str; 18] = [
     "cfg(unix",
     "cfg(windows",
@@ -293,7 +292,7 @@ fn one_room_alone_asks_what_system_it_is() {
     );
 }
 
-/// What runs on a page in a browser, too: rooms of `app`.
+/// Folders of `app` that also run on a page in a browser.
 const ON_A_PAGE: [&str; 11] = [
     "app/src/files/",
     "app/src/input_watch.rs",
@@ -307,9 +306,9 @@ const ON_A_PAGE: [&str; 11] = [
     "app/src/window/",
     "app/src/work_limit.rs",
 ];
-/// Beside boards, which a page has not.
+/// Except boards, which a page does not have.
 const OF_BOARDS: [&str; 2] = ["app/src/kernel/drive.rs", "app/src/kernel/live.rs"];
-/// What fails there at run time.
+/// Functions that fail on a page at run time.
 const NOT_ON_A_PAGE: [&str; 6] = [
     "std::fs",
     "std::thread",
@@ -329,7 +328,7 @@ fn what_runs_on_a_page_has_files_threads_and_clock_from_the_platform() {
             continue;
         };
         seen.insert(room);
-        // `files/time.rs` writes moments of the log of a board.
+        // `files/time.rs` formats moments for the log of a board.
         if OF_BOARDS.contains(&file.as_str())
             || file.ends_with("/tests.rs")
             || file.ends_with("/time.rs")

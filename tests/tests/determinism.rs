@@ -1,5 +1,5 @@
-//! The same inputs at the same ticks give the same machine, bit for bit, also
-//! through saving and restoring in the middle.
+//! The same inputs at the same ticks give the same machine, bit for bit, also after saving and
+//! restoring in the middle.
 
 use gsk_tests::determinism::{GOLDEN, Trace};
 

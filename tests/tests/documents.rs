@@ -1,4 +1,4 @@
-//! The documents agree with the tables and folders they speak of.
+//! Checks that the documents agree with the tables and folders they describe.
 
 use gsk_panel::keys::KEYS;
 use gsk_tests::repository;
@@ -83,8 +83,7 @@ fn ci_runs_the_test_command_of_both_readmes() {
     }
 }
 
-/// Every `cargo test`, `cargo bench` and `cargo run` that a document prints, with the
-/// document's name.
+/// Every `cargo test`, `cargo bench` and `cargo run` in a document, with the document's name.
 fn printed_commands() -> Vec<(&'static str, String)> {
     let names = [
         "README.md",

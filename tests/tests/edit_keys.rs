@@ -1,5 +1,5 @@
-//! Random keys over all pages: nothing panics, the memory can always be read back
-//! as it is, and nothing changes that a protection guards.
+//! Presses random keys on all pages. Nothing panics, the memory can always be saved and read
+//! back unchanged, and nothing changes that a protection guards.
 //!
 //! `EDIT_KEYS=100000 cargo test -p gsk980td-tests --test subjects edit_keys` presses more.
 
@@ -13,11 +13,11 @@ use gsk_panel::panel::KeyEvent;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Keys pressed when nothing else is asked for.
+/// Number of keys without a setting in the environment.
 const KEYS: u64 = 10_000;
-/// Keys between two looks at the whole memory and the LCD.
+/// Number of keys between two checks of the whole memory and the LCD.
 const LOOK: u64 = 250;
-/// Keys of one session.
+/// Number of keys of one session.
 const SESSION: u64 = 2500;
 
 const PROGRAMS: [&str; 3] = [
@@ -62,7 +62,7 @@ const MODES: [Key; 6] = [
     Key::Jog,
 ];
 const CHARACTERS: &[u8] = b"ONGXZUWDSTMPQRIKJCFLHY/#0123456789-.( )";
-/// What an operator keys in as a whole.
+/// Complete inputs of an operator.
 const PHRASES: [&str; 24] = [
     "O12",
     "O7",
@@ -90,7 +90,7 @@ const PHRASES: [&str; 24] = [
     "1",
 ];
 
-/// A generator of our own: the same keys everywhere.
+/// A random number generator that gives the same keys on every system.
 struct Random(u64);
 
 impl Random {
@@ -146,7 +146,7 @@ fn begin(random: &mut Random) -> Emulator {
     emulator
 }
 
-/// One key, or a few that belong together.
+/// Presses one key, or a few that belong together.
 fn press(emulator: &mut Emulator, random: &mut Random) {
     let tap = |emulator: &mut Emulator, key: Key| {
         emulator.key_down(key);
@@ -171,7 +171,7 @@ fn press(emulator: &mut Emulator, random: &mut Random) {
         }
         45..=82 => tap(emulator, random.of(&EDIT_KEYS)),
         83..=92 => tap(emulator, random.of(&PAGES)),
-        // Machine keys act through the ladder, which wants them for a while.
+        // Machine keys act through the ladder, which needs them for a while.
         93..=96 => emulator.press(random.of(&MODES)),
         97 => emulator.press(Key::Reset),
         98 => {
@@ -190,7 +190,7 @@ fn press(emulator: &mut Emulator, random: &mut Random) {
     }
 }
 
-/// What protections guard, and whether they do now.
+/// The data that protections guard, and whether they are active.
 #[derive(Clone)]
 struct Guarded {
     parameters: Option<Parameters>,
@@ -209,7 +209,7 @@ impl Guarded {
             parameters: (!free).then(|| cnc.parameters().clone()),
             disks: rights.disks().is_err().then(|| cnc.disks().clone()),
             settings: rights.settings().is_err().then(|| cnc.settings()),
-            // A disk brings offsets as well.
+            // A disk loads offsets as well.
             offsets: (rights.offsets().is_err() && rights.disks().is_err())
                 .then(|| cnc.offsets().clone()),
             variables: rights.variables().is_err().then(|| cnc.variables().clone()),
@@ -240,7 +240,7 @@ impl Guarded {
     }
 }
 
-/// The memory as it is written down reads back as it was.
+/// Saves the memory and reads it back; it must be equal.
 fn reload(cnc: &Cnc) {
     fn again<T: Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(value: &T) {
         let text = ron::to_string(value).unwrap();
@@ -266,7 +266,7 @@ fn no_key_panics_corrupts_the_memory_or_passes_a_protection() {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     let mut emulator = begin(&mut random);
     let (mut changes, mut files) = (0, 0);
-    // Whether the machine builder's password was keyed in during this session.
+    // Whether the machine builder's password was entered in this session.
     let mut builder = false;
     for key in 0..keys {
         if key % SESSION == SESSION - 1 {

@@ -1,5 +1,5 @@
-//! Every fault of the lathe has a case that breaks it and looks at the diagnosis
-//! page for its cause.
+//! Checks that every fault of the lathe has a case that causes it and opens the diagnosis page
+//! for it.
 
 use std::fs;
 

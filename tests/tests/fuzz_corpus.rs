@@ -1,4 +1,4 @@
-//! Every input of the fuzz corpus goes through its target once.
+//! Runs every input of the fuzz corpus through its target once.
 
 use std::fs;
 use std::path::Path;

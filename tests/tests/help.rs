@@ -1,4 +1,5 @@
-//! Help: every symbol of the control has a topic with a text of its own in both languages.
+//! Checks the help: every symbol of the control has a topic with a separate text in both
+//! languages.
 
 use gsk_core::alarm;
 use gsk_core::memory;
@@ -62,7 +63,7 @@ fn what_the_tables_know_stands_beside_the_text() {
         let topic = topic(Subject::Signal(row.address)).expect("a topic");
         let said = article(topic, Language::Zh).to_string();
         assert!(said.contains(row.text_zh), "{said}");
-        // Where it comes from and goes to has no English word in it.
+        // Its source and destination have no English word in the Chinese text.
         let ways = said.lines().filter(|line| line.starts_with("方向: "));
         for way in ways {
             let small = way.chars().any(|it| it.is_ascii_lowercase());
@@ -100,7 +101,7 @@ fn every_text_says_more_than_the_name_in_its_own_language() {
     }
 }
 
-/// The tables of texts hold six fields a line, and nothing is left out of them.
+/// Each line of the tables of texts has six fields, and no line is lost.
 #[test]
 fn every_line_of_a_text_is_a_topic() {
     for file in [
@@ -152,7 +153,7 @@ fn questions_find_what_they_mean() {
         ("key cs", "key CS"),
         ("x0.5", "X0.5"),
         ("page oft", "page oft"),
-        // As the headings call them, in both languages.
+        // The captions of the headings, in both languages.
         ("报警 7", "alarm 007"),
         ("参数 004.3", "No. 004.3"),
         ("按键 CS", "key CS"),
@@ -206,8 +207,8 @@ fn what_is_pointed_at_on_the_lcd_is_found() {
     }
 }
 
-/// Every word of every page, in both languages, has a topic that says more than what the
-/// page is for; but for its title, and for what stands on the pages of a program's name.
+/// Every word of every page, in both languages, has a topic with more than the purpose of the
+/// page. Its title and the words on the pages of a program's name are exceptions.
 #[test]
 fn every_field_of_every_page_has_its_topic() {
     let mut setup = gsk_core::setup::Setup::default();
@@ -272,8 +273,7 @@ fn what_the_nc_b08_teaches_and_macro_b_are_explained_where_they_stand() {
     }
 }
 
-/// What is shown belongs to a topic that there is, and whatever key acts on this lathe is
-/// shown.
+/// Demonstrations belong to existing topics, and every key that acts on this lathe has one.
 #[test]
 fn demonstrations_belong_to_topics_and_every_key_has_one() {
     use gsk_runner::lesson::demonstrations;
@@ -303,7 +303,7 @@ fn demonstrations_belong_to_topics_and_every_key_has_one() {
     for page in &PAGES {
         assert!(shown(&format!("page {}", page.name)), "{}", page.name);
     }
-    // Not fitted; and OUT sends files, which a practice machine has none of.
+    // Not fitted; and OUT sends files, which a practice machine does not have.
     let without = ["HY", "YM", "YP", "OUT"];
     for key in KEYS.iter().filter(|key| !without.contains(&key.id)) {
         assert!(shown(&format!("key {}", key.id)), "key {}", key.id);

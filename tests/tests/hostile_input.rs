@@ -1,4 +1,4 @@
-//! No text panics the program or hangs it.
+//! Checks that no text panics the program or hangs it.
 
 use gsk_core::preview::{End, Further, MOST_FURTHER, preview, preview_beyond_alarms};
 use gsk_core::program::Program;
@@ -8,7 +8,7 @@ use gsk_panel::script::Script;
 use gsk_tests::setup;
 use proptest::prelude::*;
 
-/// Words that look like a program, and words that spoil one.
+/// Words that look like a program, and words that break one.
 fn word() -> impl Strategy<Value = String> {
     prop_oneof![
         6 => "[GMTSNXZUWRIKFPQLO][0-9]{1,3}",

@@ -1,5 +1,5 @@
-//! What an editor does to a program changes nothing that the program does, and no text
-//! is too strange for it.
+//! Checks that an editor's changes to a program do not change its moves, and that any text can
+//! be processed.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -17,7 +17,7 @@ use gsk_messages::Language;
 use gsk_tests::repository;
 use proptest::prelude::*;
 
-/// Moves after which a program is given up.
+/// Number of moves after which a preview is cancelled.
 const MOST_MOVES: u64 = 20_000;
 
 /// All part programs of the repository: samples and cases.
@@ -47,7 +47,7 @@ fn collect(folder: &Path, found: &mut Vec<(String, String)>) {
     }
 }
 
-/// A move but for the line and the number of its block.
+/// A move without the line and the number of its block.
 fn motion(executed: &ExecutedMove) -> String {
     let ExecutedMove { source, .. } = executed;
     let mut same = *executed;
@@ -56,8 +56,8 @@ fn motion(executed: &ExecutedMove) -> String {
     format!("{:?} {same:?}", source.program)
 }
 
-/// What a text does under two sets of options: its moves, and how it ends. With `alarms`
-/// the number of the alarm counts; else only that there is one.
+/// The moves and the end of a text under two sets of options. With `alarms` the number of the
+/// alarm counts, otherwise only its presence.
 fn done(text: &str, alarms: bool) -> Vec<(Vec<String>, String)> {
     let all = [false, true].map(|macro_b| {
         let mut setup = Setup::default();
@@ -84,14 +84,14 @@ fn done(text: &str, alarms: bool) -> Vec<(Vec<String>, String)> {
     all.into()
 }
 
-/// The end, the number of its alarm, and what is left behind.
+/// The end, the number of its alarm, and the final state.
 fn ended(seen: &Preview, alarms: bool) -> String {
     let alarm = seen
         .alarm
         .as_ref()
         .filter(|_| alarms)
         .map(|alarm| alarm.number);
-    // Where a watcher gives up depends on nothing but the moves.
+    // The step at which a watcher cancels depends only on the moves.
     let place = (seen.end != End::Limit).then_some((seen.machine, seen.time_s, seen.parts));
     format!("{:?} {alarm:?} {place:?} {:?}", seen.end, seen.modal)
 }
@@ -121,8 +121,8 @@ fn styles() -> [Style; 3] {
     ]
 }
 
-/// Whether a block that is refused is refused with the same alarm: after a number one that
-/// begins wrongly is wrong within.
+/// Whether a refused block is refused with the same alarm: an invalid word at the beginning is
+/// an invalid word within the block once it has a number.
 fn same_alarms(style: Style) -> bool {
     !matches!(style.numbering, Numbering::All { .. })
 }
@@ -161,7 +161,7 @@ fn a_program_does_the_same_under_other_numbers() {
         let read = TextDocument::new(text.as_str());
         let structure = Structure::read(&read);
         let mut changed = TextDocument::new(text.as_str());
-        // Each number moves to one that is free; the structure is read anew each time.
+        // Each number moves to a free one; the structure is read again each time.
         for (index, block) in structure.blocks.iter().take(12).enumerate() {
             let line = block.digits.line;
             let anew = Structure::read(&changed);
@@ -180,7 +180,8 @@ fn a_program_does_the_same_under_other_numbers() {
             }
         }
         if changed.as_str() != text {
-            // P of M99 names a block of whoever calls: a caller in another file is not here.
+            // P of M99 names a block of the calling program. A caller in another file is
+            // missing here.
             assert_eq!(
                 done(changed.as_str(), true),
                 done(&text, true),
@@ -192,7 +193,7 @@ fn a_program_does_the_same_under_other_numbers() {
     assert!(renamed > 300, "only {renamed} numbers");
 }
 
-/// Words that look like a program, and what spoils one.
+/// Words that look like a program, and words that break one.
 fn word() -> impl Strategy<Value = String> {
     prop_oneof![
         6 => "[GMTSNXZUWRIKFPQLOH][0-9]{1,4}",
@@ -213,7 +214,7 @@ fn text() -> impl Strategy<Value = String> {
     lines.prop_map(|lines| lines.into_iter().map(|(line, end)| line + end).collect())
 }
 
-/// Whether an edit lies in a text, from its beginning to its end.
+/// Whether an edit is within a text, from its beginning to its end.
 fn lies_in(text: &TextDocument, edit: &TextChange) -> bool {
     let in_line = |at: Position| {
         let line = text.line(at.line);

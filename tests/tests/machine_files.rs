@@ -1,5 +1,5 @@
-//! Machine files: the example is a lathe, the document names every field, and
-//! what cannot be is refused by field and rule.
+//! Checks machine files: the examples are lathes, the documents name every field, and
+//! impossible values are refused with field and rule.
 
 use gsk_core::machine::{Inputs, Lathe, LatheConfig, Outputs};
 use gsk_core::memory::Parameters;
@@ -64,8 +64,8 @@ fn every_example_is_a_lathe() {
     }
 }
 
-/// Z at -240: half way between errors of 23 and 8 µm; X at -50, a diameter of -100: a
-/// quarter of the way from 4 to -9 µm on the diameter.
+/// Z at -240: half way between errors of 23 and 8 µm. X at -50, a diameter of -100: a quarter
+/// of the way from 4 to -9 µm on the diameter.
 #[test]
 fn a_slide_is_off_by_the_errors_of_its_screw() {
     let mut lathe = Lathe::new(read(BADLY_SET).unwrap(), &Parameters::default());
@@ -80,7 +80,7 @@ fn a_slide_is_off_by_the_errors_of_its_screw() {
             Point::new(-165.0 - 0.009, -514.0 + 0.034),
         ),
     ] {
-        // A place is one of the slide; the pulses stand where the screw says.
+        // The position is that of the slide; the pulse count is where the screw puts it.
         lathe.put_slides(stands);
         let at = lathe.slides();
         assert!((at.x - stands.x).abs() < 0.0002 + 1e-9, "{at:?}");

@@ -1,4 +1,4 @@
-//! What cases cannot say: properties, coverage of tables, determinism. A test is
+//! Tests that cases cannot express: properties, coverage of tables, determinism. A test is
 //! `subject::name`.
 
 #![allow(

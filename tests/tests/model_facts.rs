@@ -1,5 +1,5 @@
-//! `model-facts.tsv`: each checkable fact of the control models, C1 to C58, with the cases
-//! and tests that prove it.
+//! Checks `model-facts.tsv`: each fact of the control models, C1 to C58, has cases and tests
+//! that prove it.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -8,10 +8,10 @@ use gsk_tests::case::Case;
 use gsk_tests::sources::has_test;
 use gsk_tests::{case_dir, repository};
 
-/// Facts are numbered from 1.
+/// Number of facts; they count from 1.
 const FACTS: u32 = 58;
 
-/// What is wrong with a case as a proof.
+/// The fault of a case as a proof.
 fn fault_of_case(name: &str) -> Option<String> {
     let Some(folder) = case_dir(name) else {
         return Some(format!("there is no case {name}"));
@@ -23,7 +23,7 @@ fn fault_of_case(name: &str) -> Option<String> {
     }
 }
 
-/// What is wrong with a table of facts.
+/// The faults of a table of facts.
 fn faults(table: &str) -> Vec<String> {
     let mut faults = Vec::new();
     let mut missing: BTreeSet<u32> = (1..=FACTS).collect();

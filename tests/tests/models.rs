@@ -1,5 +1,5 @@
-//! Control models: which codes each of them has, by the lists of their manuals, and the
-//! alarm of every code that it has not.
+//! Checks the control models: the codes of each by the lists of their manuals, and the alarm
+//! of every code that it does not have.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,7 +18,7 @@ use gsk_tests::{repository, setup};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::measure::Feature;
 
-/// G codes as chapter and table give them, those taken over from the GSK980TD among them.
+/// G codes by chapter and table, including those adopted from the GSK980TD.
 const LATHES: [(ModelId, &[i64]); 3] = [
     (
         ModelId::Gsk980td,
@@ -56,7 +56,7 @@ fn alarm(model: ModelId, text: &str) -> Option<(u16, String)> {
     preview.alarm.map(|it| (it.number, it.line_text()))
 }
 
-/// Codes are tried alone: what they want besides is another alarm than 010.
+/// Codes are tried without other words: if they need some, the alarm is not 010.
 #[test]
 fn every_g_code_is_there_or_alarm_010() {
     for (model, codes) in LATHES {
@@ -79,7 +79,7 @@ fn alarms_are_written_as_the_model_writes_them() {
     assert!(shown(ModelId::Ncb08).starts_with("E010: "));
 }
 
-/// The same contour in the words of each: the same path.
+/// The same contour in the words of each model has the same path.
 #[test]
 fn the_same_contour_is_the_same_path() {
     let contour = "G00 X40 Z2;\nG01 Z-10 F100;\nG02 X60 Z-20 R10;\nG03 U20 W-10 R10;\nG01 X100 Z-50;\nG00 X120 Z5;\nM30;\n";
@@ -100,8 +100,8 @@ fn the_same_contour_is_the_same_path() {
     }
 }
 
-/// The same contour once more, in the plane G18 of the mill: its X are radii, its R is
-/// written with I and K as well.
+/// The same contour again, in the plane G18 of the mill. Its X are radii, and its R is also
+/// written with I and K.
 #[test]
 fn the_same_contour_is_the_same_path_on_the_mill() {
     let lathe = "G00 X40 Z2;\nG01 Z-10 F100;\nG02 X60 Z-20 R10;\nG03 X80 Z-30 R10;\nG01 X100 Z-50;\nG00 X120 Z5;\nM30;\n";
@@ -122,7 +122,7 @@ fn the_same_contour_is_the_same_path_on_the_mill() {
         &programs,
         &mut |it| {
             let [x, _, z] = it.to.mm();
-            // Of G18 the first axis is Z.
+            // The first axis of G18 is Z.
             let center = it.arc.map(|arc| (arc.center.second, arc.center.first));
             milled.push((it.source.line, it.kind.name(), (x, z), center));
         },
@@ -143,7 +143,7 @@ fn the_same_contour_is_the_same_path_on_the_mill() {
     }
 }
 
-/// Codes that the mill carries out; the others that it knows are alarm 010, too.
+/// Codes that the mill executes; the other known codes are alarm 010 too.
 const MILL: [i64; 58] = [
     0, 1, 2, 3, 4, 9, 10, 15, 16, 17, 18, 19, 20, 21, 27, 28, 29, 30, 31, 33, 37, 40, 41, 42, 43,
     44, 49, 50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 61, 64, 65, 66, 67, 68, 69, 73, 74, 76, 80, 81,
@@ -164,7 +164,7 @@ fn every_g_code_of_the_mill_is_there_or_alarm_010() {
     }
 }
 
-/// The G codes in the text of a program, comments left out.
+/// The G codes in the text of a program, without comments.
 fn g_codes(text: &str) -> BTreeSet<u8> {
     let mut depth = 0_u32;
     let written: String = text
@@ -189,7 +189,7 @@ fn codes_are_found_in_programs() {
     assert_eq!(codes.into_iter().collect::<Vec<_>>(), [0, 1, 54]);
 }
 
-/// A code that a model has is carried out in one of its cases; those that it has not are
+/// Every code of a model is executed in one of its cases. The codes that it does not have are
 /// alarm 010 in the tests of the tables above.
 #[test]
 fn every_g_code_of_a_model_has_a_case() {
@@ -218,7 +218,7 @@ fn every_g_code_of_a_model_has_a_case() {
     }
 }
 
-/// Seconds of the tools of the mill's program of a shop, as its case works them out.
+/// Seconds of the tools in the mill's shop program, as its case computes them.
 #[test]
 fn the_shop_program_of_the_mill_takes_its_time() {
     const BY_HAND: [(&str, f64); 5] = [
@@ -237,7 +237,7 @@ fn the_shop_program_of_the_mill_takes_its_time() {
     let programs = setup::memory(&texts).expect("programs");
     let seen = check_mill(&mill, &programs);
     let times = seen.result["tool_times"].as_array().expect("tools");
-    // T0 is what the spindle holds before the first change: it cuts nothing.
+    // T0 is the tool in the spindle before the first change: it cuts nothing.
     let cutting = |time: &serde_json::Value| {
         let seconds = |kind: &str| time[kind].as_f64().expect("seconds");
         seconds("feed") + seconds("thread")
@@ -251,7 +251,7 @@ fn the_shop_program_of_the_mill_takes_its_time() {
     }
 }
 
-/// What a case with these programs starts from.
+/// The set-up of a case with these programs.
 fn program_of(case: &str, names: &[&str]) -> Setup {
     let folder = repository().join("tests/cases").join(case);
     let text = |name: &&str| std::fs::read_to_string(folder.join(name)).expect("text");
@@ -262,9 +262,9 @@ fn program_of(case: &str, names: &[&str]) -> Setup {
     start
 }
 
-/// Times by tool at feed and in threads, s, against those worked out in the program. Every
-/// cut takes a little more to begin and to end, 0.25 s at most, every pass of a thread a
-/// turn and its ends. The preview and the control agree.
+/// Compares times by tool at feed and in threads, s, with those computed in the program. Every
+/// cut takes 0.25 s more at most for its start and end, every pass of a thread a turn and its
+/// ends. The preview and the control agree.
 fn takes_its_time(start: &Setup, by_hand: &[(&str, f64, f64, u8)], a_pass: f64) {
     const A_CUT: f64 = 0.25;
     let [checked, executed] = [check(start), run(start)];
@@ -315,7 +315,7 @@ fn the_shop_program_in_macro_b_takes_its_time() {
     takes_its_time(&start, &by_hand, 0.2 + 0.05);
 }
 
-/// The program of a shop, as its case has it, and its job.
+/// The shop program from its case, and its job.
 fn shop_program() -> (Setup, Job) {
     let folder = repository().join("tests/cases/models/hx31/shop-program");
     let start = program_of("models/hx31/shop-program", &["main.nc"]);
@@ -325,9 +325,8 @@ fn shop_program() -> (Setup, Job) {
     (start, job)
 }
 
-/// Seconds of cuts and threads by tool, as they are worked out in the program. Every cut
-/// takes a little more to begin and to end, every thread waits for its angle: at most a
-/// turn, 0.2 s.
+/// Seconds of cuts and threads by tool, as computed in the program. Every cut takes a little
+/// more for its start and end. Every thread waits for its angle: at most a turn, 0.2 s.
 #[test]
 fn the_shop_program_takes_its_time() {
     const TURNING: f64 = 32.7 + 112.75 + 53.75 + 38.828;
@@ -344,7 +343,7 @@ fn the_shop_program_takes_its_time() {
     for (time, (tool, feed, thread)) in times.iter().zip(BY_HAND) {
         assert_eq!(time["tool"], tool);
         let seconds = |kind: &str| time[kind].as_f64().expect("seconds");
-        // T3 makes three little strokes out and back: most of their time is in the ends.
+        // T3 makes three short strokes out and back: most of their time is in the ends.
         let more = if tool == "0303" { 1.2 } else { feed * 0.035 };
         assert!((feed..feed + more).contains(&seconds("feed")), "{time}");
         let turns = if thread > 0.0 { 6.0 * 0.2 } else { 0.001 };
@@ -358,7 +357,7 @@ fn the_shop_program_takes_its_time() {
     assert!((one / other - 1.0).abs() < 0.01, "{one} s, {other} s");
 }
 
-/// What is left of the bar: the sizes that the program names, and nothing was hit.
+/// The remaining part has the sizes that the program names, and nothing was hit.
 #[test]
 fn the_shop_program_makes_its_part() {
     let (start, job) = shop_program();
@@ -370,8 +369,8 @@ fn the_shop_program_makes_its_part() {
     assert_eq!(end.alarm, None);
     let part = PartReport::new(&machining, None, true, None);
     assert_eq!(part.collisions, []);
-    // From front to back: the pin, the relief, the head with its two grooves, the bar;
-    // then the bore. Corners of the grooving insert have 0.1 mm.
+    // From front to back: the pin, the relief, the head with its two grooves, the bar; then
+    // the bore. Corners of the grooving insert have 0.1 mm.
     let cylinders: Vec<_> = part
         .features
         .iter()

@@ -1,13 +1,13 @@
-//! The sources speak of alarms and parameters by name: by the `id` of
-//! `assets/tables/alarms.tsv` and `parameters.tsv`, or by a method of `Parameters`, and
-//! never by a number; tests may.
+//! Checks that the sources name alarms and parameters by the `id` of
+//! `assets/tables/alarms.tsv` and `parameters.tsv`, or by a method of `Parameters`, and never
+//! by a number. Tests may use numbers.
 
 use std::fs;
 
 use gsk_tests::repository;
 use gsk_tests::sources::{Source, control_sources, sources_of};
 
-/// What stands before the number of an alarm.
+/// Code before the number of an alarm.
 const ALARM_AT: [&str; 9] = [
     "Alarm::new(",
     "Alarm::message(",
@@ -20,13 +20,13 @@ const ALARM_AT: [&str; 9] = [
     "alarm.number == ",
 ];
 
-/// What stands before the number of a parameter.
+/// Code before the number of a parameter.
 const PARAMETER_AT: [&str; 5] = [".bit(", ".set_bit(", ".value(", ".timer_ms(", ".byte("];
 
-/// The room of the parameter table, where the methods with names are.
+/// The folder of the parameter table, with the named methods.
 const MEMORY: &str = "core/src/memory";
 
-/// Places where a digit follows one of these beginnings, as `file:line`.
+/// Positions where a digit follows one of these beginnings, as `file:line`.
 fn bare_numbers(sources: &[Source], beginnings: &[&str]) -> Vec<String> {
     let mut places = Vec::new();
     for source in sources {
@@ -61,7 +61,7 @@ fn parameters_are_asked_by_name() {
 #[test]
 fn every_name_of_the_tables_is_used() {
     let mut sources = control_sources();
-    // What a lathe is set up with.
+    // The set-up of a lathe.
     sources.extend(sources_of(&["commission"]));
     for (name, column) in [("alarms.tsv", 2), ("parameters.tsv", 3)] {
         let path = repository().join("assets/tables").join(name);

@@ -1,5 +1,5 @@
-//! Every page of the page table has its case: the keys that lead to it, the LCD as
-//! text and as a picture.
+//! Checks that every page of the page table has its case: the keys that open it, and the LCD
+//! as text and as a picture.
 
 use gsk_messages::Language;
 use gsk_panel::pages::{PAGES, PageId};

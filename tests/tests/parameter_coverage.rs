@@ -1,11 +1,11 @@
-//! Every bit and value of the parameter table has a case that shows what it does, or
-//! a line in `parameter-coverage.tsv` that says why it does nothing.
+//! Checks that every bit and value of the parameter table has a case that shows its effect, or
+//! a line in `parameter-coverage.tsv` with the reason why it has none.
 //!
-//! A case counts when its `case.ron` sets the parameter to something else than the
-//! case would start with, and when it fails without this word: the parameter makes
-//! the difference. `test` names a Rust test where no case can show it. `reserved`
-//! parameters have no meaning in the manual either; `without effect` belongs to
-//! hardware that is not there, and stands in both READMEs for the user.
+//! A case counts if its `case.ron` sets the parameter to another value than its default, and
+//! if it fails without this word: the parameter makes the difference. `test` names a Rust test
+//! where no case can show it. `reserved` parameters have no meaning in the manual either.
+//! `without effect` belongs to hardware that does not exist here, and is listed in both
+//! READMEs for the user.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -23,9 +23,9 @@ enum Cover {
     Cases(Vec<String>),
     Tests(Vec<String>),
     Reserved,
-    /// Has an effect that no case shows yet.
+    /// An effect that no case shows yet.
     Open,
-    /// Why, in English and in Chinese.
+    /// The reason, in English and in Chinese.
     WithoutEffect(String, String),
 }
 
@@ -47,8 +47,8 @@ fn place(text: &str) -> Option<Place> {
     Some((number.parse().ok()?, bit))
 }
 
-/// The rows that need a line: bits, data parameters, and state parameters of which
-/// the manual names no bit.
+/// The rows that need a line: bits, data parameters, and state parameters of which the manual
+/// names no bit.
 fn rows() -> impl Iterator<Item = &'static ParameterRow> {
     let rows = memory::rows();
     rows.iter().filter(move |row| {
@@ -107,7 +107,7 @@ fn every_bit_and_value_has_its_line() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// The words of a case that set a parameter, taken out of it.
+/// Removes the words of a case that set a parameter. Returns them.
 fn take_words(case: &mut Case, wanted: Place) -> Vec<String> {
     let of_it = |word: &String| {
         let name = word.split('=').next().unwrap_or_default();
@@ -125,7 +125,7 @@ fn value(parameters: &Parameters, (number, bit): Place) -> i32 {
     }
 }
 
-/// What is wrong with a case as witness for a parameter.
+/// The fault of a case as a proof for a parameter.
 fn fault(wanted: Place, name: &str) -> Option<String> {
     let Some(folder) = case_dir(name) else {
         return Some("is no case".to_owned());
@@ -219,8 +219,8 @@ fn the_readmes_list_what_is_without_effect() {
     assert_eq!(table_under(&text("README.zh-CN.md"), heading), chinese);
 }
 
-/// What can be checked of the appendix of parameters and of its chapters, with the
-/// cases or tests that check it.
+/// Facts from the appendix of parameters and from its chapters, with the cases or tests that
+/// check them.
 #[test]
 fn every_fact_about_parameters_has_its_case_or_test() {
     let path = repository().join("tests/parameter-facts.tsv");

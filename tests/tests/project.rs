@@ -1,5 +1,5 @@
-//! The project folder: what is written is read again bit for bit, differences are exactly
-//! what was changed, and no damaged folder is taken for a good one.
+//! Checks the project folder: written data is read again bit for bit, the differences are
+//! exactly the changes, and no damaged folder is accepted.
 //!
 //! `PROPTEST_CASES=1000 cargo test -p gsk980td-tests --test subjects project` runs more.
 
@@ -33,7 +33,7 @@ fn config() -> ProptestConfig {
     config
 }
 
-/// Numbers that follow from a seed.
+/// Random numbers from a seed.
 struct Numbers(u64);
 
 impl Numbers {
@@ -54,7 +54,7 @@ impl Numbers {
     }
 }
 
-/// A control that is changed by what the control itself offers.
+/// A control that is changed through its own functions.
 #[derive(Clone)]
 struct Control {
     memory: Memory,
@@ -128,7 +128,7 @@ impl Control {
         Some(ProjectValue::Selected(number))
     }
 
-    /// Changes one thing.
+    /// Changes one value.
     fn change(&mut self, numbers: &mut Numbers) -> Vec<Change> {
         let memory = &mut self.memory;
         let whole = |value: i64| Some(ProjectValue::Whole(value));
@@ -310,7 +310,7 @@ proptest! {
             prop_assert!(read.is_ok(), "{:?}", read.err());
             let read = read.unwrap();
             prop_assert_eq!(&read, &state);
-            // What the control itself compares.
+            // The values that the control itself compares.
             prop_assert_eq!(&read.memory().parameters, &state.memory().parameters);
             prop_assert_eq!(&read.memory().offsets, &state.memory().offsets);
             prop_assert_eq!(&read.memory().pitch, &state.memory().pitch);
@@ -356,7 +356,7 @@ proptest! {
                 || matches!(difference.new, Some(ProjectValue::Text(_)));
             prop_assert_eq!(describe_text_changes(difference).is_empty(), !is_text);
         }
-        // Two random ones as well: applying what differs makes them equal.
+        // Two random ones as well: applying the differences makes them equal.
         let other = Control::of(seed ^ 2).state();
         let found = diff(&before, &other);
         let panel = other.panel().or(before.panel());
@@ -386,7 +386,7 @@ proptest! {
                 Err(problems) => {
                     prop_assert!(problems.iter().all(|it| it.file == name), "{problems:?}");
                 }
-                // A variable of macro B that has no line is null; garbage may be a value.
+                // A variable of macro B without a line is null; garbage may be a value.
                 Ok(read) => {
                     let expected = name == "variables.txt" || garbage.contains('=');
                     prop_assert!(expected || read == state, "{name}:{at}: {damaged:?}");
@@ -423,7 +423,7 @@ fn exported() -> ProjectFiles {
     export(&ProjectState::from_setup(&Setup::delivered()), Language::En)
 }
 
-/// The problems of a folder in which one file is another.
+/// The problems of a folder in which one file is replaced.
 fn problems_with(name: &str, text: &str) -> Vec<String> {
     let mut files = exported();
     files.insert(name.to_owned(), text.to_owned());
@@ -728,7 +728,7 @@ fn rights_are_those_of_the_control() {
     let parameters = &before.memory.parameters;
     assert_eq!(refused(parameters, level("123456")), []);
     assert_eq!(refused(parameters, level("12345")), [high]);
-    // Without 参数开关 no parameter; the level does not open it.
+    // Without 参数开关 parameters are refused; the level does not enable them.
     assert_eq!(refused(parameters, level("1234")), [parameter, high]);
     let nobody = [parameter, offset, ProjectKey::Variable(200), low, high];
     assert_eq!(refused(parameters, Level::NONE), nobody);

@@ -1,5 +1,5 @@
-//! Random legal programs through the full kernel: no NaN, no axis faster than it
-//! may be, every end point where the words say.
+//! Runs random legal programs through the full kernel: no NaN, no axis faster than allowed,
+//! every end point where the words put it.
 //!
 //! `PROPTEST_CASES=2000 cargo test -p gsk980td-tests --test subjects properties` runs more.
 
@@ -25,7 +25,7 @@ const CYCLE_START: BitAddress = BitAddress::new(Area::X, 25, 0);
 const FEED_DOWN: BitAddress = BitAddress::new(Area::X, 24, 6);
 const RAPID_DOWN: BitAddress = BitAddress::new(Area::X, 24, 5);
 
-/// A block or two, in thousandths of a millimetre; X as a diameter.
+/// One block or two, in thousandths of a millimetre; X as a diameter.
 #[derive(Clone, Debug)]
 enum Step {
     Go {
@@ -90,13 +90,13 @@ fn step() -> impl Strategy<Value = Step> {
     ]
 }
 
-/// A program with the point it must end at.
+/// A program with its expected end point.
 #[derive(Debug)]
 struct Part {
     text: String,
     /// Absolute end point: X as a diameter, Z, thousandths.
     end: (i64, i64),
-    /// Machine end point, alike.
+    /// Machine end point, in the same form.
     machine: (i64, i64),
 }
 
@@ -162,7 +162,7 @@ fn part(steps: &[Step]) -> Part {
                 feed,
             } => {
                 let code = if clockwise { "G02" } else { "G03" };
-                // A circle without radius is no circle.
+                // A circle without radius is invalid.
                 let i = if i == 0 && k == 0 { 1000 } else { i };
                 let _ = writeln!(text, "{code} I{} K{} F{feed};", mm(i), mm(k));
             }
@@ -195,8 +195,8 @@ fn part(steps: &[Step]) -> Part {
                     OFFSETS[new].1 - OFFSETS[offset].1,
                 );
                 offset = new;
-                // The offset is executed with the motion of its block, to the
-                // same absolute point.
+                // The offset is executed with the motion of its block, to the same absolute
+                // point.
                 let _ = writeln!(text, "T01{number:02} G00 X{} Z{};", mm(at.0), mm(at.1));
                 shift = (shift.0 + change.0, shift.1 + change.1);
             }
@@ -251,7 +251,7 @@ fn length(executed: &ExecutedMove) -> f64 {
     turned * a.length()
 }
 
-/// No move was faster than it may be, on the average over its length.
+/// Checks that no move was faster than allowed, on average over its length.
 fn assert_rate(executed: &ExecutedMove, feed: f64, rapid: f64) -> Result<(), TestCaseError> {
     let seconds = executed.duration_s;
     let way = executed.to - executed.from;
@@ -270,8 +270,8 @@ fn assert_rate(executed: &ExecutedMove, feed: f64, rapid: f64) -> Result<(), Tes
     Ok(())
 }
 
-/// The preview and the kernel make the same moves; without overrides they take
-/// the same time.
+/// Checks that the preview and the kernel make the same moves; without overrides they take the
+/// same time.
 fn assert_same(
     previewed: &[ExecutedMove],
     executed: &[ExecutedMove],
@@ -306,7 +306,7 @@ struct Watched {
     blocks: u64,
 }
 
-/// Runs a program to its end with overrides turned down, watching every tick.
+/// Runs a program to its end with overrides turned down and records every tick.
 fn watched(
     start: &Setup,
     feed_down: u32,
@@ -329,7 +329,7 @@ fn watched(
     simulation.cnc.set_panel_key(AUTO, false);
     simulation.cnc.set_panel_key(CYCLE_START, true);
     (0..100).for_each(|_| simulation.tick());
-    // The run begins when the key comes up.
+    // The run begins when the key is released.
     simulation.cnc.set_panel_key(CYCLE_START, false);
     let mut ended = false;
     let mut moves = Vec::new();

@@ -1,5 +1,5 @@
-//! Every page that writes against every protection: the table `protections.txt` says
-//! what is written, what is refused, and with which alarm.
+//! Tries every page that writes against every protection. The table `protections.txt` lists
+//! what is written, what is refused, and the alarm.
 
 use std::collections::BTreeSet;
 
@@ -13,15 +13,15 @@ use gsk_panel::pages::PageId;
 use gsk_panel::script::{self, Script};
 use gsk_tests::repository;
 
-/// A dwell that outlasts every script.
+/// A dwell longer than every script.
 const PROGRAM: &str = "\nG04 X9000;\nM30;\n";
 
-/// What a place writes, as text: before and after.
+/// The data that a page writes, as text, for a comparison before and after.
 type Seen = fn(&Emulator) -> String;
 
 struct Place {
     name: &'static str,
-    /// The key of the mode it needs; empty: any.
+    /// The key of the mode it needs; empty for any mode.
     mode: &'static str,
     /// The keys that write.
     keys: &'static str,
@@ -219,7 +219,7 @@ fn operate(emulator: &mut Emulator, text: &str, why: &str) {
     assert!(done.is_ok(), "{why}: {done:?}");
 }
 
-/// The machine in front of a place, under a protection.
+/// The machine on a page, with a protection active.
 fn prepared(place: &Place, protection: &str) -> Emulator {
     let mut setup = Setup::default();
     let bit = match protection {
@@ -247,7 +247,7 @@ fn prepared(place: &Place, protection: &str) -> Emulator {
     setup.memory.counters.parts = 5;
     setup.memory.counters.cutting_ms = 3_600_000;
     let mut emulator = Emulator::new(setup);
-    // The picture of the self-test is not waited for: there are 400 of them.
+    // The self-test picture is skipped: there are 400 of them.
     emulator.panel.show(PageId::PosRel);
     emulator.run(100);
     let cnc = &mut emulator.simulation.cnc;
@@ -259,8 +259,7 @@ fn prepared(place: &Place, protection: &str) -> Emulator {
     // Hidden programs cannot be selected; that is their protection.
     let _ = cnc.request(Request::SelectProgram(selected));
     emulator.press(gsk_panel::keys::Key::Reset);
-    // The switches are set as the page does, unless something stands against it:
-    // then they stood so before.
+    // The page sets the switches, unless a protection prevents it: then they were set before.
     let switch = protection != "PSW" && place.name != "set-switch";
     if switch {
         force_switch(&mut emulator);
@@ -285,8 +284,8 @@ fn prepared(place: &Place, protection: &str) -> Emulator {
     emulator
 }
 
-/// The parameter switch on and its alarm gone, whoever is at the machine: where
-/// something stands against it, it was switched on before.
+/// Switches the parameter switch on and clears its alarm. If a protection prevents it, it was
+/// switched on before.
 fn force_switch(emulator: &mut Emulator) {
     let cnc = &mut emulator.simulation.cnc;
     for request in [
@@ -304,7 +303,7 @@ fn force_switch(emulator: &mut Emulator) {
     *emulator = ron::from_str(&on).unwrap();
 }
 
-/// What becomes of the keys: `ok`, `-`, or the alarm.
+/// The result of the keys: `ok`, `-`, or the alarm.
 fn outcome(place: &Place, protection: &str) -> String {
     let mut emulator = prepared(place, protection);
     let mode = match protection {

@@ -1,12 +1,12 @@
-//! The case runner itself: it sees differences, keeps known failures honest and
-//! rewrites expectations only on demand.
+//! Tests the case runner itself: it detects differences, verifies known failures and rewrites
+//! expectations only on request.
 
 use std::fs;
 use std::path::PathBuf;
 
 use gsk_tests::{case_dir, run_case, tree};
 
-/// A case in a folder of its own, removed at the end.
+/// A case in a temporary folder, removed at the end.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -22,7 +22,7 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // What stays behind is a few bytes in the temporary folder.
+        // A failure leaves a few bytes in the temporary folder.
         let _ = fs::remove_dir_all(&self.0);
     }
 }

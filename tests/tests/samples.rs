@@ -1,4 +1,4 @@
-//! The sample programs do what their comments say, through both paths.
+//! Checks that the sample programs do what their comments describe, on both paths.
 
 use gsk_core::setup::Setup;
 use gsk_tests::execute::{Seen, check, run};
@@ -103,7 +103,7 @@ fn the_stepped_shaft_has_two_arcs_and_no_cut_below_the_contour() {
     }
 }
 
-/// Finished diameter of the stepped shaft at a Z: the least one, where it steps.
+/// Finished diameter of the stepped shaft at a Z; the smaller one at a step.
 fn contour(z: f64) -> f64 {
     match z {
         z if z > -2.0 => 16.0 - 2.0 * z,

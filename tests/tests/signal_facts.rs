@@ -1,7 +1,7 @@
-//! Every signal of the control that the standard ladder does not read has a line in
-//! `signal-facts.tsv`: what sets and what clears it, where the manual says so, and the
-//! cases that see it at 1 and at 0. Authors of ladders build on these signals, and no
-//! other case would notice that one of them is wrong.
+//! Checks that every signal of the control that the standard ladder does not read has a line
+//! in `signal-facts.tsv`: what sets and clears it according to the manual, and the cases that
+//! see it at 1 and at 0. Authors of ladders build on these signals, and no other case would
+//! detect that one of them is wrong.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -37,7 +37,7 @@ fn facts() -> Vec<Fact> {
     text.lines().skip(1).map(fact).collect()
 }
 
-/// Signals that the control gives out and the standard ladder leaves alone.
+/// Signals that the control sends and the standard ladder does not read.
 fn unread() -> impl Iterator<Item = &'static str> {
     SIGNALS.lines().filter_map(|line| {
         let cells: Vec<&str> = line.split('\t').collect();
@@ -49,7 +49,7 @@ fn unread() -> impl Iterator<Item = &'static str> {
     })
 }
 
-/// What a script expects of an address or of its bits: the values.
+/// The values that a script expects of an address or of its bits.
 fn expected(script: &str, address: &str) -> BTreeSet<String> {
     let lines = script.lines().map(|line| line.split_whitespace());
     lines

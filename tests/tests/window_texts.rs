@@ -1,17 +1,17 @@
-//! The window has no text of its own: what it shows stands in the table of messages, so
-//! that nothing is said in one language alone.
+//! Checks that the window has no text in its sources. Its texts are in the table of messages,
+//! so that each exists in both languages.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use gsk_tests::repository;
 
-/// Where the sources of the window lie.
+/// The folder of the window's sources.
 const WINDOW: &str = "app/src/window";
-/// Literals of this many words are taken for a sentence.
+/// Literals with this number of words count as a sentence.
 const SENTENCE: usize = 3;
 
-/// Literals that nobody reads as a sentence, and why.
+/// Literals that are not shown as a sentence, and the reason.
 const NOT_SHOWN: [(&str, &str); 1] = [("asked for files", "the key of a value that egui keeps")];
 
 /// A string literal of a source and its line.
@@ -48,7 +48,7 @@ fn literals(source: &str) -> Vec<Literal> {
     found
 }
 
-/// Bytes of the string that a text begins with, with its quotation marks.
+/// Length in bytes of the string at the beginning of a text, with its quotation marks.
 fn length_of_string(text: &str) -> usize {
     let mut escaped = false;
     for (at, character) in text.char_indices().skip(1) {
@@ -61,7 +61,7 @@ fn length_of_string(text: &str) -> usize {
     panic!("a string without end: {}", &text[..text.len().min(40)]);
 }
 
-/// Bytes of the character that a text begins with; one of a lifetime.
+/// Length in bytes of the character literal at the beginning of a text; 1 for a lifetime.
 fn length_of_character(text: &str) -> usize {
     let mut characters = text.char_indices().skip(1);
     match (characters.next(), characters.next(), characters.next()) {
@@ -83,7 +83,7 @@ fn is_chinese(text: &str) -> bool {
         .any(|letter| ('\u{3000}'..='\u{9fff}').contains(&letter))
 }
 
-/// Words of a literal: letters between blanks; a placeholder is none.
+/// Number of words of a literal: letters between spaces, without placeholders.
 fn words(text: &str) -> usize {
     let mut outside = String::new();
     let mut depth = 0_u32;

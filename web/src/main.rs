@@ -1,5 +1,5 @@
-//! The program as a page in a browser: the same window on a canvas. What a page does
-//! otherwise than a computer stands in `app/src/platform/web/`.
+//! The program as a page in a browser: the same window on a canvas. Differences between page
+//! and computer are in `app/src/platform/web/`.
 
 fn main() {
     #[cfg(target_arch = "wasm32")]
@@ -13,7 +13,7 @@ mod page {
     use gsk_app::platform;
     use gsk_messages::Language;
 
-    /// Opens the window on the page, as its link asks for.
+    /// Opens the window on the page, with the options in its link.
     pub fn open() {
         platform::begin(|asked| {
             let lang = match asked.language.as_deref() {

@@ -1,39 +1,42 @@
-//! Differences of two models that lie in no code: what X measures, increments, planes,
-//! feeds, tools, variables, ranges. Each is found once, at its first block.
+//! Finds the differences of two models that no code shows: what X measures, increments,
+//! planes, feeds, tools, variables, ranges. Each difference is found once, at its first block.
 
 use gsk_core::model::{GCode, Increments, MacroForm, Record, ToolForm, WorkPlane, XMeasure};
 use gsk_messages::{Message, say};
 
 use super::{Block, Word};
 
-/// A difference that a program meets.
+/// A difference of two models that the program meets, beside its G and M codes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Difference {
-    /// X measures something else.
+    /// X is a diameter in one model and a distance in the other.
     Diameter,
-    /// Increments by U and W are written by G91 there.
+    /// The target model writes increments of this letter (U or W) with G91.
     Increments(char),
-    /// There is no such address.
+    /// The target model has no such address letter.
     Address(char),
-    /// Arcs and radius compensation begin in another plane.
+    /// Arcs and radius compensation start in another plane at power-on.
     Plane,
-    /// A cut before the first F.
+    /// A cut before the first F word: the models start with different feeds.
     FirstFeed,
-    /// A feed beyond the greatest one there, mm/min.
+    /// This feed, mm/min, is above the maximum of the target model.
     Feed(f64),
-    /// A number beyond its range there.
+    /// The number at this letter is outside the range of the target model, given as
+    /// `low~high`.
     Range(char, String),
-    /// A T word names something else.
+    /// A T word means something else: tool and offset, or the tool alone.
     Tool,
-    /// Variables and formulas are others.
+    /// The macro language differs.
     Macros,
-    /// A code that means the same stays in force in one of them alone.
+    /// A G code of this number has the same meaning, but is modal in only one of the two
+    /// models.
     Modal(u8),
-    /// L counts the runs of M98 in one of them alone.
+    /// L is the repeat count of M98 in only one of the two models.
     CallCount,
 }
 
-/// A difference with its first block, as it stands there, and in how many it is met.
+/// A difference with the line and text of its first word, and the number of blocks that have
+/// it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Met {
     pub(super) difference: Difference,
@@ -81,7 +84,7 @@ fn first_feeds_differ(from: &Record, to: &Record) -> bool {
     from.conventions.first_feed != to.conventions.first_feed
 }
 
-/// The code of a block that cuts.
+/// The first G code of a block that cuts (G01 to G03).
 fn cutting_code<'a>(block: &'a Block<'_>, from: &Record) -> Option<&'a Word<'a>> {
     block.codes(b'G').find(|word| {
         let code = word.value.parse::<u8>().ok();
@@ -129,7 +132,7 @@ fn in_block(block: &Block<'_>, from: &Record, to: &Record) -> Vec<(Difference, S
     found
 }
 
-/// A code that means the same, and stays in force in one model alone.
+/// A code that has the same meaning, but is modal in only one of the two models.
 fn modal(word: &Word<'_>, from: &Record, to: &Record) -> Option<Difference> {
     if word.letter != b'G' {
         return None;
@@ -142,7 +145,7 @@ fn modal(word: &Word<'_>, from: &Record, to: &Record) -> Option<Difference> {
     (stays != stays_there).then_some(Difference::Modal(code))
 }
 
-/// A number that the other model does not take.
+/// A number that the target model does not accept.
 fn beyond(word: &Word<'_>, block: &Block<'_>, from: &Record, to: &Record) -> Option<Difference> {
     let letter = char::from(word.letter);
     let value: f64 = word.value.parse().ok()?;
@@ -167,7 +170,7 @@ fn beyond(word: &Word<'_>, block: &Block<'_>, from: &Record, to: &Record) -> Opt
 }
 
 impl Met {
-    /// In words, without the line.
+    /// The message for the user, without the line number.
     pub(super) fn text(&self, from: &Record, to: &Record) -> Message {
         let (here, there) = (&from.conventions, &to.conventions);
         let (code, blocks) = (&self.code, self.blocks);

@@ -1,75 +1,74 @@
-//! A program read with the eyes of another control model: what of it means
-//! something else there, and the same program in the numbers of the other one, as far
-//! as its codes mean the same.
+//! Compares how two control models read the same program, and rewrites its codes for the other
+//! model as far as it has a code with the same meaning.
 
 mod conventions;
 
 use gsk_core::model::{GCode, MCode, Record};
 use gsk_messages::{Message, say};
 
-/// A code of one model as another one reads it.
+/// A difference between the two models, with its line in the program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// Line of the text, from 1.
+    /// Line of the program text, from 1.
     pub line: u32,
-    /// The code as it stands there.
+    /// The word as written in the program.
     pub code: String,
-    /// What becomes of it.
+    /// How the other model reads it.
     pub outcome: Outcome,
 }
 
 pub use conventions::Difference;
 
-/// What becomes of a code in another model.
+/// How another model reads a code.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
-    /// What it stands for is another thing there, whatever the codes; in how many blocks.
+    /// A difference that no code shows, and the number of blocks that have it.
     Otherwise(Difference, usize),
-    /// The model that the program was written for does not have it.
+    /// The model that the program was written for has no such code.
     Foreign,
-    /// It has another number there.
+    /// The other model has the same function under another number.
     Renumbered {
-        /// What it is.
+        /// The function in the source model.
         here: Meaning,
-        /// Its number there.
+        /// The number in the other model.
         number: u8,
     },
-    /// There is no such code.
+    /// The other model has no such function.
     Missing {
-        /// What it is.
+        /// The function in the source model.
         here: Meaning,
     },
-    /// It means something else; what it is here may have another number there.
+    /// The other model has another function under this number.
     Differs {
-        /// What it is here.
+        /// The function in the source model.
         here: Meaning,
-        /// What it is there.
+        /// The function in the other model.
         there: Meaning,
-        /// The number that it has there, if any.
+        /// The number of the source function in the other model, if it has one.
         number: Option<u8>,
     },
 }
 
-/// What a code means, of either kind.
+/// The meaning of a G or M code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meaning {
-    /// Of a G code; whether its manual says so, or it was decided.
+    /// A G code, and whether the manual or a decision defines it.
     G(GCode, Known),
-    /// Of an M code.
+    /// An M code, and whether the manual or a decision defines it.
     M(MCode, Known),
 }
 
-/// Where the action of a code is known from.
+/// The source of a code's meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Known {
-    /// From the manual of its model.
+    /// The manual of the model defines it.
     FromManual,
-    /// The manual is silent: it was decided.
+    /// The manual is silent. `docs/decisions.md` records the choice.
     Decided,
 }
 
 impl Meaning {
-    /// In words.
+    /// The message that names the function.
     pub fn text(self) -> Message {
         let (text, known) = match self {
             Self::G(code, known) => (code.text(), known),
@@ -83,7 +82,7 @@ impl Meaning {
 }
 
 impl Finding {
-    /// In words, without the line.
+    /// The message for the user, without the line number.
     pub fn text(&self, from: &Record, to: &Record) -> Message {
         let code = &self.code;
         let letter = code.get(..1).unwrap_or_default();
@@ -120,12 +119,12 @@ impl Finding {
         }
     }
 
-    /// Whether [`rewrite`] writes what says the same.
+    /// Whether [`rewrite`] replaces the code.
     pub const fn is_rewritten(&self) -> bool {
         self.number().is_some()
     }
 
-    /// The number that says the same in the other model.
+    /// The number of the same function in the other model.
     const fn number(&self) -> Option<u8> {
         match self.outcome {
             Outcome::Renumbered { number, .. } => Some(number),
@@ -135,7 +134,8 @@ impl Finding {
     }
 }
 
-/// What a program for one model says in another one, in the order of the text.
+/// Lists where the model `to` reads a program of the model `from` differently, in the order of
+/// the text.
 pub fn compare(text: &str, from: &Record, to: &Record) -> Vec<Finding> {
     let found = |block: &Block<'_>| {
         let codes = block
@@ -156,8 +156,8 @@ pub fn compare(text: &str, from: &Record, to: &Record) -> Vec<Finding> {
     all
 }
 
-/// The program in the numbers of the other model, where they say the same; all else
-/// stands as it is.
+/// Replaces the codes of a program for `from` by the codes of `to` with the same meaning. All
+/// other text is unchanged.
 pub fn rewrite(text: &str, from: &Record, to: &Record) -> String {
     let mut out = String::with_capacity(text.len());
     let mut copied = 0;
@@ -175,7 +175,7 @@ pub fn rewrite(text: &str, from: &Record, to: &Record) -> String {
     out
 }
 
-/// A word: its letter and where its number stands in the text.
+/// A word: its letter, and the byte range of its number in the text.
 #[derive(Clone, Copy, Debug)]
 struct Word<'a> {
     letter: u8,
@@ -188,22 +188,22 @@ struct Word<'a> {
 struct Block<'a> {
     line: u32,
     words: Vec<Word<'a>>,
-    /// It calculates.
+    /// Whether the block has a formula or a variable.
     has_formula: bool,
 }
 
 impl Block<'_> {
-    /// Whether it has words or calculates.
+    /// Whether the block has a word or a formula.
     const fn says_something(&self) -> bool {
         !self.words.is_empty() || self.has_formula
     }
 
-    /// Its words of a letter.
+    /// The words with a letter.
     fn codes(&self, letter: u8) -> impl Iterator<Item = &Word<'_>> {
         self.words.iter().filter(move |word| word.letter == letter)
     }
 
-    /// Whether a G code of it has a meaning.
+    /// Whether a G code of the block has a meaning that `is` accepts.
     fn means(&self, record: &Record, is: impl Fn(GCode) -> bool) -> bool {
         self.codes(b'G').any(|word| {
             let code = word.value.parse::<u8>().ok();
@@ -222,7 +222,7 @@ impl Block<'_> {
     }
 }
 
-/// The blocks of a text that say something; comments are passed over.
+/// The blocks of a text that have words or formulas. Comments are skipped.
 fn blocks(text: &str) -> Vec<Block<'_>> {
     let bytes = text.as_bytes();
     let mut blocks = Vec::new();
@@ -266,8 +266,8 @@ fn blocks(text: &str) -> Vec<Block<'_>> {
     blocks
 }
 
-/// The word whose letter stands at a place; its value is empty where no number follows,
-/// as in the words of macros.
+/// The word whose letter is at a byte position. Its value is empty where no number follows, as
+/// in keywords of macros.
 fn word(text: &str, at: usize) -> Word<'_> {
     let bytes = text.as_bytes();
     let is = |at: usize, what: fn(u8) -> bool| bytes.get(at).copied().is_some_and(what);
@@ -294,7 +294,7 @@ fn word(text: &str, at: usize) -> Word<'_> {
     }
 }
 
-/// What becomes of one word; nothing where it says the same.
+/// The difference at one word; `None` if both models agree.
 fn look(word: &Word<'_>, block: &Block<'_>, from: &Record, to: &Record) -> Option<Finding> {
     if !matches!(word.letter, b'G' | b'M') {
         return None;
@@ -333,8 +333,8 @@ fn look(word: &Word<'_>, block: &Block<'_>, from: &Record, to: &Record) -> Optio
     })
 }
 
-/// Whether the words beside a code mean the same in both models: S beside the code that sets
-/// coordinates, threads an inch and run-outs beside a thread.
+/// Whether the words next to a code mean the same in both models: S next to the code that sets
+/// coordinates, threads per inch and run-outs next to a thread.
 fn words_mean_the_same(here: Meaning, block: &Block<'_>, from: &Record, to: &Record) -> bool {
     let (one, other) = (&from.conventions, &to.conventions);
     match here {
@@ -365,8 +365,8 @@ fn known(decided: &[u8], number: u8) -> Known {
     }
 }
 
-/// Whether two codes do the same in a block with these words. The path of a rapid is
-/// not that of the other one, its end is.
+/// Whether two codes do the same in a block with these words. The paths of the two kinds of
+/// rapid differ, but their ends are the same.
 fn same(here: Meaning, there: Meaning, block: &Block<'_>) -> bool {
     let (here, there) = match (here, there) {
         (Meaning::G(here, _), Meaning::G(there, _)) => (here, there),
@@ -426,7 +426,7 @@ mod tests {
         );
     }
 
-    /// A mill counts X as a distance, whatever the codes say: 002, coordinates of the lathe
+    /// A mill measures X as a distance, whatever the codes are: 002, coordinates of the lathe
     /// 000 table 3-5.
     #[test]
     fn what_lies_in_no_code_is_listed_too() {
@@ -478,7 +478,7 @@ mod tests {
             kinds("S6000\n", td, hx31),
             [Difference::Range('S', "0~5000".to_owned())]
         );
-        // S beside G50 is a limit on lathes that say so.
+        // S next to G50 is a speed limit on lathes that have this convention.
         assert!(!list("G50 S2000\n", td, mdi).is_empty());
         assert_eq!(list("G50 S2000\n", td, ModelId::Ncb08), [""; 0]);
     }

@@ -1,5 +1,5 @@
-//! A program at a real machine: a pulse board makes the motion, at its own pace, and
-//! somebody is asked before anything goes on that has come to a stop.
+//! Executes a program on a real machine: a pulse board makes the motion at its own pace, and
+//! the operator confirms that a stopped program continues.
 
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::{Area, BitAddress};
@@ -12,38 +12,40 @@ use crate::board::{Answer, Operator, PulseBoard};
 const RESET_KEY: BitAddress = BitAddress::new(Area::X, 26, 0);
 const MACHINE_ZERO_KEY: BitAddress = BitAddress::new(Area::X, 20, 3);
 const FEED_HOLD_KEY: BitAddress = BitAddress::new(Area::X, 24, 7);
-/// DM00, the decode signal of M00: up until its FIN, and only then does the program stop.
+/// DM00, the decode signal of M00. It is on until its FIN, and only then does the program
+/// stop.
 const PROGRAM_STOP: BitAddress = BitAddress::new(Area::F, 9, 7);
 
-/// The key of an axis that leads to its machine zero.
+/// The key that returns an axis to its machine zero.
 const fn axis_key(axis: Axis) -> BitAddress {
     match axis {
         Axis::X => BitAddress::new(Area::X, 23, 1),
         Axis::Z => BitAddress::new(Area::X, 22, 7),
     }
 }
-/// A return takes no longer, ticks.
+/// Time limit of a return to machine zero, ticks.
 const LONGEST_RETURN: u32 = 10 * 60 * 1000;
-/// After so long without motion a key has done nothing, ticks.
+/// Ticks without motion after which a key counts as without effect.
 const KEY_ACTS_WITHIN: u32 = 1000;
-/// What stood before RESET is gone by then, if it goes, ticks.
+/// Ticks within which RESET clears the alarms that can be cleared.
 const RESET_ACTS_WITHIN: u32 = 5000;
-/// A stop that stands so long, ticks, has no alarm any more that comes later.
+/// Ticks at standstill after which a stop raises no late alarm any more.
 const STANDS: u32 = 300;
 
-/// A pulse board that makes the motion.
+/// A pulse board that makes the motion of a run, with the operator who supervises it.
 pub struct Board {
     /// The board.
     pub(super) live: Box<dyn PulseBoard>,
     home: bool,
     person: Option<Box<dyn Operator>>,
-    /// An alarm ends the run: what stood before RESET does not.
+    /// Whether an alarm ends the run. Set after RESET, because alarms from before do not
+    /// count.
     minds_alarms: bool,
 }
 
 impl Board {
-    /// A board that is known; `home`: the machine zero return of both axes comes first;
-    /// `person`: who is asked at a stop.
+    /// Takes an opened board. With `home` both axes return to machine zero before the program
+    /// starts. `person` answers the question at a stop; with `None` a stop ends the run.
     pub fn new(live: Box<dyn PulseBoard>, home: bool, person: Option<Box<dyn Operator>>) -> Self {
         Self {
             live,
@@ -54,19 +56,19 @@ impl Board {
     }
 }
 
-/// A stop that is looked after.
+/// State of a stop that waits for the operator.
 #[derive(Debug, Default)]
 pub(super) struct Standing {
-    /// So long it stands, ticks.
+    /// Duration of the stop, ticks.
     ticks: u32,
-    /// The question was put.
+    /// Whether the question is on the terminal.
     asked: bool,
-    /// The line of the last M00.
+    /// Line of the last M00.
     program_stop: Option<u32>,
 }
 
 impl Run<'_> {
-    /// Waits until the board lets a tick pass; false: the end was asked for.
+    /// Waits until the board allows a tick. Returns false if the end was requested.
     pub(super) fn may_tick(&mut self) -> bool {
         let Some(board) = &mut self.board else {
             return true;
@@ -75,7 +77,7 @@ impl Run<'_> {
         if !on {
             self.ended = Some(End::Asked);
         }
-        // What the board raises between two ticks is no event of theirs.
+        // An alarm that the board raises between two ticks is no event of either.
         if let Some(alarm) = self.simulation.cnc.alarms().first()
             && board.minds_alarms
             && self.ended.is_none()
@@ -85,7 +87,7 @@ impl Run<'_> {
         on
     }
 
-    /// RESET unlocks the board; with [`Board::home`] both axes make their return.
+    /// RESET unlocks the board; with [`Board::home`] both axes then return to machine zero.
     pub(super) fn prepare_board(&mut self) {
         let Some(home) = self.board.as_ref().map(|board| board.home) else {
             return;
@@ -109,8 +111,8 @@ impl Run<'_> {
         }
     }
 
-    /// Holds the key of an axis until it has its reference. A board may return both
-    /// axes at the key of the first.
+    /// Holds the key of an axis until the axis is referenced. Some boards return both axes
+    /// with the key of the first.
     fn home(&mut self, axis: Axis) {
         let key = axis_key(axis);
         let mut still = 0;
@@ -133,15 +135,15 @@ impl Run<'_> {
         self.ended = Some(End::Refused(why));
     }
 
-    /// Whether control and board stand.
+    /// Whether control and board are at standstill.
     fn stands(&self) -> bool {
         let cnc = &self.simulation.cnc;
         !cnc.is_moving() && cnc.board_lag().is_none_or(|lag| lag.ticks == 0)
     }
 
-    /// Looks after a program that a board carries out, once a tick. A stop is answered
-    /// by a person, at the terminal or with the cycle start of the machine; without
-    /// anybody at a terminal the run is over.
+    /// Supervises a program on a board, once a tick. The operator ends a stop at the terminal
+    /// or with the cycle start of the machine. Without an operator at the terminal a stop ends
+    /// the run.
     pub(super) fn attend(&mut self) {
         let state = self.simulation.cnc.run_state();
         if state == RunState::Run {
@@ -176,7 +178,7 @@ impl Run<'_> {
             self.standing.asked = true;
             match self.question(&place) {
                 true => {}
-                // It was held at the machine, and goes on there.
+                // The operator held it at the machine, and continues it there.
                 false if hold => self.watcher.tell(&say::run_goes_on_at_machine(place)),
                 false => self.ended = Some(End::Stop(say::run_start_at(place))),
             }
@@ -195,7 +197,7 @@ impl Run<'_> {
         }
     }
 
-    /// Where the program has come to a stop, and how.
+    /// The message that says at which line the program stopped, and how.
     fn place(&self, hold: bool) -> Message {
         let line = self.simulation.cnc.cursor().line;
         match self.standing.program_stop == Some(line) {
@@ -205,7 +207,8 @@ impl Run<'_> {
         }
     }
 
-    /// Asks whether to go on from a place; false: nobody is there to be asked.
+    /// Shows the question whether to continue after a stop. Returns false if no operator is
+    /// there.
     fn question(&mut self, place: &Message) -> bool {
         let person = self
             .board
@@ -219,7 +222,7 @@ impl Run<'_> {
         true
     }
 
-    /// What the person at the terminal says; asked once more if that was no answer.
+    /// The operator's answer. An invalid answer repeats the question.
     fn answer(&mut self, place: &Message) -> Answer {
         let person = self
             .board
@@ -232,7 +235,7 @@ impl Run<'_> {
         answer
     }
 
-    /// Asks whether another part may be begun, and waits for the word of it.
+    /// Asks the operator whether to start another part, and waits for the answer.
     pub(super) fn may_begin_another(&mut self) -> bool {
         if self.board.is_none() {
             return true;
@@ -254,8 +257,8 @@ impl Run<'_> {
         false
     }
 
-    /// A program that runs on behind the end of the run is held, and the board makes
-    /// what it was handed.
+    /// Holds a program that still runs at the end of the run, and waits until the board has
+    /// made the motion sent to it.
     pub(super) fn come_to_rest(&mut self) {
         if self.board.is_none() {
             return self.settle();

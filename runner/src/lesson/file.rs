@@ -1,4 +1,4 @@
-//! A lesson as its file says it (RON), and the rules that it keeps.
+//! Reads the file of a lesson (RON) and checks its rules.
 
 use gsk_core::units::{NonFinite, find_non_finite};
 use gsk_messages::{Message, say};
@@ -11,37 +11,37 @@ use serde::de::DeserializeOwned;
 use super::machine::{Begins, BeginsFile};
 use super::{Condition, Lesson, Step, Text, Wrong};
 
-/// More steps than anybody does in one lesson.
+/// Limit of the steps of a lesson; no useful lesson has more.
 const MOST_STEPS: usize = 100;
 
 /// Why a lesson cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum LessonError {
-    /// It is not written as a lesson.
+    /// The file is no valid RON, or has unknown fields.
     Syntax {
-        /// The file.
+        /// Name of the file.
         file: String,
         /// Line, from 1.
         line: usize,
-        /// What is wrong there.
+        /// What the parser reports.
         reason: Message,
     },
-    /// It breaks a rule.
+    /// The lesson breaks a rule.
     Rule {
-        /// The file.
+        /// Name of the file.
         file: String,
-        /// Step, from 1; none outside the steps.
+        /// Number of the step, from 1; `None` outside the steps.
         step: Option<usize>,
-        /// The field.
+        /// Name of the field.
         field: &'static str,
-        /// The rule.
+        /// The rule, as a message.
         rule: Message,
     },
 }
 
 impl LessonError {
-    /// What is said of it.
+    /// The message for the user, with file and line or step.
     pub fn message(&self) -> Message {
         match self {
             Self::Syntax { file, line, reason } => {
@@ -73,7 +73,7 @@ struct LessonFile {
     steps: Vec<StepFile>,
 }
 
-/// A step, as it is written.
+/// A step, as written in the file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct StepFile {
@@ -89,7 +89,7 @@ pub(super) struct StepFile {
     pub(super) solution: Vec<String>,
 }
 
-/// A mistake, as it is written.
+/// A mistake, as written in the file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct WrongFile {
@@ -97,7 +97,7 @@ pub(super) struct WrongFile {
     say: Text,
 }
 
-/// Where a rule is broken.
+/// File, step and field that a rule applies to.
 pub(super) struct Place<'a> {
     pub(super) file: &'a str,
     pub(super) step: Option<usize>,
@@ -116,11 +116,11 @@ impl Place<'_> {
 }
 
 impl Lesson {
-    /// Reads a lesson. `file` names it in messages, and without folder and ending it is its
-    /// name.
+    /// Parses a lesson. Messages call it `file`; its name is `file` without folder and
+    /// extension.
     ///
     /// # Errors
-    /// The line that is no lesson, or the step, field and rule that is broken.
+    /// The line with a syntax error, or the step, field and rule that is broken.
     pub fn read(file: &str, text: &str) -> Result<Self, LessonError> {
         let raw: LessonFile = read(file, text)?;
         let at = |step, field| Place { file, step, field };
@@ -147,7 +147,7 @@ impl Lesson {
     }
 }
 
-/// What a file says.
+/// Parses a RON text.
 pub(super) fn read<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, LessonError> {
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
@@ -166,7 +166,7 @@ pub(super) fn read<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Les
     })
 }
 
-/// The name of a file without folder and ending.
+/// The name of a file without folder and extension.
 fn name_of(file: &str) -> String {
     let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
     name.strip_suffix(".ron").unwrap_or(name).to_owned()
@@ -229,7 +229,8 @@ fn conditions(texts: &[String], place: &Place<'_>) -> Result<Vec<Condition>, Les
     read.collect()
 }
 
-/// The lines of a solution, every character by its key.
+/// Parses the lines of a solution. Each character of a `type` line becomes the presses of its
+/// keys.
 fn solution(lines: &[String], place: &Place<'_>) -> Result<Script, LessonError> {
     let script = Script::parse(&lines.join("\n")).map_err(|errors| {
         let first = errors
@@ -277,8 +278,8 @@ fn solution(lines: &[String], place: &Place<'_>) -> Result<Script, LessonError> 
     Ok(Script { lines: pressed })
 }
 
-/// The presses that make a character: a compound key twice for its second one. A blank
-/// needs none.
+/// The key presses that enter a character: two presses of a compound key for its second
+/// character. A space needs none.
 fn keys_of(character: char) -> Option<Vec<Key>> {
     match character {
         ' ' => return Some(Vec::new()),

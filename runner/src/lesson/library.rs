@@ -8,7 +8,7 @@ macro_rules! lessons {
     };
 }
 
-/// Their files, in the order in which they are learnt: name and text.
+/// File names and texts of the built-in lessons, in their order of learning.
 pub static LESSONS: [(&str, &str); 10] = lessons![
     "01-power-on.ron",
     "02-jog-and-handwheel.ron",
@@ -22,7 +22,7 @@ pub static LESSONS: [(&str, &str); 10] = lessons![
     "10-nose-radius.ron",
 ];
 
-/// The lessons that come with the program. A test reads every one of them.
+/// Parses the built-in lessons. A test checks that every one of them is valid.
 pub fn built_in() -> Vec<Lesson> {
     let read = LESSONS.iter().map(|(name, text)| Lesson::read(name, text));
     read.filter_map(Result::ok).collect()

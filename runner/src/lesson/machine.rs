@@ -1,5 +1,5 @@
-//! The practice machine that a lesson begins with: a control as it is delivered, but for
-//! what the lesson says. Nothing of the learner's own memory is in it.
+//! Makes the practice machine of a lesson: a control in its delivery state, with the settings
+//! of the lesson. It contains nothing of the learner's own memory.
 
 use gsk_core::command::ProgramId;
 use gsk_core::memory::ToolOffset;
@@ -14,18 +14,18 @@ use serde::Deserialize;
 
 /// The largest coordinate of the control, mm.
 const LARGEST: f64 = 9999.999;
-/// So long what is done beforehand may take, ms.
+/// Time limit of the preparation script, ms of machine time.
 const LONGEST: u64 = 600_000;
 
-/// `begins`, as it is written.
+/// The field `begins`, as written in the file.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct BeginsFile {
-    /// Both axes have their reference.
+    /// Whether both axes are referenced.
     referenced: bool,
-    /// Where the slides stand: X as a diameter and Z, machine coordinates.
+    /// Position of the slides: X as a diameter and Z, machine coordinates.
     slides: Option<(f64, f64)>,
-    /// What the display says of it: X as a diameter and Z, absolute coordinates.
+    /// Displayed absolute position at that point: X as a diameter and Z.
     absolute: Option<(f64, f64)>,
     /// Parameters: `"22=3800"`, `"1.4=0"`.
     params: Vec<String>,
@@ -33,13 +33,13 @@ pub(super) struct BeginsFile {
     offsets: Vec<String>,
     /// Programs; the first is selected.
     programs: Vec<String>,
-    /// The learner sees the power-on picture.
+    /// Whether the learner sees the power-on picture.
     picture: bool,
-    /// An operator script that is played before the first step.
+    /// An operator script that runs before the first step.
     before: Vec<String>,
 }
 
-/// What the practice machine begins with.
+/// The initial state of the practice machine of a lesson.
 #[derive(Clone, Debug)]
 pub struct Begins {
     setup: Setup,
@@ -106,10 +106,11 @@ impl Begins {
         })
     }
 
-    /// The machine, ready for the first step.
+    /// Creates the machine and runs the preparation script on it, so that it is ready for the
+    /// first step.
     ///
     /// # Errors
-    /// What is done beforehand does not come out.
+    /// The preparation script fails or takes too long.
     pub fn machine(&self) -> Result<Emulator, Message> {
         let mut emulator = Emulator::new(self.setup.clone());
         if self.picture {

@@ -1,8 +1,9 @@
 //! Guided lessons: steps on the real state of a practice machine, from data files.
 //!
-//! A file says what the machine begins with, and of each step what to do, which keys to
-//! mark, what must come true, and how it is done by keys alone. [`Lesson::read`] reads one,
-//! [`Practice`] follows a learner through it, [`play`] carries its solution out.
+//! A file defines the initial state of the machine. For each step it gives the instruction,
+//! the keys to mark, the conditions that complete it, and a solution by keys alone.
+//! [`Lesson::read`] parses a file, [`Practice`] follows a learner through it, [`play`]
+//! executes its solution.
 
 mod file;
 mod library;
@@ -30,14 +31,14 @@ pub use shown::{Demonstration, demonstration_named, demonstrations, read_demonst
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Text {
-    /// Chinese.
+    /// The Chinese text.
     pub zh: String,
-    /// English.
+    /// The English text.
     pub en: String,
 }
 
 impl Text {
-    /// In a language.
+    /// The text in a language.
     pub fn of(&self, language: Language) -> &str {
         match language {
             Language::Zh => &self.zh,
@@ -46,79 +47,80 @@ impl Text {
     }
 }
 
-/// A lesson that was read without errors.
+/// A lesson that was parsed without errors.
 #[derive(Clone, Debug)]
 pub struct Lesson {
-    /// What it is called by: the name of its file without its ending.
+    /// Name of its file without the extension; it identifies the lesson.
     pub name: String,
-    /// Its title.
+    /// Title in the list of lessons.
     pub title: Text,
-    /// What is learnt in it.
+    /// What the lesson teaches, for the list of lessons.
     pub about: Text,
-    /// What the practice machine begins with.
+    /// Initial state of the practice machine.
     pub begins: Begins,
-    /// Stock and tools in the practice machine.
+    /// Stock and tools of the practice machine; `None` for a lesson without cutting.
     pub job: Option<Job>,
-    /// Its steps, one at least.
+    /// The steps, at least one.
     pub steps: Vec<Step>,
 }
 
 /// A step of a lesson.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// What to do, and why.
+    /// The instruction: what to do, and why.
     pub text: Text,
-    /// What helps when it does not come true.
+    /// Help for a learner who does not complete the step.
     pub hint: Text,
-    /// The keys to mark on the panel.
+    /// Keys to mark on the panel.
     pub keys: Vec<Key>,
-    /// What must hold while the step is worked on; where it does not, the learner is sent
-    /// back to the step that brings it about.
+    /// Conditions that must hold during the step. If one does not, the learner goes back to
+    /// the step that establishes it.
     pub needs: Vec<Condition>,
-    /// What must come true together.
+    /// Conditions that together complete the step.
     pub until: Vec<Condition>,
-    /// What often goes wrong, with a sentence of its own; the first that holds is said.
+    /// Frequent mistakes, each with its text. The first one that applies is shown.
     pub wrong: Vec<Wrong>,
-    /// How it is done, by keys and the handwheel alone.
+    /// How to complete the step, with keys and the handwheel alone.
     pub solution: Script,
 }
 
-/// A mistake and what is said of it.
+/// A frequent mistake and the text that is shown for it.
 #[derive(Clone, Debug)]
 pub struct Wrong {
-    /// What holds then, together.
+    /// Conditions that together detect the mistake.
     pub when: Vec<Condition>,
-    /// What is said.
+    /// The text for the learner.
     pub say: Text,
 }
 
-/// Something that holds or does not: what stands after `expect` in an operator script.
+/// A condition on the state of the machine, in the syntax after `expect` in an operator
+/// script.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Condition {
-    /// As it is written.
+    /// The condition as written.
     pub text: String,
     expect: Expectation,
 }
 
 impl Condition {
-    /// Whether it holds.
+    /// Whether the condition holds now.
     pub fn holds(&self, emulator: &Emulator) -> bool {
         self.unmet(emulator).is_none()
     }
 
-    /// What is there instead.
+    /// Expected and current value, if the condition does not hold.
     pub fn unmet(&self, emulator: &Emulator) -> Option<UnmetExpectation> {
         self.expect.check(emulator).err()
     }
 
-    /// What is said of it when it does not hold.
+    /// The message for the learner, if the condition does not hold.
     pub fn said(&self, emulator: &Emulator) -> Option<Message> {
         let unmet = self.unmet(emulator)?;
         Some(say::subject_reason(&self.text, unmet.message()))
     }
 }
 
-/// Whether all of them hold.
+/// Whether all conditions hold.
 fn all_hold(conditions: &[Condition], emulator: &Emulator) -> bool {
     conditions.iter().all(|condition| condition.holds(emulator))
 }

@@ -1,5 +1,5 @@
-//! The solution of a lesson carried out without a learner: whether every step comes true
-//! by its keys.
+//! Executes the solution of a lesson without a learner, and checks that its keys complete
+//! every step.
 
 use std::sync::Arc;
 
@@ -10,26 +10,27 @@ use gsk_panel::script::{ScriptProgress, Runner};
 use super::progress::LOOK;
 use super::{Lesson, Progress};
 
-/// So long a step may take to come true after its last key, ms.
+/// Time for a step to complete after its last key, ms.
 pub(super) const SETTLES: u64 = 3_000;
-/// So long the keys of a step may take, ms.
+/// Time limit for the keys of a step, ms.
 const LONGEST: u64 = 1_200_000;
 
-/// What became of a step.
+/// The result of playing a step.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// It came true by its keys, after so many ms.
+    /// Its keys completed it, after this time, ms.
     Done(u64),
-    /// It had come true before its first key: it teaches nothing.
+    /// It was complete before its first key, so it teaches nothing.
     DoneBefore,
-    /// It did not come true: why.
+    /// Its keys did not complete it, for this reason.
     Failed(Message),
 }
 
-/// Plays a lesson; the outcome of each step, up to the first that fails.
+/// Plays the solutions of a lesson. Returns the result of each step, up to the first that
+/// fails.
 ///
 /// # Errors
-/// What the lesson does beforehand does not come out.
+/// The preparation script of the lesson fails.
 pub fn run(lesson: &Arc<Lesson>) -> Result<Vec<Outcome>, Message> {
     let mut machine = lesson.begins.machine()?;
     let mut progress = Progress::new(Arc::clone(lesson));
@@ -46,10 +47,10 @@ pub fn run(lesson: &Arc<Lesson>) -> Result<Vec<Outcome>, Message> {
     Ok(outcomes)
 }
 
-/// The machine as it stands when the solution has come to a step, counted from 0.
+/// The machine at the beginning of a step (from 0), after the solutions of all earlier steps.
 ///
 /// # Errors
-/// The solution does not come that far.
+/// The solution does not reach the step.
 pub fn machine_at(lesson: &Arc<Lesson>, step: usize) -> Result<Emulator, Message> {
     let mut machine = lesson.begins.machine()?;
     let mut progress = Progress::new(Arc::clone(lesson));
@@ -62,7 +63,7 @@ pub fn machine_at(lesson: &Arc<Lesson>, step: usize) -> Result<Emulator, Message
     Ok(machine)
 }
 
-/// Plays one step on a machine that the steps before it have left.
+/// Plays one step on the machine that the earlier steps have left.
 fn play_step(
     lesson: &Arc<Lesson>,
     step: usize,
@@ -75,7 +76,7 @@ fn play_step(
     let Some(wanted) = lesson.steps.get(step) else {
         return Outcome::DoneBefore;
     };
-    // The steps before have come true, but one of them is undone again.
+    // The earlier steps were completed, but one of them is undone again.
     let behind = (progress.step() < step).then(|| say::lesson_sent_back(progress.step() + 1));
     if let Some(why) = behind {
         return Outcome::Failed(why);

@@ -1,4 +1,5 @@
-//! A learner at his practice machine: tick by tick, with *Show me*, *Back* and *Begin again*.
+//! Follows a learner on his practice machine, tick by tick, with *Show me*, *Back* and *Begin
+//! again*.
 
 use std::sync::Arc;
 
@@ -11,40 +12,41 @@ use super::play::{self, SETTLES};
 use super::progress::LOOK;
 use super::{Lesson, Progress, Remark, all_hold};
 
-/// Between two keys that are shown, ms.
+/// Pause between two demonstrated keys, ms.
 const SHOWN_REST: u64 = 600;
-/// Before the first key of a step that follows another by itself, ms: it is read first.
+/// Pause before the first key of a step that follows automatically, ms: the learner reads the
+/// text first.
 const READ_REST: u64 = 1_500;
 
-/// How far a lesson has come, for whoever shows it.
+/// The state of a lesson for its display.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct View {
-    /// The step under way, counted from 0; as many as there are when all is done.
+    /// Current step, from 0; the number of steps when all are complete.
     pub step: usize,
-    /// What is to be said of it.
+    /// What to show besides the step.
     pub remark: Remark,
-    /// What a later step needed and is gone: it sent the learner back to this one.
+    /// The lost requirement of a later step that sent the learner back to this one.
     pub sent_back: Option<Message>,
-    /// The keys are being pressed for the learner.
+    /// Whether the keys are pressed for the learner.
     pub showing: bool,
-    /// The machine was put to the beginning of the step, since it could not be shown from
-    /// where the learner was.
+    /// Whether the machine was reset to the beginning of the step, because the step could not
+    /// be shown from the learner's state.
     pub replaced: bool,
 }
 
-/// A step that is shown.
+/// A step that is demonstrated.
 #[derive(Clone, Debug)]
 struct Showing {
     runner: Runner,
-    /// Which step.
     step: usize,
-    /// It is played from the state that the lesson has there, not from the learner's.
+    /// Whether it is played from the state of the lesson's own solution instead of the
+    /// learner's state.
     own_state: bool,
-    /// All keys are pressed; until this tick the step may still come true.
+    /// Set when all keys are pressed: the tick until which the step may still complete.
     until: Option<u64>,
 }
 
-/// A lesson under way.
+/// A lesson in progress.
 #[derive(Clone, Debug)]
 pub struct Practice {
     lesson: Arc<Lesson>,
@@ -53,16 +55,16 @@ pub struct Practice {
     entries: Vec<Emulator>,
     showing: Option<Showing>,
     replaced: bool,
-    /// A step that has come true by being shown leads on to the next one, which is shown,
-    /// too.
+    /// Whether the next step is demonstrated too when the demonstrated step completes.
     goes_on: bool,
 }
 
 impl Practice {
-    /// Begins a lesson on a machine of its own.
+    /// Starts a lesson on a new practice machine. The caller keeps the machine and passes it
+    /// to every call.
     ///
     /// # Errors
-    /// What the lesson does beforehand does not come out.
+    /// The preparation script of the lesson fails.
     pub fn begin(lesson: Arc<Lesson>) -> Result<(Self, Emulator), Message> {
         let machine = lesson.begins.machine()?;
         let practice = Self {
@@ -76,10 +78,10 @@ impl Practice {
         Ok((practice, machine))
     }
 
-    /// Begins a lesson on a machine of its own and shows it, step by step, to its end.
+    /// Starts a lesson on a new practice machine and demonstrates all steps to the end.
     ///
     /// # Errors
-    /// What the lesson does beforehand does not come out.
+    /// The preparation script of the lesson fails.
     pub fn demonstrate(lesson: Arc<Lesson>) -> Result<(Self, Emulator), Message> {
         let (mut practice, machine) = Self::begin(lesson)?;
         practice.goes_on = true;
@@ -87,12 +89,12 @@ impl Practice {
         Ok((practice, machine))
     }
 
-    /// The lesson.
+    /// The lesson in progress.
     pub const fn lesson(&self) -> &Arc<Lesson> {
         &self.lesson
     }
 
-    /// How far it has come.
+    /// The state to display.
     pub fn view(&self) -> View {
         View {
             step: self.progress.step(),
@@ -103,13 +105,14 @@ impl Practice {
         }
     }
 
-    /// One millisecond of the machine.
+    /// Simulates one millisecond of the machine, presses the keys of a demonstration, and
+    /// checks the progress.
     pub fn tick(&mut self, emulator: &mut Emulator) {
         match &mut self.showing {
             Some(showing) if showing.until.is_none() => {
                 let before = emulator.ticks();
                 let played = showing.runner.advance(emulator, 1);
-                // A solution has no effects; a line that fails ends it.
+                // A solution has no effects. A line that fails ends it.
                 if !matches!(played, ScriptProgress::Running) {
                     showing.until = Some(emulator.ticks() + SETTLES);
                 }
@@ -129,7 +132,7 @@ impl Practice {
         self.progress.look(emulator);
         let now = self.progress.step();
         if now != before {
-            // Where a step began first it begins again; steps that came true at once begin
+            // A step starts again where it first started. Steps that completed at once start
             // where this one does.
             self.entries.truncate(now + 1);
             self.entries.resize_with(now + 1, || emulator.clone());
@@ -155,8 +158,8 @@ impl Practice {
         }
     }
 
-    /// Presses the keys of this step for the learner: where he is, and if that does not
-    /// lead on, from the state that the lesson has there.
+    /// Presses the keys of the current step for the learner: from his state, and if that does
+    /// not complete the step, from the state of the lesson's own solution.
     pub fn show_me(&mut self, emulator: &mut Emulator) {
         self.interrupt(emulator);
         let Some(step) = self.progress.current() else {
@@ -169,11 +172,11 @@ impl Practice {
         }
     }
 
-    /// Puts the machine to the state in which the lesson's own solution begins this step,
-    /// and shows it from there.
+    /// Puts the machine into the state in which the lesson's own solution starts this step,
+    /// and demonstrates it from there.
     fn show_from_own_state(&mut self, emulator: &mut Emulator) {
         let step = self.progress.step();
-        // A lesson whose solution does not come that far shows what it can.
+        // A lesson whose solution does not reach the step shows what it can.
         if let Ok(machine) = play::machine_at(&self.lesson, step) {
             *emulator = machine;
             self.progress.put(step);
@@ -194,21 +197,21 @@ impl Practice {
         });
     }
 
-    /// The learner does something himself: nothing is shown any more.
+    /// Ends a demonstration and releases all keys, because the learner does something himself.
     pub fn interrupt(&mut self, emulator: &mut Emulator) {
         if self.showing.take().is_some() {
             emulator.key(KeyEvent::ReleaseAll);
         }
     }
 
-    /// Puts the machine to where the step before this one began.
+    /// Resets the machine to the beginning of the step before this one.
     pub fn back(&mut self, emulator: &mut Emulator) {
         self.showing = None;
         let step = self.progress.step().saturating_sub(1);
         self.rewind(step, emulator);
     }
 
-    /// Puts the machine to where the lesson begins.
+    /// Resets the machine to the beginning of the lesson.
     pub fn again(&mut self, emulator: &mut Emulator) {
         self.showing = None;
         self.rewind(0, emulator);
@@ -225,8 +228,8 @@ impl Practice {
     }
 }
 
-/// A solution at a pace that can be followed: a rest after every key, and one before the
-/// first of them while its step is read.
+/// Slows a solution down: a pause after every key, and with `is_read` one before the first key
+/// while the learner reads the step.
 fn slowly(solution: &Script, is_read: bool) -> Script {
     let first = solution.lines.first().filter(|_| is_read);
     let mut lines: Vec<ScriptLine> = first

@@ -1,4 +1,4 @@
-//! Where a learner is in a lesson, found from the state of the machine alone.
+//! Finds the learner's step in a lesson from the state of the machine alone.
 
 use std::sync::Arc;
 
@@ -8,44 +8,44 @@ use gsk_panel::keys::Key;
 
 use super::{Lesson, Step, all_hold};
 
-/// Ticks between two looks at the machine.
+/// Ticks between two checks of the machine.
 pub(super) const LOOK: u64 = 20;
-/// Looks in a row at which something needed must be gone before the learner is sent back:
-/// a change of mode takes a moment. A fifth of a second.
+/// Number of successive checks at which a requirement must be missing before the learner is
+/// sent back: 0.2 s, because a change of mode takes a moment.
 const GONE: u32 = 10;
 
-/// What is said of what the learner has done, besides the step itself.
+/// What to show about the learner's state, besides the step itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Remark {
     /// Nothing.
     #[default]
     None,
-    /// A mistake that the step knows, counted from 0.
+    /// A frequent mistake of the step, by its index from 0.
     Wrong(usize),
     /// The power is off.
     PowerOff,
     /// The emergency stop is latched.
     EmergencyStop,
-    /// This alarm stands.
+    /// This alarm is active.
     Alarm(u16),
-    /// The step needs a state that no step before it brings back.
+    /// The step requires a state that no earlier step restores.
     Stuck,
 }
 
-/// How far a learner has come.
+/// How far a learner has come in a lesson.
 #[derive(Clone, Debug)]
 pub struct Progress {
     lesson: Arc<Lesson>,
     step: usize,
     remark: Remark,
-    /// Looks in a row at which something needed was gone.
+    /// Number of successive checks at which a requirement was missing.
     gone: u32,
     /// Why the learner was sent back to this step.
     sent_back: Option<Message>,
 }
 
 impl Progress {
-    /// Before the first step.
+    /// Starts before the first step.
     pub const fn new(lesson: Arc<Lesson>) -> Self {
         Self {
             lesson,
@@ -56,22 +56,22 @@ impl Progress {
         }
     }
 
-    /// The step under way, counted from 0; as many as there are when all is done.
+    /// Current step, from 0; the number of steps when all are complete.
     pub const fn step(&self) -> usize {
         self.step
     }
 
-    /// The step under way.
+    /// The current step; `None` when all are complete.
     pub fn current(&self) -> Option<&Step> {
         self.lesson.steps.get(self.step)
     }
 
-    /// What is to be said now.
+    /// What to show now.
     pub const fn remark(&self) -> Remark {
         self.remark
     }
 
-    /// What a later step needed and is gone, if that sent the learner back to this one.
+    /// The lost requirement of a later step, if it sent the learner back to this one.
     pub(super) const fn sent_back(&self) -> Option<&Message> {
         self.sent_back.as_ref()
     }
@@ -84,8 +84,8 @@ impl Progress {
         self.sent_back = None;
     }
 
-    /// Looks at the machine: goes on where a step has come true, and back where something
-    /// that the step needs is gone and an earlier step brings it about.
+    /// Checks the machine. Advances where a step is complete. Goes back where a requirement of
+    /// the step is lost and an earlier step restores it.
     pub fn look(&mut self, emulator: &Emulator) {
         let lesson = Arc::clone(&self.lesson);
         while let Some(step) = lesson.steps.get(self.step) {
@@ -118,22 +118,22 @@ impl Progress {
         self.remark = remark(step, emulator).unwrap_or(stuck);
     }
 
-    /// The last step before this one that can be worked on and has not come true. One that
-    /// has would lead on at once, and round in a circle.
+    /// The last step before this one whose requirements hold and whose goals do not. A
+    /// completed step would advance at once, in an endless loop.
     fn brings_back(&self, emulator: &Emulator) -> Option<usize> {
         let mut before = self.lesson.steps[..self.step].iter();
         before.rposition(|step| all_hold(&step.needs, emulator) && !all_hold(&step.until, emulator))
     }
 }
 
-/// Whether all that a step wants is so. A slide that passes a position has not reached it.
+/// Whether a step is complete. A slide that is still moving has not reached its position.
 fn has_come_true(step: &Step, emulator: &Emulator) -> bool {
     let passes = emulator.simulation.cnc.is_moving()
         && step.until.iter().any(|wanted| wanted.expect.is_position());
     !passes && all_hold(&step.until, emulator)
 }
 
-/// What is said of the state of the machine in a step: its own mistakes first.
+/// The remark on the state of the machine in a step. Mistakes of the step come first.
 fn remark(step: &Step, emulator: &Emulator) -> Option<Remark> {
     let own = step.wrong.iter();
     let mut own = own.map(|wrong| all_hold(&wrong.when, emulator));

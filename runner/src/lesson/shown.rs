@@ -1,5 +1,5 @@
-//! Demonstrations: what a topic of the help speaks of, done key by key on a practice machine.
-//! Each is a short lesson whose steps show themselves.
+//! Demonstrations: a practice machine shows key by key what a help topic describes. Each is a
+//! short lesson that shows its own steps.
 
 use std::sync::{Arc, LazyLock};
 
@@ -12,22 +12,22 @@ use super::file::{Place, StepFile, filled, read, step_of};
 use super::machine::{Begins, BeginsFile};
 use super::{Lesson, LessonError, Step, Text};
 
-/// The demonstrations, and what they belong to.
+/// Name and text of the file with the demonstrations and their topics.
 const FILE: (&str, &str) = ("shown.ron", include_str!("../../../assets/help/shown.ron"));
-/// Their names begin so: no lesson from a file is called like that.
+/// Prefix of their lesson names; no lesson from a file has it.
 const PREFIX: &str = "shown/";
 
-/// Something that can be shown.
+/// A demonstration for topics of the help.
 #[derive(Clone, Debug)]
 pub struct Demonstration {
-    /// The topics of the help it belongs to, as the help calls them: `key POS`, `G01`; or
-    /// a family of them: `every data parameter`.
+    /// Its help topics by their names in the help, `key POS` or `G01`, or a family of topics:
+    /// `every data parameter`.
     pub topics: Vec<String>,
-    /// Its steps, as a lesson has them.
+    /// Its steps, in the form of a lesson.
     pub lesson: Arc<Lesson>,
 }
 
-/// A demonstration as the file says it.
+/// A demonstration, as written in the file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ShownFile {
@@ -41,7 +41,7 @@ struct ShownFile {
     steps: Vec<ShownStep>,
 }
 
-/// A step of one. What is pressed in it is marked, unless `keys` says otherwise.
+/// A step of a demonstration. The keys of its solution are marked, unless `keys` names others.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ShownStep {
@@ -52,10 +52,10 @@ struct ShownStep {
     solution: Vec<String>,
 }
 
-/// Reads demonstrations. `file` names them in messages.
+/// Parses demonstrations from RON. Messages call the text `file`.
 ///
 /// # Errors
-/// The line that is none, or the step, field and rule that is broken.
+/// The line with a syntax error, or the step, field and rule that is broken.
 pub fn read_demonstrations(file: &str, text: &str) -> Result<Vec<Demonstration>, LessonError> {
     let raw: Vec<ShownFile> = read(file, text)?;
     raw.into_iter()
@@ -63,14 +63,14 @@ pub fn read_demonstrations(file: &str, text: &str) -> Result<Vec<Demonstration>,
         .collect()
 }
 
-/// All demonstrations of the program. A test reads every one of them.
+/// All demonstrations of the program. A test checks every one of them.
 pub fn demonstrations() -> &'static [Demonstration] {
     static ALL: LazyLock<Vec<Demonstration>> =
         LazyLock::new(|| read_demonstrations(FILE.0, FILE.1).unwrap_or_default());
     &ALL
 }
 
-/// The demonstration under way, by the name of its lesson.
+/// The demonstration whose lesson has this name.
 pub fn demonstration_named(name: &str) -> Option<&'static Demonstration> {
     let mut all = demonstrations().iter();
     all.find(|shown| shown.lesson.name == name)
@@ -111,7 +111,7 @@ fn demonstration(file: &str, raw: ShownFile) -> Result<Demonstration, LessonErro
     })
 }
 
-/// With the keys marked that its solution presses.
+/// Marks the keys that the solution presses.
 fn marked(mut step: Step) -> Step {
     if !step.keys.is_empty() {
         return step;
@@ -179,8 +179,8 @@ mod tests {
         assert!(faults.is_empty(), "{}", faults.join("\n"));
     }
 
-    /// Shown to its end it goes from step to step by itself, slowly; a key of the learner
-    /// ends that, and what was to come true by it has not.
+    /// Played to its end it advances from step to step automatically, slowly. A key of the
+    /// learner ends that, and the rest of the demonstration is not done.
     #[test]
     fn a_demonstration_goes_on_by_itself_until_a_key_is_pressed() {
         let shown = demonstration_named("shown/page-position").expect("it is there");
@@ -195,7 +195,7 @@ mod tests {
         }
         assert_eq!(seen.len(), steps + 1, "{seen:?}");
         assert!(all_hold(&shown.lesson.steps[steps - 1].until, &machine));
-        // A key in front of each step can be read.
+        // There is time to read the text before each first key.
         assert!(machine.ticks() - begun > steps as u64 * 1_000);
 
         let (mut practice, mut machine) =
@@ -211,7 +211,7 @@ mod tests {
             practice.tick(&mut machine);
         }
         assert_eq!(practice.view().step, at);
-        // Asked again it goes on from there to the end.
+        // Requested again, it continues from there to the end.
         practice.show_me(&mut machine);
         for _ in 0..60_000 {
             practice.tick(&mut machine);
@@ -235,7 +235,7 @@ mod tests {
             "{said}"
         );
         let one = read_demonstrations("my.ron", &text("\"page pos-rel\"")).expect("right");
-        // What is pressed is marked.
+        // The pressed keys are marked.
         assert_eq!(one[0].lesson.steps[0].keys, [Key::Position]);
     }
 }

@@ -169,7 +169,7 @@ fn the_step_follows_the_machine_forth_and_back() {
     assert_eq!(practice.view().step, 0);
     press(&mut practice, &mut machine, Key::Auto);
     assert_eq!(practice.view().step, 1);
-    // What the second step needs is gone: back to the step that brings it about.
+    // The second step's requirement is lost: back to the step that establishes it.
     press(&mut practice, &mut machine, Key::Edit);
     let view = practice.view();
     assert_eq!(view.step, 0);
@@ -179,7 +179,7 @@ fn the_step_follows_the_machine_forth_and_back() {
     assert_eq!(practice.view().sent_back, None);
     press(&mut practice, &mut machine, Key::SingleBlock);
     assert_eq!(practice.view().step, 2);
-    // The third needs nothing: the mistake is said and the learner stays.
+    // The third step has no requirement: the mistake is shown and the learner stays.
     press(&mut practice, &mut machine, Key::Edit);
     assert_eq!(practice.view().step, 2);
     assert_eq!(practice.view().remark, Remark::Wrong(0));
@@ -212,7 +212,7 @@ fn what_is_shown_stops_at_the_first_key_of_the_learner() {
     assert!(!machine.panel.is_held(Key::Auto));
 }
 
-/// Numbers that look like chance, the same in every run.
+/// A reproducible random number generator.
 struct Chance(u64);
 
 impl Chance {
@@ -225,7 +225,7 @@ impl Chance {
     }
 }
 
-/// Presses keys without sense, some together, some long.
+/// Presses random keys, some together, some long.
 fn play_about(practice: &mut Practice, machine: &mut Emulator, chance: &mut Chance, keys: usize) {
     for _ in 0..keys {
         practice.interrupt(machine);
@@ -250,7 +250,7 @@ fn play_about(practice: &mut Practice, machine: &mut Emulator, chance: &mut Chan
     machine.key(KeyEvent::ReleaseAll);
 }
 
-/// *Show me* until the end; how often it was pressed.
+/// Presses *Show me* until the end. Returns how often it was pressed.
 fn show_to_the_end(practice: &mut Practice, machine: &mut Emulator) -> Option<usize> {
     let steps = practice.lesson().steps.len();
     for shown in 0..3 * steps {
@@ -268,7 +268,7 @@ fn show_to_the_end(practice: &mut Practice, machine: &mut Emulator) -> Option<us
     (practice.view().step == steps).then_some(3 * steps)
 }
 
-/// From whatever a learner has done at a step *Show me* leads on to the end, and *Begin
+/// From any state that a learner has reached at a step, *Show me* leads to the end, and *Begin
 /// again* to the beginning.
 fn is_never_stranded(lesson: &Arc<Lesson>, step: usize, keys: usize) {
     let mut chance = Chance(step as u64 * 7919 + lesson.steps.len() as u64);
@@ -318,7 +318,7 @@ fn nobody_is_stranded_in_our_lessons() {
     }
 }
 
-/// What is shown to a learner is done as on a real machine: nothing is hit.
+/// Demonstrations work as on a real machine: nothing is hit.
 #[test]
 fn what_is_shown_hits_nothing() {
     let with_part = built_in()

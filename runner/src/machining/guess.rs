@@ -1,5 +1,5 @@
-//! A job for a program that has none: its tools from what it does with each, its stock
-//! from where it cuts. What comes of it is a guess, and is said to be one.
+//! Guesses a job for a program that has none: its tools from their moves, its stock from the
+//! positions of the cuts. Reports mark the result as guessed.
 //!
 //! ```text
 //!            rapids: air, or a collision
@@ -32,39 +32,37 @@ use crate::curves::RapidRates;
 use tools::{Known, Pose};
 use uses::{Step, Use, Work, steps, uses};
 
-/// Moves that a guess looks at: the first of a program.
+/// Number of moves, from the first, that a guess uses.
 pub const MOST_MOVES: usize = 20_000;
-/// Motions with which tools and bars are tried.
+/// Number of motions with which tools and bars are tried.
 const TRIED: usize = 2_000;
-/// Bars that are tried.
+/// Number of bars that are tried.
 const MOST_BARS: usize = 8;
 /// Stock between the deepest cut and the jaws, mm.
 const TO_JAWS: f64 = 10.0;
-/// Diameter of a chuck over the radius of its stock, at least.
+/// Least ratio of the chuck's diameter to the radius of its stock.
 const CHUCK: f64 = 5.0;
-/// What a facing cut takes at most, mm.
+/// Greatest allowance for a facing cut, mm.
 const FACE: f64 = 0.5;
-/// Thinner bars are none, mm of radius.
+/// Least radius of a bar, mm.
 const THINNEST: f64 = 1.0;
-/// What a bar has more than the widest cut along it, mm of radius.
+/// Allowance of the bar beyond the widest longitudinal cut, mm of radius.
 const SKIN: f64 = 1.0;
 /// Wall around the widest bore, mm.
 const WALL: f64 = 10.0;
-/// Cuts begin no farther in front of a zero at the face, mm.
+/// Greatest distance from a zero at the face at which cuts begin, mm.
 const APPROACH: f64 = 10.0;
-/// Fronts that are tried.
+/// Number of bar faces that are tried.
 const MOST_FRONTS: usize = 4;
-/// Depth of a metric outside thread over its lead, radii.
+/// Depth of a metric external thread divided by its lead, in radius.
 const THREAD_DEPTH: f64 = 0.613_4;
-/// A tool that goes through so little of the stock stands right, mm² of the half
-/// section.
+/// A tool that intrudes into less stock than this has the right pose, mm² of the half section.
 const RIGHT: f64 = 1.0;
-/// Another pose must go through so much less.
+/// Another pose must reduce the intrusion by this factor.
 const BETTER: f64 = 0.5;
 
-/// A bar and tools to learn on where no program says what is cut: the tip of the first
-/// tool stands before the bar at power-on, and no offset is right, so that the tools
-/// must be set by trial cuts.
+/// A bar and tools for practice without a program. At power-on the tip of the first tool is in
+/// front of the bar. No offset is right, so the tools must be set by trial cuts.
 pub fn practice() -> Job {
     let length = |x: f64, z: f64| DiameterPoint { x: Diameter(x), z };
     let tools = [
@@ -81,7 +79,8 @@ pub fn practice() -> Job {
     job
 }
 
-/// A job for the selected program of a set-up, as long as `go_on` says so.
+/// Guesses a job for the selected program of a set-up. `go_on` is called with the progress; it
+/// returns false to cancel. `None` if the program cuts nothing.
 pub fn of_program(setup: &Setup, go_on: &mut dyn FnMut(&Progress) -> bool) -> Option<Job> {
     let mut moves = Vec::new();
     let take = &mut |executed: &ExecutedMove| {
@@ -94,7 +93,8 @@ pub fn of_program(setup: &Setup, go_on: &mut dyn FnMut(&Progress) -> bool) -> Op
     guess(&moves, &setup.memory.offsets, rates)
 }
 
-/// A job for these moves of a program; `None` for one that cuts nothing.
+/// Guesses a job for the executed moves of a program. Rapids follow `rates`. `None` if the
+/// program cuts nothing.
 pub fn guess(moves: &[ExecutedMove], offsets: &Offsets, rates: RapidRates) -> Option<Job> {
     let steps = steps(&moves[..moves.len().min(MOST_MOVES)], rates);
     let cuts: Vec<&Step> = steps.iter().filter(|step| step.is_cut()).collect();
@@ -129,8 +129,8 @@ pub fn guess(moves: &[ExecutedMove], offsets: &Offsets, rates: RapidRates) -> Op
     Some(guess.fitted(radius, front))
 }
 
-/// Where the front of a bar may lie: at the facing cuts and before them, at the zero of
-/// the program, or where its cuts begin if the zero lies at the chuck.
+/// Possible Z positions of the bar's face, the most probable first: at the facing cuts and in
+/// front of them, at the program zero, or where the cuts begin if the zero is at the chuck.
 fn fronts(cuts: &[&Step]) -> Vec<f64> {
     let ends = |cut: &&Step| (cut.motion.from, cut.motion.to);
     let begins = || cuts.iter().map(ends).map(|(from, to)| from.z.max(to.z));
@@ -145,7 +145,7 @@ fn fronts(cuts: &[&Step]) -> Vec<f64> {
         .map(|(_, to)| to.z)
         .reduce(f64::max);
     match faced {
-        // A cut behind the zero of the face parts the bar off, or faces deeper steps.
+        // A cut on the chuck side of the zero parts the bar off or faces deeper steps.
         Some(faced) if !at_the_face || faced >= -FACE => return vec![faced + FACE, faced],
         _ if at_the_face => return vec![0.0],
         _ => {}
@@ -157,25 +157,25 @@ fn fronts(cuts: &[&Step]) -> Vec<f64> {
     begins
 }
 
-/// What a program does, and what is believed of its tools so far.
+/// The moves of a program, and the current assumptions about its tools.
 struct Guess<'a> {
     tried: &'a [Step],
     offsets: &'a Offsets,
     uses: BTreeMap<u8, Use>,
-    /// Radii that a bar may have, the largest first, mm.
+    /// Possible radii of the bar, the largest first, mm.
     radii: Vec<f64>,
-    /// Where its front may lie, Z.
+    /// Possible Z positions of its face.
     fronts: Vec<f64>,
     deepest: f64,
     poses: BTreeMap<u8, Pose>,
-    /// How slim each tool is with which its pose was judged.
+    /// Slimness of each tool for which its pose was judged.
     slim: BTreeMap<u8, u8>,
 }
 
-/// Stock that a step goes through and that must not be there.
+/// Stock that a step passes through and that therefore must not exist.
 struct Intruded {
     tool: u8,
-    /// In a rapid; else by what does not cut.
+    /// Whether it happened in a rapid; otherwise with a part of the tool that does not cut.
     rapid: bool,
     region: Region,
     bounds: GridBounds,
@@ -197,13 +197,14 @@ impl Guess<'_> {
             || self.uses.get(&tool).is_some_and(is_drill)
     }
 
-    /// Whether its cuts show how wide the bar is.
+    /// Whether the cuts of a tool show how wide the bar is.
     fn is_outside(&self, tool: u8) -> bool {
         let faces = |used: &Use| used.work == Some(Work::FaceGroove);
         !self.is_internal(tool) && !self.uses.get(&tool).is_some_and(faces)
     }
 
-    /// Where outside cuts begin and end, and a little more than the widest cut along.
+    /// Radii where outside cuts begin and end, and the widest longitudinal cut with an
+    /// allowance.
     fn radii(&self, cuts: &[&Step]) -> Vec<f64> {
         let outside = |cut: &&&Step| self.is_outside(cut.tool) && !cut.threads;
         let mut radii: Vec<f64> = cuts
@@ -225,7 +226,7 @@ impl Guess<'_> {
         radii.push(if widest > 0.0 {
             widest + SKIN
         } else if let Some(faced) = radii.iter().copied().reduce(f64::max) {
-            // Nothing is turned along: what is faced is faced from outside the bar.
+            // Without a longitudinal cut, facing starts outside the bar.
             faced
         } else if let Some(crest) = crests.reduce(f64::max) {
             crest
@@ -238,13 +239,13 @@ impl Guess<'_> {
         radii
     }
 
-    /// The greatest radius of a cut along the outside, mm.
+    /// Greatest radius of a longitudinal outside cut, mm.
     fn widest(&self) -> f64 {
         let outside = self.uses.iter().filter(|(tool, _)| self.is_outside(**tool));
         outside.map(|(_, used)| used.widest).fold(0.0, f64::max)
     }
 
-    /// Radius of the hole that inside tools find, mm; none where a drill makes it.
+    /// Radius of the hole that boring tools enter, mm; `None` where a drill makes it.
     fn bore(&self) -> Option<f64> {
         if self
             .uses
@@ -283,7 +284,7 @@ impl Guess<'_> {
         self.uses.iter().filter_map(tool).collect()
     }
 
-    /// What the program goes through in the largest bar.
+    /// The intrusions of the program into the largest bar.
     fn intrusions(&self) -> Vec<Intruded> {
         let radius = self.radii.first().copied().unwrap_or(THINNEST);
         let front = self.fronts.first().copied().unwrap_or(0.0);
@@ -313,7 +314,7 @@ impl Guess<'_> {
         intrusions
     }
 
-    /// Takes for each tool the pose in which it goes through least of the stock.
+    /// Chooses for each tool the pose with the least intrusion.
     fn settle_poses(&mut self) -> Vec<Intruded> {
         let of_tool = |intrusions: &[Intruded], tool: u8| -> f64 {
             let own = intrusions.iter().filter(|it| it.tool == tool);
@@ -362,12 +363,12 @@ impl Guess<'_> {
         self.intrusions()
     }
 
-    /// What is tried when a tool goes through stock: its pose with edges that suit
-    /// shoulders, steps and narrow places, then the other poses with them all.
+    /// Poses to try when a tool intrudes into stock: its pose with edges for shoulders, steps
+    /// and narrow grooves, then the other poses with all of these edges.
     fn other_poses(&self, used: &Use) -> Vec<(Pose, u8)> {
         let all = self.known(0.0, 0.0).poses(used);
         let mut poses = all.clone();
-        // An inside that is nowhere wider than where it is entered is not cut.
+        // An inside that is nowhere wider than its entry is not cut.
         let bores = used
             .nearest
             .is_some_and(|nearest| nearest < used.farthest_cut);
@@ -378,8 +379,8 @@ impl Guess<'_> {
         tried.filter(|pose| Some(*pose) != first).collect()
     }
 
-    /// Radius and front of the largest bar that is cut and that nothing goes through; if
-    /// there is none, of the one that the fewest rapids go through.
+    /// Radius and face of the largest bar that is cut and has no intrusion. Otherwise the bar
+    /// with the fewest rapids through it.
     fn bar(&self, intrusions: &[Intruded]) -> Option<(f64, f64)> {
         let widest = self.widest();
         let bore = self.bore().unwrap_or(0.0);
@@ -432,14 +433,14 @@ impl Guess<'_> {
     }
 }
 
-/// What is wrong with a bar, the worst first: rapids through it, cuts along that are wider,
-/// whether a body goes through it.
+/// The misfit of a bar, the most serious first: number of rapids through it, whether a
+/// longitudinal cut is wider, whether a tool body passes through it.
 type Misfit = (usize, bool, bool);
 
-/// No bar is longer, mm.
+/// Greatest length of a bar, mm.
 const FARTHEST: f64 = 2_000.0;
 
-/// Whether a region is more than what rounding leaves: surfaces slide along each other.
+/// Whether a region is more than a rounding error: surfaces slide along each other.
 fn is_thick(region: &Region) -> bool {
     const THIN: i32 = 50;
     region.bounds().is_some_and(|bounds| {

@@ -1,6 +1,6 @@
-//! What a program means, beside what comes of it: the part that sharp tools would cut on
-//! the path as it is programmed, and the part that the real ones cut with and without
-//! nose radius compensation.
+//! Compares the intended part with the machined one: the part that sharp tools cut along the
+//! programmed path, and the parts that the real tools cut with and without nose radius
+//! compensation.
 
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::preview::{Progress, preview_while};
@@ -13,38 +13,39 @@ use gsk_workpiece::tool::{Insert, InsertLetter, Tool};
 use super::Machining;
 use crate::curves::{RapidRates, arc_points};
 
-/// How far the chord of an arc may lie beside it, mm.
+/// Greatest deviation of a chord from its arc, mm.
 const SAGITTA: f64 = 0.002;
-/// Pieces of a path that are kept.
+/// Limit of the stored pieces of a path.
 const MOST_PIECES: usize = 200_000;
 
-/// A piece of a path, part coordinates.
+/// A straight piece of a path, in part coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// Its ends.
+    /// Start and end; X is a radius, mm.
     pub ends: [Point; 2],
-    /// The nose radius of the tool that goes there, mm; 0 of one that has none.
+    /// Nose radius of the tool, mm; 0 for a sharp tool.
     pub nose: f64,
 }
 
-/// The same program on the same stock, three times.
+/// The parts that one program makes of the same stock in three ways, with the paths.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Compared {
-    /// The part that is meant.
+    /// Half section of the intended part, cut by sharp tools.
     pub wanted: Region,
-    /// The part that comes of it.
+    /// Half section of the machined part.
     pub finished: Region,
-    /// The part that would come of it without nose radius compensation.
+    /// Half section of the part without nose radius compensation.
     pub uncompensated: Region,
-    /// The cuts as they are programmed.
+    /// The programmed path of the cuts.
     pub programmed: Vec<Piece>,
-    /// The way of the imaginary tip with compensation.
+    /// The path of the imaginary tip with compensation.
     pub tips: Vec<Piece>,
-    /// The way of the centre of the nose with compensation.
+    /// The path of the nose centre with compensation.
     pub centers: Vec<Piece>,
 }
 
-/// Cuts them; `None` when it was not to go on.
+/// Machines the parts. `go_on` is called with the progress; it returns false to cancel, and
+/// the result is then `None`.
 pub fn compare(
     setup: &Setup,
     job: &Job,
@@ -82,7 +83,7 @@ pub fn compare(
     (!stopped).then_some(compared)
 }
 
-/// Adds a cut to the path of the tip, or of the centre of a tool's nose.
+/// Adds a cut to the path of the tip, or of the nose centre if `nose_of` names the tool.
 fn add(
     path: &mut Vec<Piece>,
     executed: &ExecutedMove,
@@ -116,7 +117,7 @@ fn add(
     }
 }
 
-/// The same tools, as sharp as the programmer thinks of them.
+/// The job with sharp tools, as the programmer thinks of them.
 fn sharpened(job: &Job) -> Job {
     let mut job = job.clone();
     for tool in job.tools.values_mut() {
@@ -125,7 +126,7 @@ fn sharpened(job: &Job) -> Job {
     job
 }
 
-/// Without its nose. A thread is meant with the point of its insert, and a round insert
+/// The insert without its nose. A thread is meant with the point of its insert. A round insert
 /// becomes a narrow one.
 const fn sharp(insert: Insert) -> Insert {
     match insert {
@@ -201,7 +202,7 @@ mod tests {
 
     #[test]
     fn a_nose_without_compensation_leaves_what_geometry_says() {
-        // Off a cone of the angle a: r (sin a + cos a − 1).
+        // Distance from a cone of angle a: r (sin a + cos a − 1).
         let expected = NOSE * (2_f64.sqrt() - 1.0);
         let compared = cone("");
         let (low, high) = range(&compared.uncompensated, &compared.wanted);

@@ -1,4 +1,4 @@
-//! The part while the control runs: tick by tick, by hand as in automatic operation.
+//! Cuts the part while the control runs, tick by tick, in manual and automatic operation.
 
 use gsk_core::cnc::Event;
 use gsk_core::command::{BlockNumber, ProgramId, Source};
@@ -9,43 +9,43 @@ use gsk_workpiece::motion::{MotionKind, ToolMotion};
 
 use super::{Finding, Machining};
 
-/// How far a tick may lie beside a straight piece that goes on, mm: a grid unit.
+/// Greatest distance of a tick from a straight piece that it extends, mm: a grid unit.
 const STRAIGHT: f64 = 0.000_1;
-/// Ticks after which a piece is carried out even if it goes on: a picture's time.
+/// Ticks after which a piece is cut even if it continues: the time of a picture.
 const LONGEST: u32 = 25;
-/// Below that the spindle stands, r/min.
+/// Below this speed the spindle counts as stopped, r/min.
 const STANDS: f64 = 1.0;
 
-/// A part that follows a control.
+/// A part that follows a running control.
 #[derive(Clone, Debug)]
 pub struct Live {
     machining: Machining,
     /// Slide and spindle at the last tick.
     last: Option<Last>,
     piece: Option<Piece>,
-    /// Findings up to here were handed out.
+    /// Number of findings that the caller has received.
     reported: usize,
-    /// The program had ended; with the next one new stock is clamped.
+    /// Whether the program has ended; the next one begins with new stock.
     ended: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Last {
-    /// Of the slide, machine coordinates.
+    /// Slide position, machine coordinates.
     slide: Point,
-    /// Of the tool in the part.
+    /// Tip of the tool, part coordinates.
     tip: Point,
     turns: f64,
 }
 
-/// Ticks that go straight on in the same way.
+/// Ticks that continue straight in the same manner.
 #[derive(Clone, Debug)]
 struct Piece {
     from: Point,
     to: Point,
     ticks: u32,
     manner: Manner,
-    /// Where the tool passed the drawn plane.
+    /// Positions of the tool where it passed the drawn plane.
     imprints: Vec<Point>,
 }
 
@@ -60,7 +60,7 @@ struct Manner {
 }
 
 impl Live {
-    /// A part that has not been touched.
+    /// Follows a control with this part, which must be uncut.
     pub const fn new(machining: Machining) -> Self {
         Self {
             machining,
@@ -71,19 +71,20 @@ impl Live {
         }
     }
 
-    /// The part and its findings.
+    /// The part and its collisions so far.
     pub const fn machining(&self) -> &Machining {
         &self.machining
     }
 
-    /// New stock is clamped.
+    /// Clamps new stock and discards the findings.
     pub fn fresh_stock(&mut self) {
         self.piece = None;
         self.machining.fresh_stock();
         self.reported = 0;
     }
 
-    /// After a tick: returns collisions that were met in it.
+    /// Follows one tick of the control. Call it after every tick. Returns the collisions found
+    /// since the last call.
     pub fn ticked(&mut self, simulation: &Simulation) -> &[Finding] {
         let cnc = &simulation.cnc;
         let tool = simulation.lathe.station().unwrap_or(cnc.tool().0);
@@ -106,7 +107,7 @@ impl Live {
             tip: tip(slide),
             turns: simulation.lathe.spindle_turns(),
         };
-        // Where it was by the coordinates of now: G50 and T move nothing.
+        // Position before, in present coordinates: G50 and T move nothing.
         let before = self.last.map(|last| Last {
             tip: tip(last.slide),
             ..last
@@ -114,7 +115,7 @@ impl Live {
         self.last = Some(now);
         match before {
             Some(before) if before.slide != slide => self.step(manner, before, now),
-            // It stands: what is pending is seen at once.
+            // At standstill the pending motion shows at once.
             _ => self.flush(),
         }
         let first = self.reported.min(self.machining.findings.len());
@@ -122,7 +123,7 @@ impl Live {
         &self.machining.findings[first..]
     }
 
-    /// After the end of a program the next one begins on new stock.
+    /// Clamps new stock when the next program starts after the end of one.
     fn change_stock(&mut self, simulation: &Simulation) {
         for event in simulation.cnc.events() {
             match event {
@@ -161,7 +162,7 @@ impl Live {
         }
     }
 
-    /// Carries out what is pending.
+    /// Cuts the pending piece.
     fn flush(&mut self) {
         let Some(piece) = self.piece.take() else {
             return;
@@ -183,7 +184,7 @@ impl Live {
 }
 
 impl Piece {
-    /// Whether a tick goes on where the piece ends, in its direction.
+    /// Whether a tick continues at the end of the piece, in its direction.
     fn goes_on(&self, from: Point, to: Point) -> bool {
         let along = self.to - self.from;
         let Some(direction) = along.unit() else {
@@ -196,8 +197,8 @@ impl Piece {
     }
 }
 
-/// The block under way in automatic operation; between two blocks the one that was
-/// carried out. A block of MDI is over when it has ended.
+/// The block in execution in automatic operation; between two blocks the last one. `None`
+/// after the end of an MDI block and when nothing runs.
 pub fn running(simulation: &Simulation) -> Option<Source> {
     let cnc = &simulation.cnc;
     let cursor = cnc.cursor();
@@ -213,13 +214,13 @@ pub fn running(simulation: &Simulation) -> Option<Source> {
     })
 }
 
-/// The block that moves the tool; none by hand.
+/// The block that moves the tool; `None` in manual operation.
 fn moving(simulation: &Simulation) -> Option<Source> {
     let by_program = matches!(simulation.cnc.run_state(), RunState::Run | RunState::Hold);
     running(simulation).filter(|_| by_program)
 }
 
-/// Where the tip stood when the spindle passed the drawn plane between two ticks.
+/// Position of the tip when the spindle passed the drawn plane between two ticks.
 fn crossing(before: Last, now: Last) -> Option<Point> {
     let (low, high) = (before.turns.min(now.turns), before.turns.max(now.turns));
     let whole = high.floor();

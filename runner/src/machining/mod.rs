@@ -1,8 +1,8 @@
-//! A program carried out on the part: its moves cut the stock, and what they hit is
-//! found with its block.
+//! Executes a program on the part: its moves cut the stock, and collisions are found with
+//! their blocks.
 //!
-//! The same part is cut two ways, and by the same sweeps: from the moves of a preview
-//! ([`Machining::moved`]), and tick by tick from a control that runs ([`live`]).
+//! Two sources use the same sweeps: the moves of a preview ([`Machining::moved`]), and the
+//! ticks of a running control ([`live`]).
 
 pub mod guess;
 pub mod ideal;
@@ -25,36 +25,36 @@ use track::Track;
 
 use crate::curves::RapidRates;
 
-/// Findings that are kept.
+/// Limit of the stored findings.
 const MOST_FINDINGS: usize = 100;
-/// An insert that came so near to the axis has parted the bar off, mm of radius.
+/// An insert this near to the axis has parted the bar off, mm of radius.
 const PARTED: f64 = 0.05;
 
-/// A collision and the block that made it.
+/// A collision and the block that caused it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finding {
-    /// The block; none by hand.
+    /// The block; `None` in manual operation.
     pub source: Option<Source>,
-    /// The tool.
+    /// The T number of the tool.
     pub tool: u8,
-    /// What hit what, where, how deep.
+    /// The parts that touch, the position and the depth.
     pub collision: Collision,
 }
 
-/// The part of a job while a program works on it.
+/// The part of a job while a program machines it.
 #[derive(Clone, Debug)]
 pub struct Machining {
     job: Job,
     scene: LatheScene,
     cutters: BTreeMap<u8, SceneTool>,
     track: Track,
-    /// Volume of what was parted off, mm³.
+    /// Volume of the parted-off pieces, mm³.
     parted: f64,
     findings: Vec<Finding>,
 }
 
 impl Machining {
-    /// With fresh stock.
+    /// Clamps new stock of the job.
     pub fn new(job: Job) -> Self {
         let cutters = job
             .tools
@@ -71,39 +71,39 @@ impl Machining {
         }
     }
 
-    /// The job.
+    /// The job, as passed to [`Machining::new`].
     pub const fn job(&self) -> &Job {
         &self.job
     }
 
-    /// Part and clamping.
+    /// Part and clamping in their current state.
     pub const fn scene(&self) -> &LatheScene {
         &self.scene
     }
 
-    /// Volume that was cut away so far, mm³; what was parted off is no part of it.
+    /// Volume removed by cutting, mm³, without the parted-off pieces.
     pub fn removed_volume(&self) -> f64 {
         self.job.stock.section().volume() - self.scene.part().volume() - self.parted
     }
 
-    /// The collisions, each kind once a block, in the order in which they were met.
+    /// The collisions in the order of their detection, each kind once per block.
     pub fn findings(&self) -> &[Finding] {
         &self.findings
     }
 
-    /// How tools and part stand to the slide.
+    /// The position of tools and part relative to the slide.
     pub const fn mounting(&self) -> &Mounting {
         self.track.mounting()
     }
 
-    /// A new piece of stock is clamped; the tools stay where they are.
+    /// Clamps new stock and discards the findings. The tools stay where they are.
     pub fn fresh_stock(&mut self) {
         self.scene = LatheScene::new(&self.job.stock);
         self.parted = 0.0;
         self.findings.clear();
     }
 
-    /// A move of the program.
+    /// Cuts the part with a move of the program. Rapids follow `rates`.
     pub fn moved(&mut self, executed: &ExecutedMove, rates: RapidRates) {
         let tool = executed.conditions.tool;
         for motion in self.track.motions(executed, rates) {
@@ -111,7 +111,7 @@ impl Machining {
         }
     }
 
-    /// Moves a tool about the part.
+    /// Moves a tool relative to the part.
     fn carry_out(&mut self, source: Option<Source>, tool: u8, motion: &ToolMotion) {
         let Some(cutter) = self.cutters.get(&tool) else {
             return;

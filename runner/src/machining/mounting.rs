@@ -1,4 +1,4 @@
-//! How part and tools stand to the slide.
+//! The position of part and tools relative to the slide.
 
 use std::collections::BTreeMap;
 
@@ -6,12 +6,11 @@ use gsk_core::command::Frame;
 use gsk_core::units::Point;
 use gsk_workpiece::job::{DiameterPoint, Job};
 
-/// Where each tool's tip meets the zero of the part, as machine coordinates of the slide.
+/// Maps slide positions to positions of each tool's tip in the part.
 ///
-/// What the job does not say is taken from the control, once: when a tool first cuts, it
-/// is believed to stand where the control has it. From then on the lathe is as it is; an
-/// offset or a work zero that is changed later moves the cut, as on the machine. A zero
-/// offset is no other zero of the part: it counts from there.
+/// If the job does not give a length or zero, the control's value is used: the tool is assumed
+/// to be set correctly when it first cuts. After that a changed offset or work zero moves the
+/// cut, as on the machine. A zero offset is no new zero of the part: it counts from that zero.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mounting {
     zero: Option<Point>,
@@ -32,7 +31,8 @@ impl Mounting {
         }
     }
 
-    /// Slide position at which the tip of a tool stands on the zero of the part.
+    /// Slide position, machine coordinates, at which the tip of a tool is at the zero of the
+    /// part.
     pub fn zero_of(&self, tool: u8, frame: &Frame) -> Point {
         if let Some(settled) = self.settled.get(&tool) {
             return *settled;
@@ -42,12 +42,13 @@ impl Mounting {
         self.zero.unwrap_or(zero) + length.unwrap_or(frame.offset)
     }
 
-    /// A tool's tip in the part, with the slide at a machine position.
+    /// Tip of a tool in part coordinates, with the slide at machine position `machine`.
     pub fn tip(&self, tool: u8, machine: Point, frame: &Frame) -> Point {
         machine - self.zero_of(tool, frame)
     }
 
-    /// A tool begins to cut: where it stands now it stays.
+    /// Fixes the tool's position at its first cut. Later changes of offset or work zero move
+    /// the cut.
     pub(super) fn settle(&mut self, tool: u8, frame: &Frame) {
         let zero = self.zero_of(tool, frame);
         self.settled.entry(tool).or_insert(zero);
@@ -88,7 +89,7 @@ mod tests {
         let slide = Point::new(-80.0, -310.0);
         assert_eq!(mounting.tip(1, slide, &frame(0.0)), Point::new(20.0, -10.0));
         mounting.settle(1, &frame(0.5));
-        // Another offset moves the tip of the control, not that of the tool.
+        // Another offset moves the tip in the control, not that of the tool.
         for offset in [0.5, 0.0, 1.5] {
             let tip = mounting.tip(1, slide, &frame(offset));
             assert_eq!(tip, Point::new(19.5, -10.0));

@@ -1,4 +1,4 @@
-//! The sample programs on their guessed stock, and parts of known volume.
+//! Tests the sample programs on their guessed stock, and parts of known volume.
 
 use core::f64::consts::PI;
 
@@ -111,7 +111,7 @@ fn the_stepped_shaft_has_its_analytic_volume() {
     job.tools.insert(2, sharp());
     let machining = carried_out(&setup, job);
     assert_eq!(machining.findings(), []);
-    // The contour as it is programmed, from the face at Z0 back to Z-72.
+    // The contour as programmed, from the face at Z0 back to Z-72.
     let fillet = |z: f64| {
         // G02 X40 Z-55 R5 from X30 Z-50: centre at X40 Z-50.
         20.0 - (25.0 - (z + 50.0) * (z + 50.0)).max(0.0).sqrt()
@@ -121,7 +121,7 @@ fn the_stepped_shaft_has_its_analytic_volume() {
         21.0 + (16.0 - (z + 59.0) * (z + 59.0)).max(0.0).sqrt()
     };
     let disc = |radius: &dyn Fn(f64) -> f64, from: f64, to: f64| {
-        // Simpson's rule in a variable that takes the root at the end out.
+        // Simpson's rule in a variable that removes the root at the end.
         let steps = 20_000;
         let at = |part: f64| from + (to - from) * (1.0 - libm::cos(part * PI)) / 2.0;
         let slope = |part: f64| (to - from) * PI * libm::sin(part * PI) / 2.0;
@@ -176,7 +176,7 @@ fn a_wrong_offset_cuts_wrong_as_on_the_machine() {
     let mut job = Job::new(Stock::bar(44.0, 0.0, 60.0));
     job.tools.insert(1, Tool::turning());
     job.lengths.insert(1, Default::default());
-    // The control believes the tool to be 1 mm of diameter longer than it is.
+    // In the control the tool is 1 mm of diameter longer than it is.
     let mut row = setup.memory.offsets.get(1);
     row.x = 1.0;
     setup.memory.offsets.set(1, row).unwrap();
@@ -249,8 +249,8 @@ fn the_bar_to_practise_on_is_sound_and_the_first_tool_stands_before_it() {
     );
 }
 
-/// Programs of parts that are right, and what their guessed part has in common with them:
-/// points of the half section that are stock, and such that are not, X as a diameter.
+/// Correct part programs, and what their guessed part has in common with them: points of the
+/// half section that are stock, and points that are not, X as a diameter.
 type GuessedPart = (
     &'static str,
     &'static str,
@@ -405,7 +405,7 @@ fn a_machine_zero_that_is_not_known_is_not_in_the_part() {
         job.tools.insert(1, Tool::turning());
         job
     };
-    // The machine zero is taken to lie nowhere: neither the way there nor back collides.
+    // The machine zero has no position: neither the path there nor back collides.
     for text in [
         "G28 U0 W0\nG00 X44 Z2\nG01 Z-10\nM30\n",
         "G28 X60 Z5\nG00 W5\nU2\nX44 Z2\nG01 Z-10\nM30\n",
@@ -417,7 +417,7 @@ fn a_machine_zero_that_is_not_known_is_not_in_the_part() {
         let radius = machining.scene().part().max_radius(-5.0, -2.0);
         assert!((radius - 22.0).abs() < 1e-9, "{text}: {radius}");
     }
-    // Where it is known, the way back goes through the bar.
+    // With a known position the path back goes through the bar.
     let mut setup = setup(&[&format!("{head}G28 U0 W0\nM30\n")]);
     setup.absolute = Some(Point::new(0.0, -40.0));
     let machining = carried_out(&setup, job());

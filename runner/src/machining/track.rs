@@ -1,4 +1,4 @@
-//! Moves of a program as motions of the tool's tip about the part.
+//! Converts the moves of a program to motions of the tool's tip relative to the part.
 
 use gsk_core::command::{ExecutedMove, MoveKind, ThreadStart};
 use gsk_core::units::{Feed, Point};
@@ -8,16 +8,16 @@ use gsk_workpiece::motion::{MotionKind, ThreadPath, ToolMotion};
 use super::Mounting;
 use crate::curves::{RapidRates, rapid_bend};
 
-/// Where tools stand to the part, and where on its turn the spindle is.
+/// Position of the tools relative to the part, and angle of the spindle.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Track {
     mounting: Mounting,
-    /// Angle of the spindle where the last thread ended, turns.
+    /// Spindle angle where the last thread ended, turns.
     phase: f64,
 }
 
 impl Track {
-    /// Of a job.
+    /// For the tools and zero of a job.
     pub(super) fn of(job: &Job) -> Self {
         Self {
             mounting: Mounting::of(job),
@@ -25,18 +25,18 @@ impl Track {
         }
     }
 
-    /// How tools and part stand to the slide.
+    /// The position of tools and part relative to the slide.
     pub(super) const fn mounting(&self) -> &Mounting {
         &self.mounting
     }
 
-    /// The same, to be settled by a control that runs.
+    /// The same, mutable, for a running control that fixes a tool.
     pub(super) const fn mounting_mut(&mut self) -> &mut Mounting {
         &mut self.mounting
     }
 
-    /// The motions of a move: none of a dwell, and of one to or from a machine zero that
-    /// may lie anywhere; two of a rapid that bends.
+    /// The tip motions of a move: none for a dwell and for a move to or from a machine zero at
+    /// an unknown position, two for a rapid with a bend.
     pub(super) fn motions(
         &mut self,
         executed: &ExecutedMove,
@@ -82,7 +82,7 @@ impl Track {
         vec![motion(from, to, kind)]
     }
 
-    /// Where a thread meets the drawn plane; a tap is a straight cut.
+    /// The imprints of a thread in the drawn plane; a tap is a straight cut.
     fn thread(&mut self, executed: &ExecutedMove, from: Point, to: Point) -> MotionKind {
         let (Some(thread), Some(Feed::PerRevolution(lead))) =
             (executed.conditions.thread, executed.feed)

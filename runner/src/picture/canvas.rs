@@ -1,4 +1,4 @@
-//! Lines and words on pixels.
+//! Draws lines and texts on pixels.
 
 use tiny_skia::{Color, ColorU8, Paint, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
 
@@ -7,14 +7,13 @@ use super::extent::Size;
 use super::legend::width;
 use super::pens::Pen;
 
-/// Points that are stroked at a time: the time of a stroke grows faster than its
-/// number of points.
+/// Points of a stroke at most. The time of a stroke grows faster than its number of points.
 const POINTS_A_STROKE: usize = 128;
 
-/// Points nearer to the one before than this add nothing that is seen, units.
+/// Points nearer than this to the previous one are invisible, units.
 const NEAR: f32 = 0.5;
 
-/// Where a text lies about its point.
+/// Position of a text relative to its point.
 #[derive(Clone, Copy)]
 pub(super) enum Align {
     Left,
@@ -22,7 +21,7 @@ pub(super) enum Align {
     Right,
 }
 
-/// What is drawn on, in units.
+/// A picture with coordinates in units.
 pub(super) struct Canvas {
     pixels: Pixmap,
     /// Pixels of a unit.
@@ -32,10 +31,10 @@ pub(super) struct Canvas {
 }
 
 impl Canvas {
-    /// White.
+    /// Creates a white picture.
     ///
     /// # Errors
-    /// There is no memory for it.
+    /// There is not enough memory.
     pub fn new(size: Size) -> Result<Self, PictureError> {
         let pixels = Pixmap::new(size.width(), size.height());
         let mut pixels = pixels.ok_or(PictureError::Memory)?;
@@ -49,18 +48,18 @@ impl Canvas {
         })
     }
 
-    /// Lines have smooth edges, or are drawn a hundred times quicker without: among a
-    /// mass of lines nobody sees an edge.
+    /// Turns smooth edges on or off. Without them lines are drawn a hundred times faster, and
+    /// in dense lines the edges are invisible anyway.
     pub const fn set_smooth(&mut self, smooth: bool) {
         self.smooth = smooth;
     }
 
-    /// What has been drawn.
+    /// The finished picture.
     pub fn into_pixels(self) -> Pixmap {
         self.pixels
     }
 
-    /// Draws a line of points, piece by piece; its dashes go on from piece to piece.
+    /// Draws a line through points. Its dashes continue from piece to piece.
     pub fn polyline(&mut self, pen: Pen, points: &[(f64, f64)]) {
         if !self.smooth {
             return self.plain_polyline(pen, points);
@@ -106,8 +105,8 @@ impl Canvas {
         }
     }
 
-    /// A straight line, pixel by pixel; `along`: pixels of its dashes before it.
-    ///
+    /// Draws a straight line, pixel by pixel. `along` is the length of its dashes before it,
+    /// in pixels.
     /// ```text
     ///   a step a pixel along the longer side, as many across it as the pen is wide
     /// ```
@@ -131,7 +130,7 @@ impl Canvas {
             if period > 0.0 && (along + index * step) % period >= drawn {
                 continue;
             }
-            // The frame lies within the picture, so that nothing is negative.
+            // The frame is within the picture, so coordinates are not negative.
             let (x, y) = (from.0 + step_x * index, from.1 + step_y * index);
             let first = y as usize * row + x as usize;
             for offset in 0..width {
@@ -150,7 +149,7 @@ impl Canvas {
         self.stroke(builder, pen, 0.0);
     }
 
-    /// Fills polygons, holes the other way round.
+    /// Fills polygons. Holes go in the opposite direction.
     pub fn fill(&mut self, color: [u8; 3], polygons: &[Vec<(f64, f64)>]) {
         let mut builder = PathBuilder::new();
         for polygon in polygons {
@@ -169,7 +168,8 @@ impl Canvas {
             .fill_path(&path, &paint(color), rule, scale, None);
     }
 
-    /// Fills it from one colour above to another one below.
+    /// Fills the picture with a gradient from one colour at the top to another one at the
+    /// bottom.
     pub fn ground(&mut self, [above, below]: [[f32; 3]; 2]) {
         let (width, height) = (self.pixels.width() as usize, self.pixels.height());
         let rows = self.pixels.pixels_mut().chunks_exact_mut(width.max(1));
@@ -183,7 +183,7 @@ impl Canvas {
         }
     }
 
-    /// Lays a picture of its size over it, premultiplied.
+    /// Blends a premultiplied picture of the same size over this one.
     pub fn lay(&mut self, picture: &[[u8; 4]]) {
         let own = self.pixels.data_mut().chunks_exact_mut(4);
         for (own, pixel) in own.zip(picture) {
@@ -211,7 +211,7 @@ impl Canvas {
         self.write(x, y, text, align, [0x20; 3]);
     }
 
-    /// The same, with white around it that keeps it readable over lines.
+    /// The same, with a white outline that keeps it readable over lines.
     pub fn text_over_lines(&mut self, x: f64, y: f64, text: &str) {
         for (right, down) in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)] {
             self.write(x + right, y + down, text, Align::Left, [0xFF; 3]);
@@ -255,7 +255,7 @@ impl Canvas {
         }
     }
 
-    /// Strokes a path that begins `along` units after the begin of its line.
+    /// Strokes a path that begins `along` units after the beginning of its line.
     fn stroke(&mut self, builder: PathBuilder, pen: Pen, along: f32) {
         let Some(path) = builder.finish() else { return };
         let period: f32 = pen.dash.iter().sum();

@@ -1,10 +1,10 @@
-//! Lines cut off at a frame.
+//! Clips lines at a frame.
 
 use super::numbers::Area;
 
 type Pixel = (f64, f64);
 
-/// Hands out the parts of a line of points that lie in a frame.
+/// Calls `each` with the parts of a line of points inside a frame.
 pub(super) fn clipped(
     points: impl Iterator<Item = Pixel>,
     frame: Area,

@@ -1,7 +1,8 @@
-//! Lines without what would be drawn over itself: half pixels that a pen has covered.
+//! Removes lines that would be drawn over themselves: it marks the half pixels that a pen has
+//! covered.
 //!
-//! A path of micrometres, thousands of times up and down, comes to a few lines: a picture
-//! has no more pieces than half pixels.
+//! A path of micrometres that repeats thousands of times becomes a few lines. A picture has no
+//! more pieces than half pixels.
 
 use super::numbers::Area;
 
@@ -12,14 +13,14 @@ const CELLS: f64 = 2.0;
 
 /// The cells of a frame that one pen has covered.
 pub(super) struct Coverage {
-    /// Its upper left corner.
+    /// Upper left corner of the frame.
     corner: Pixel,
     columns: usize,
     covered: Vec<bool>,
 }
 
 impl Coverage {
-    /// Of a frame, nothing covered yet.
+    /// An empty frame.
     pub(super) fn new(frame: Area) -> Self {
         let cells = |low: f64, high: f64| ((high - low) * CELLS).ceil().max(0.0) as usize + 2;
         let (left, top, right, bottom) = frame;
@@ -32,8 +33,8 @@ impl Coverage {
         }
     }
 
-    /// Hands out the parts of a line of points, clipped to the frame, that cover cells
-    /// which are free.
+    /// Calls `each` with the parts of a line of points that cover free cells. The points must
+    /// be clipped to the frame.
     pub(super) fn bare(&mut self, points: &[Pixel], mut each: impl FnMut(&[Pixel])) {
         let mut begin = 0;
         for (index, pair) in points.windows(2).enumerate() {
@@ -49,7 +50,7 @@ impl Coverage {
         }
     }
 
-    /// Covers the cells of a piece; returns whether one of them was free.
+    /// Covers the cells of a piece. Returns whether one of them was free.
     fn cover(&mut self, from: Pixel, to: Pixel) -> bool {
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
         let steps = (dx.abs().max(dy.abs()) * CELLS).ceil().max(1.0);
@@ -58,7 +59,7 @@ impl Coverage {
             let part = f64::from(step) / steps;
             let column = (from.0 + dx * part - self.corner.0) * CELLS;
             let row = (from.1 + dy * part - self.corner.1) * CELLS;
-            // Saturates: what lies on the frame is in its outermost cells.
+            // The cast saturates: points on the frame are in its outermost cells.
             let index = row as usize * self.columns + column as usize;
             if let Some(cell) = self.covered.get_mut(index)
                 && !*cell

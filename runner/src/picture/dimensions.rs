@@ -1,5 +1,5 @@
-//! Dimensions of the part as a drawing gives them: diameters, radii, angles and pitches on
-//! the material beside their surface, and where its shoulders lie below the spindle axis.
+//! Dimensions the part as a drawing does: diameters, radii, angles and pitches on the material
+//! next to their surface, and the Z of its shoulders below the spindle axis.
 //!
 //! ```text
 //!        +------+
@@ -17,17 +17,17 @@ use gsk_workpiece::region::Region;
 use super::legend::width;
 use super::numbers::{HEIGHT, Taken};
 
-/// Units between a surface or a line and the words beside it.
+/// Units between a surface or a line and its text.
 const GAP: f64 = 5.0;
-/// Rows below the spindle axis in which shoulders have their figures.
+/// Rows below the spindle axis for the figures of shoulders.
 const ROWS: u32 = 3;
-/// Units that the figures of the shoulders take below the spindle axis.
+/// Height of these rows below the spindle axis, units.
 pub(super) const BELOW_AXIS: f64 = 2.0 * GAP + ROWS as f64 * HEIGHT;
-/// Units between two shoulders that both have their figures.
+/// Least distance between two shoulders that both have figures, units.
 const APART: f64 = 6.0;
-/// A corner smaller than this is that of a nose, not one of the drawing, units.
+/// A smaller corner is that of a nose and not of the drawing, units.
 const CORNER: f64 = 14.0;
-/// An angle is one of 45° within this, degrees.
+/// An angle counts as 45° within this, degrees.
 const SAME: f64 = 0.001;
 
 /// The dimensions of a part.
@@ -38,29 +38,29 @@ pub(super) struct Dimensions {
     shoulders: Vec<Point>,
 }
 
-/// What is written beside a surface.
+/// The text of a surface.
 #[derive(Clone, Debug)]
 struct Surface {
     ends: [Point; 2],
     middle: Point,
-    /// Outside, the material lies towards the axis.
+    /// On the outside the material is towards the axis.
     side: SectionSide,
     words: String,
 }
 
-/// A dimension as it is drawn.
+/// A dimension as drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dimension {
-    /// The upper left corner of the words, units.
+    /// Upper left corner of the text, units.
     pub at: (f64, f64),
-    /// The words.
+    /// The text.
     pub words: String,
-    /// From a shoulder to its words.
+    /// The line from a shoulder to its text, units.
     pub line: Option<[(f64, f64); 2]>,
 }
 
 impl Dimensions {
-    /// Of a half section.
+    /// Measures a half section.
     pub fn of(section: &Region) -> Self {
         let mut found = Self::default();
         let sides = [SectionSide::Outside, SectionSide::Inside];
@@ -69,7 +69,7 @@ impl Dimensions {
             let each = measured.iter();
             each.flat_map(|(side, surfaces)| surfaces.iter().map(|it| (*side, it)))
         };
-        // Where a nose has rounded a corner, the face is the shoulder that is meant.
+        // Where a nose has rounded a corner, the face is the intended shoulder.
         let is_face = |surface: &MeasuredFeature| matches!(surface.feature, Feature::Face { .. });
         for (side, surface) in all().filter(|(_, it)| is_face(it)) {
             found.add(surface, side);
@@ -96,12 +96,12 @@ impl Dimensions {
         self.shoulders.extend([*first, *last]);
     }
 
-    /// Whether there are none.
+    /// Whether there are no dimensions.
     pub const fn is_empty(&self) -> bool {
         self.surfaces.is_empty() && self.shoulders.is_empty()
     }
 
-    /// Where they are drawn, as far as there is room; `place` gives the units of a point.
+    /// Places the dimensions where there is free space. `place` converts a point to units.
     pub fn placed(&self, place: impl Fn(Point) -> (f64, f64), taken: &mut Taken) -> Vec<Dimension> {
         let mut drawn = Vec::new();
         for surface in &self.surfaces {
@@ -151,7 +151,7 @@ impl Dimensions {
     }
 }
 
-/// What a drawing writes beside a surface; a face is given by its ends.
+/// The text of a surface. A face has none: its ends give its Z.
 fn words(feature: &Feature) -> Option<String> {
     let across = |Diameter(value): Diameter| figure(value);
     match *feature {
@@ -168,7 +168,7 @@ fn words(feature: &Feature) -> Option<String> {
     }
 }
 
-/// A figure with as many decimals as it needs, three at most.
+/// A figure with as many decimals as needed, three at most.
 fn figure(value: f64) -> String {
     let rounded = (value * 1000.0).round() / 1000.0;
     if rounded == 0.0 {
@@ -222,7 +222,7 @@ mod tests {
     #[test]
     fn corners_of_a_nose_are_not_dimensions() {
         let mut taken = Taken::new((0.0, 0.0, 800.0, 400.0));
-        // The chamfer is five units wide: no room for words, and -2 lies beside 0.
+        // The chamfer is five units wide: no space for text, and -2 is next to 0.
         let place = |at: Point| (700.0 + at.z * 2.5, 200.0 - at.x * 2.5);
         let drawn = shaft().placed(place, &mut taken);
         let words: Vec<&str> = drawn.iter().map(|it| it.words.as_str()).collect();

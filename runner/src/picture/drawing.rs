@@ -1,5 +1,5 @@
-//! What is to be drawn: the path a program makes, its tools, its time, and the words
-//! around it.
+//! Collects what a picture of a lathe program shows: the path, the tools, the times and the
+//! texts.
 
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::units::{PerAxis, Point};
@@ -15,22 +15,23 @@ use crate::times::{Spent, Times};
 /// Height of a block number, pixels.
 const NUMBER: f64 = 16.0;
 
-/// How a path is drawn.
+/// Options for a drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Look {
-    /// The size of the picture.
+    /// Size of the picture.
     pub size: Size,
-    /// Fitted to everything; otherwise to the cuts, and rapids end at the frame.
+    /// Whether the picture is fitted to the whole path. Otherwise it is fitted to the cuts,
+    /// and rapids end at the frame.
     pub whole: bool,
-    /// Whether the ends of blocks have their numbers.
+    /// Whether the ends of blocks show their numbers.
     pub labels: bool,
-    /// Whether the part has its dimensions.
+    /// Whether the part has its dimensions written on it.
     pub dimensions: bool,
-    /// Whether each tool is drawn where it cut last.
+    /// Whether each tool is drawn at the end of its last cut.
     pub tools: bool,
 }
 
-/// The drawing: what the path looks like, and the words around it.
+/// The drawing of a toolpath, built move by move.
 #[derive(Clone, Debug)]
 pub struct Drawing {
     /// Text in the upper left corner.
@@ -38,12 +39,12 @@ pub struct Drawing {
     look: Look,
     pieces: Pieces,
     labels: Labels,
-    /// Around the cuts, and around everything.
+    /// Bounds of the cuts, and of everything.
     cuts: Option<Extent>,
     all: Option<Extent>,
     /// The tools that cut, in the order of their first cuts.
     tools: Vec<u8>,
-    /// Where each of them cut last.
+    /// The end of the last cut of each tool.
     ends: Vec<Point>,
     times: Times,
     scenery: Scenery,
@@ -68,7 +69,7 @@ impl Drawing {
         }
     }
 
-    /// Adds a move.
+    /// Adds a move. Rapids bend according to `rates`.
     pub fn push(&mut self, executed: &ExecutedMove, rates: RapidRates) {
         self.times.push(executed);
         if executed.kind == MoveKind::Dwell {
@@ -127,36 +128,36 @@ impl Drawing {
         }
     }
 
-    /// The program has come to its end at a machine time, s.
+    /// Ends the program at machine time `time_s`.
     pub fn end(&mut self, time_s: f64) {
         self.times.end(time_s);
         self.labels.end();
     }
 
-    /// Part and clamping are drawn behind the path, tools and dimensions if they are
-    /// wanted; tools have their shapes in the legend.
+    /// Draws part and clamping under the path, and tools and dimensions if the options include
+    /// them. The legend then describes the tools.
     pub fn stand_before(&mut self, machining: &Machining) {
         let ends = self.tools.iter().copied().zip(self.ends.iter().copied());
         let ends = ends.filter(|_| self.look.tools).collect();
         self.scenery = Scenery::of(machining, ends, self.look.dimensions);
     }
 
-    /// What is drawn behind the path.
+    /// The part and clamping drawn under the path.
     pub(super) const fn scenery(&self) -> &Scenery {
         &self.scenery
     }
 
-    /// Moves that found no room any more.
+    /// Number of moves that did not fit into memory.
     pub fn left_out(&self) -> u64 {
         self.left_out
     }
 
-    /// How it is drawn.
+    /// The options of the drawing.
     pub const fn look(&self) -> Look {
         self.look
     }
 
-    /// What the picture is fitted to: a path without cuts is shown as it is.
+    /// The bounds that the picture is fitted to. A path without cuts is shown whole.
     pub(super) fn extent(&self) -> Option<Extent> {
         if self.look.whole {
             return self.all;
@@ -169,13 +170,13 @@ impl Drawing {
         &self.pieces
     }
 
-    /// The numbers of blocks, where they end.
+    /// The numbers of blocks at their ends.
     pub(super) fn labels(&self) -> Vec<(Point, String)> {
         self.labels.all()
     }
 
-    /// The tools that cut, in the order of their first cuts, with the offset they cut
-    /// with first and their time.
+    /// The tools that cut, in the order of their first cuts: tool number, first offset number,
+    /// times.
     pub(super) fn tools(&self) -> impl Iterator<Item = (u8, u8, Spent)> + '_ {
         self.tools.iter().filter_map(|tool| {
             let mut times = self.times.tools().iter();
@@ -190,7 +191,7 @@ impl Drawing {
         self.times.spent()
     }
 
-    /// What a move is drawn with.
+    /// The kind of line for a move.
     fn made(&mut self, executed: &ExecutedMove) -> Made {
         if executed.kind == MoveKind::Rapid {
             return Made::Rapid;
@@ -219,8 +220,8 @@ impl Drawing {
         }
     }
 
-    /// Widens the boxes, and with them the grid. What is not shown whole stays fine
-    /// until the first cut says how large the picture will be.
+    /// Widens the bounds and coarsens the grid. If only the cuts are shown, the grid stays
+    /// fine until the first cut shows how large the picture will be.
     fn reach(&mut self, made: Made, point: Point) {
         self.all.get_or_insert(Extent::of(point)).reach(point);
         if made != Made::Rapid {
@@ -235,7 +236,7 @@ impl Drawing {
     }
 }
 
-/// A point beyond every picture, in the axes that are not known.
+/// A point outside every picture, in the axes whose position is unknown.
 fn beyond(point: Point, unplaced: PerAxis<bool>) -> Point {
     /// mm.
     const FAR: f64 = 100_000.0;
@@ -393,7 +394,7 @@ mod tests {
         }
         let tools: Vec<u8> = drawing.tools().map(|(tool, ..)| tool).collect();
         assert_eq!(tools, [7, 2]);
-        // The last cut lies on the first one of its tool.
+        // The last cut is on the first one of its tool.
         let made: Vec<Made> = drawing.pieces.strokes().map(|(made, _)| made).collect();
         assert_eq!(made, [Made::Rapid, Made::Cut(0), Made::Cut(1)]);
     }

@@ -1,29 +1,29 @@
-//! How far a path reaches, and how large the picture is that it must fit in.
+//! The bounds of a path, and the size of the picture that shows it.
 
 use std::str::FromStr;
 
 use gsk_core::units::Point;
 use gsk_messages::{Message, say};
 
-/// Units around the path.
+/// Margin around the path, units.
 pub(super) const MARGIN: f64 = 70.0;
-/// Units above it, with the words.
+/// Height of the texts above the path, units.
 pub(super) const TOP: f64 = 60.0;
 
-/// The size of a picture, pixels.
+/// The size of a picture in pixels, within the limits of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
     width: u32,
     height: u32,
 }
 
-/// A size that no picture may have.
+/// The text of a size that is invalid or outside the limits.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct NoSize(String);
 
 impl NoSize {
-    /// What is said of it.
+    /// The message for the user; it gives the limits.
     pub fn message(&self) -> Message {
         let (least, most) = (Size::LEAST, Size::MOST);
         say::picture_size(&self.0, least.width, least.height, most.width, most.height)
@@ -31,45 +31,45 @@ impl NoSize {
 }
 
 impl Size {
-    /// What the words of a picture need.
+    /// Smallest size, for the texts of a picture.
     const LEAST: Self = Self {
         width: 480,
         height: 320,
     };
-    /// What the memory of a small computer holds.
+    /// Largest size, for the memory of a small computer.
     const MOST: Self = Self {
         width: 7680,
         height: 7680,
     };
-    /// A unit is a pixel up to twice this size.
+    /// The standard size. A unit is one pixel up to twice this size.
     const COMMON: Self = Self {
         width: 1280,
         height: 800,
     };
 
-    /// Pixels across.
+    /// Width in pixels.
     pub const fn width(self) -> u32 {
         self.width
     }
 
-    /// Pixels down.
+    /// Height in pixels.
     pub const fn height(self) -> u32 {
         self.height
     }
 
-    /// Pixels of a unit: words and lines grow with the picture.
+    /// Pixels of a unit. Texts and lines grow with the picture.
     pub(super) fn pixels_a_unit(self) -> u32 {
         let across = self.width / Self::COMMON.width;
         across.min(self.height / Self::COMMON.height).max(1)
     }
 
-    /// Units across and down.
+    /// Width and height in units.
     pub(super) fn units(self) -> (f64, f64) {
         let unit = f64::from(self.pixels_a_unit());
         (f64::from(self.width) / unit, f64::from(self.height) / unit)
     }
 
-    /// The size of a pixel, mm, when something of this size fills the picture.
+    /// The size of a pixel, mm, if an object of this size, mm, fills the picture.
     pub(super) fn pixel_mm(self, size: Point) -> f64 {
         let (wide, tall) = self.units();
         let unit_mm = (size.z / (wide - 2.0 * MARGIN)).max(size.x / (tall - TOP - MARGIN));
@@ -86,7 +86,7 @@ impl Default for Size {
 impl FromStr for Size {
     type Err = NoSize;
 
-    /// Reads `1600x900`.
+    /// Parses `1600x900`.
     fn from_str(word: &str) -> Result<Self, NoSize> {
         let read = |word: &str| word.trim().parse::<u32>().ok();
         let (least, most) = (Self::LEAST, Self::MOST);
@@ -99,7 +99,7 @@ impl FromStr for Size {
     }
 }
 
-/// The box around a path, program frame, X as a radius, mm.
+/// The bounds of a path: program frame, X as a radius, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Extent {
     pub low: Point,
@@ -107,7 +107,7 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// Of one point.
+    /// The bounds of one point.
     pub const fn of(point: Point) -> Self {
         Self {
             low: point,
@@ -115,7 +115,7 @@ impl Extent {
         }
     }
 
-    /// Widens it to reach a point.
+    /// Widens the bounds to include a point.
     pub fn reach(&mut self, point: Point) {
         self.low = Point::new(self.low.x.min(point.x), self.low.z.min(point.z));
         self.high = Point::new(self.high.x.max(point.x), self.high.z.max(point.z));

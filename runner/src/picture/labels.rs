@@ -1,17 +1,17 @@
-//! Which block ends where: numbers beside the ends, thinned so that they can be read.
+//! Collects the numbers of blocks at their ends, thinned so that they can be read.
 //!
-//! While the path is still growing, one number is kept for each cell as large as a
-//! number; what stands beside another is decided when the picture is laid out.
+//! While the path grows, one number is kept for each cell of the size of a number. The layout
+//! decides which of the neighbouring numbers are drawn.
 
 use std::collections::BTreeMap;
 
 use gsk_core::command::{ProgramId, Source};
 use gsk_core::units::Point;
 
-/// Numbers that are kept at most: a page full of them.
+/// Limit of the stored numbers: a page full of them.
 const MOST: usize = 1 << 16;
 
-/// The finest cell, mm.
+/// Size of the finest cell, mm.
 const FINEST_MM: f64 = 1.0 / 1024.0;
 
 /// The number of a block.
@@ -19,7 +19,7 @@ const FINEST_MM: f64 = 1.0 / 1024.0;
 enum Number {
     /// Its N word.
     Sequence(u32),
-    /// Its line, of a block without one.
+    /// Its line, if it has no N word.
     Line(u32),
 }
 
@@ -28,19 +28,19 @@ enum Number {
 struct Label {
     at: Point,
     number: Number,
-    /// How many ends came before.
+    /// Number of block ends before this one.
     order: u64,
 }
 
 /// The numbers of a path.
 #[derive(Clone, Debug)]
 pub(super) struct Labels {
-    /// By the cell they lie in.
+    /// The labels by their cells.
     kept: BTreeMap<(i32, i32), Label>,
     cell_mm: f64,
-    /// The block in work, and where it has come to.
+    /// The block in progress, and its end so far.
     current: Option<(Source, Point)>,
-    /// Where the sequence number in force was met.
+    /// The block that introduced the sequence number in force.
     met: Option<(ProgramId, Option<u32>, u32)>,
     count: u64,
 }
@@ -58,7 +58,7 @@ impl Default for Labels {
 }
 
 impl Labels {
-    /// A move of a block has come to a point.
+    /// Adds a move of a block that ends at a point.
     pub fn push(&mut self, source: Source, to: Point) {
         if let Some((block, end)) = self.current
             && (block.program, block.line) != (source.program, source.line)
@@ -68,21 +68,21 @@ impl Labels {
         self.current = Some((source, to));
     }
 
-    /// The last block has ended.
+    /// Ends the last block.
     pub fn end(&mut self) {
         if let Some((block, end)) = self.current.take() {
             self.keep(block, end);
         }
     }
 
-    /// Cells as large as a number, whose height is this, mm.
+    /// Adapts the cells to a number height, mm.
     pub fn suit(&mut self, height_mm: f64) {
         if self.cell_mm * 2.0 <= height_mm {
             self.coarsen(height_mm);
         }
     }
 
-    /// The numbers and where they belong, those of early blocks first.
+    /// The numbers and their points, earlier blocks first.
     pub fn all(&self) -> Vec<(Point, String)> {
         let mut labels: Vec<&Label> = self.kept.values().collect();
         labels.sort_by_key(|label| label.order);
@@ -94,7 +94,7 @@ impl Labels {
     }
 
     fn keep(&mut self, block: Source, at: Point) {
-        // A block without N has the number of one before it.
+        // A block without N has the number of the last N before it.
         let sequence = block.sequence.map(u32::from);
         let now = (block.program, sequence, block.line);
         let same = self
@@ -121,12 +121,12 @@ impl Labels {
     }
 
     fn cell(&self, at: Point) -> (i32, i32) {
-        // Saturates far beyond any machine.
+        // The cast saturates far beyond any machine.
         let cell = |value: f64| (value / self.cell_mm).floor() as i32;
         (cell(at.x), cell(at.z))
     }
 
-    /// Goes over to the coarsest cells that are not larger than `most_mm`.
+    /// Changes to the coarsest cells not larger than `most_mm`.
     fn coarsen(&mut self, most_mm: f64) {
         while self.cell_mm * 2.0 <= most_mm {
             self.cell_mm *= 2.0;
@@ -165,7 +165,7 @@ mod tests {
         labels.push(source(2, Some(10)), at(-1.0));
         // A cycle: the block ends with its last move.
         labels.push(source(2, Some(10)), at(-2.0));
-        // N10 is the last number met.
+        // N10 is the last number before it.
         labels.push(source(3, Some(10)), at(-3.0));
         labels.push(source(4, Some(20)), at(-4.0));
         labels.end();

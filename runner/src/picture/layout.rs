@@ -1,4 +1,4 @@
-//! Where things lie in the picture: the scale, the grid, the corner texts.
+//! Computes positions in the picture: the scale, the grid, the corner texts.
 
 use gsk_core::units::Point;
 use gsk_messages::Language;
@@ -12,20 +12,20 @@ use super::numbers::{Area, Number, Taken, placed};
 /// A grid line with its label.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
-    /// Where it lies across itself, units.
+    /// Its horizontal or vertical position, units.
     pub at: f64,
-    /// mm, as a diameter for X.
+    /// The label: mm, as a diameter for X.
     pub label: String,
 }
 
-/// The mapping from mm to units and what is derived from it.
+/// The mapping from mm to units, and everything placed with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
-    /// Units across and down.
+    /// Width and height of the picture, units.
     pub size: (f64, f64),
-    /// What stands above the path.
+    /// The texts above the path.
     pub head: Head,
-    /// What the path is drawn in, units.
+    /// The frame of the path, units.
     pub frame: Area,
     scale: f64,
     left_z: f64,
@@ -34,7 +34,7 @@ pub struct Layout {
     pub z_ticks: Vec<Tick>,
     /// Horizontal grid lines (X as a diameter).
     pub x_ticks: Vec<Tick>,
-    /// Height of the spindle axis, if it is in the picture.
+    /// Vertical position of the spindle axis, units; `None` if it is outside the frame.
     pub spindle_axis: Option<f64>,
     /// Dimensions of the part.
     pub dimensions: Vec<Dimension>,
@@ -43,11 +43,11 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Fits a drawing into its picture; Z to the right, X up, one scale.
+    /// Fits a drawing into its picture: Z to the right, X up, the same scale for both.
     pub(super) fn new(drawing: &Drawing, language: Language) -> Self {
         let size @ (width, height) = drawing.look().size.units();
         let head = Head::new(drawing, width, language);
-        // A legend of a hundred tools leaves a small picture nothing.
+        // A legend of a hundred tools must leave space for the picture.
         let top = head.height.min(height / 2.0);
         let frame = (MARGIN, top, width - MARGIN, height - MARGIN);
         let dimensions = &drawing.scenery().dimensions;
@@ -96,7 +96,7 @@ impl Layout {
         layout
     }
 
-    /// The least and the greatest point in the frame.
+    /// Least and greatest point in the frame, mm.
     pub fn window(&self) -> (Point, Point) {
         let (left, top, right, bottom) = self.frame;
         let size = Point::new(bottom - top, right - left) * (1.0 / self.scale);
@@ -104,13 +104,13 @@ impl Layout {
         (low, low + size)
     }
 
-    /// Whether a point lies in the frame.
+    /// Whether a point is inside the frame.
     pub fn shows(&self, point: Point) -> bool {
         let (low, high) = self.window();
         (low.x..=high.x).contains(&point.x) && (low.z..=high.z).contains(&point.z)
     }
 
-    /// Where a point lies, units.
+    /// Converts a point to units.
     pub fn place(&self, point: Point) -> (f64, f64) {
         let x = self.frame.0 + (point.z - self.left_z) * self.scale;
         let y = self.frame.3 - (point.x - self.bottom_x) * self.scale;
@@ -118,12 +118,12 @@ impl Layout {
     }
 }
 
-/// The box that is shown: the one around the path with some room, never empty.
+/// The bounds that are shown: those of the path with a margin, never empty.
 fn bounds(extent: Option<Extent>) -> (Point, Point) {
     let Some(Extent { mut low, high }) = extent else {
         return (Point::new(0.0, -50.0), Point::new(50.0, 50.0));
     };
-    // The spindle axis belongs to the picture unless it is far away.
+    // The spindle axis is part of the picture unless it is far away.
     if low.x > 0.0 && low.x < 3.0 * (high.x - low.x) {
         low.x = 0.0;
     }
@@ -134,10 +134,10 @@ fn bounds(extent: Option<Extent>) -> (Point, Point) {
     (low - room, high + room)
 }
 
-/// Units between two grid lines, about.
+/// Approximate units between two grid lines.
 const BETWEEN_TICKS: f64 = 100.0;
 
-/// Round values inside a stretch that is so many units long.
+/// Round values in an interval that is `units` long in the picture.
 fn ticks(start: f64, length: f64, units: f64) -> impl Iterator<Item = f64> {
     let raw = length / (units / BETWEEN_TICKS).max(1.0);
     let power = libm::pow(10.0, libm::log10(raw).floor());

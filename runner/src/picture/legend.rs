@@ -1,4 +1,4 @@
-//! The words above the path: name, time, and a line of the legend for each tool.
+//! Lays out the texts above the path: name, time, and a legend line for each tool.
 
 use gsk_messages::{Language, say};
 
@@ -15,7 +15,7 @@ pub(super) const EDGE: f64 = 20.0;
 const TITLE: f64 = 50.0;
 /// Height of a row of the legend, units.
 const ROW: f64 = 22.0;
-/// Length of the line of an entry, and the gap to its words, units.
+/// Length of the line of an entry, and the gap to its text, units.
 pub(super) const SAMPLE: f64 = 28.0;
 pub(super) const GAP: f64 = 8.0;
 /// Units between two entries.
@@ -23,32 +23,32 @@ const BETWEEN: f64 = 24.0;
 /// Units below the legend, with the name of the X axis.
 const BELOW: f64 = 32.0;
 
-/// What a line means.
+/// An entry of the legend: a line and its meaning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
     /// The line.
     pub pen: Pen,
     /// Left end of the line, and its height, units.
     pub at: (f64, f64),
-    /// What it is: T word and cutting time.
+    /// Its meaning: T word and cutting time.
     pub words: String,
 }
 
-/// What stands above the path.
+/// The texts above the path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Head {
-    /// The name, as much of it as there is room for.
+    /// The name, shortened to the available width.
     pub title: String,
     /// The times of the whole program.
     pub summary: String,
-    /// Tools, then rapids.
+    /// The legend: tools, then rapids.
     pub entries: Vec<Entry>,
-    /// Where the path begins below it, units.
+    /// Vertical position where the path begins, units.
     pub height: f64,
 }
 
 impl Head {
-    /// Of a drawing so many units wide.
+    /// Lays out the texts of a drawing that is `wide` units wide.
     pub(super) fn new(drawing: &Drawing, wide: f64, language: Language) -> Self {
         let spent = drawing.spent();
         let (time, cutting) = (clock(spent.whole()), clock(spent.cutting()));
@@ -82,7 +82,7 @@ impl Head {
     }
 }
 
-/// Entries side by side, in as many rows as they need.
+/// Arranges entries side by side, in as many rows as needed.
 fn flowed(entries: Vec<(Pen, String)>, wide: f64) -> (Vec<Entry>, u32) {
     let (mut left, mut row) = (MARGIN, 0);
     let mut placed = Vec::with_capacity(entries.len());
@@ -102,13 +102,13 @@ fn flowed(entries: Vec<(Pen, String)>, wide: f64) -> (Vec<Entry>, u32) {
     (placed, row + 1)
 }
 
-/// Width of a text, units: that of the dots it is written in.
+/// Width of a text, units: that of its glyphs.
 pub(super) fn width(text: &str) -> f64 {
     let glyphs = text.chars().filter_map(gsk_panel::glyphs::glyph);
     glyphs.map(|glyph| glyph.get_width() as f64).sum()
 }
 
-/// As much of a text as there is room for.
+/// A text, shortened to an available width.
 fn shortened(text: &str, room: f64) -> String {
     if width(text) <= room {
         return text.to_owned();

@@ -1,4 +1,4 @@
-//! The part as a lit solid, with its clamping and what was hit.
+//! Draws the part as a lit solid, with its clamping and its collisions.
 
 use gsk_core::units::Point;
 
@@ -10,20 +10,19 @@ use super::png_file;
 use crate::machining::Machining;
 use crate::solid::{self, Fineness, Turn, View, clamping, part};
 
-/// Room around the part, units; words stand in it.
+/// Margin around the part, units; the texts are in it.
 const MARGIN: f64 = 48.0;
-/// Words in the upper left corner, units from the edge.
+/// Distance of the texts from the upper left corner, units.
 const EDGE: f64 = 16.0;
-/// What is above and below, red, green, blue: metal is seen against it.
+/// Background colours at the top and bottom, red, green, blue: metal stands out against them.
 const GROUND: [[f32; 3]; 2] = [[250.0, 251.0, 252.0], [206.0, 212.0, 220.0]];
-/// Samples across a pixel, for pictures of so many pixels.
+/// Samples across a pixel, for pictures up to this number of pixels.
 const SAMPLES: [(usize, usize); 2] = [(3, 4_000_000), (2, 16_000_000)];
 
-/// The part of a job as it is now, as the bytes of a PNG file. `rear`: the tool post is
-/// behind the spindle.
+/// The current part of a job as the bytes of a PNG file. `rear` means a rear tool post.
 ///
 /// # Errors
-/// There is no memory for it.
+/// There is not enough memory.
 pub fn of_solid(
     machining: &Machining,
     rear: bool,

@@ -1,5 +1,5 @@
-//! The path of a mill: seen from above (XY), from the front (XZ), from the right (YZ), and
-//! as an isometric view.
+//! The path of a mill: from above (XY), from the front (XZ), from the right (YZ), and in an
+//! isometric view.
 //!
 //! ```text
 //!   title                 time
@@ -25,14 +25,14 @@ use super::{Format, PictureError, png_file, svg};
 use crate::mill::Times;
 use parts::{Part, Place};
 
-/// Points that a drawing holds.
+/// Limit of the points of a drawing.
 const MOST: usize = 3_000_000;
-/// An arc is drawn in chords of so many radians.
+/// Angle of the chords that approximate an arc, radians.
 const CHORD: f64 = 0.06;
-/// Chords up to which a path is drawn with smooth edges.
+/// Number of chords up to which a path is drawn with smooth edges.
 const MOST_SMOOTH: usize = 30_000;
 
-/// A line that is made one way.
+/// A line of one kind.
 #[derive(Clone, Debug)]
 struct Stroke {
     made: Made,
@@ -68,7 +68,7 @@ impl Cube {
     }
 }
 
-/// The path, in the coordinates of the first work zero.
+/// The path of a mill program, in the coordinates of the first work zero.
 #[derive(Clone, Debug)]
 pub struct MillDrawing {
     title: String,
@@ -79,7 +79,7 @@ pub struct MillDrawing {
     cuts: Option<Cube>,
     all: Option<Cube>,
     times: Times,
-    /// What further axes reach that have moved: mm, or degrees.
+    /// Range of the further axes that have moved: mm, or degrees.
     further: Vec<(FurtherAxis, f64, f64)>,
     count: usize,
     left_out: u64,
@@ -110,7 +110,7 @@ impl MillDrawing {
             return;
         }
         self.turn(made);
-        // What only turns draws nothing.
+        // A move of a rotary axis alone draws nothing.
         if made.arc.is_none() && made.from.mm() == made.to.mm() {
             return;
         }
@@ -146,7 +146,7 @@ impl MillDrawing {
         }
     }
 
-    /// Takes what further axes do; of one that has never moved nothing is said.
+    /// Adds the motion of further axes. Axes that never move are not shown.
     fn turn(&mut self, made: &MillMove) {
         for (further, from, to) in made.further() {
             let (least, greatest) = (from.min(to), from.max(to));
@@ -162,7 +162,7 @@ impl MillDrawing {
         }
     }
 
-    /// Moves that found no room any more.
+    /// Number of moves that did not fit into memory.
     pub const fn left_out(&self) -> u64 {
         self.left_out
     }
@@ -176,7 +176,7 @@ impl MillDrawing {
         u8::try_from(index).unwrap_or(u8::MAX)
     }
 
-    /// Around what is shown.
+    /// The bounds of what is shown.
     fn reach(&self) -> Cube {
         let shown = match self.look.whole {
             true => self.all,
@@ -188,7 +188,7 @@ impl MillDrawing {
         })
     }
 
-    /// The same with some room.
+    /// The same with a margin.
     fn cube(&self) -> Cube {
         let mut cube = self.reach();
         for axis in 0..3 {
@@ -200,8 +200,8 @@ impl MillDrawing {
     }
 }
 
-/// Points of a move after its begin: chords of an arc; the places where axes of a rapid
-/// that go by themselves arrive.
+/// Points of a move after its start: chords of an arc, and the points where the axes of a
+/// rapid without interpolation arrive.
 fn corners(made: &MillMove) -> Vec<[f64; 3]> {
     if let Some(mut parts) = made.arrivals {
         parts.sort_by(f64::total_cmp);
@@ -215,10 +215,10 @@ fn corners(made: &MillMove) -> Vec<[f64; 3]> {
     (1..=chords).map(at).collect()
 }
 
-/// The bytes of a picture file.
+/// Draws the path of a mill. Returns the bytes of the file, with its texts in a language.
 ///
 /// # Errors
-/// There is no memory for it.
+/// There is not enough memory.
 pub fn encode(
     format: Format,
     drawing: &MillDrawing,
@@ -307,8 +307,8 @@ mod tests {
             ] {
                 assert!(svg.contains(part), "{part}: {svg}");
             }
-            // A frame for each view; a line for each tool in each view and in the legend,
-            // and the rapids.
+            // A frame for each view. A line for each tool in each view and in the legend, and
+            // the rapids.
             assert!(svg.matches("<polyline").count() >= 4 + 4 * 2 + 2 + 4);
         }
         let png = encode(Format::Png, &drawing, Language::En).expect("picture");
@@ -352,7 +352,7 @@ mod tests {
         let panes = panes::panes(&drawing.cube(), (1280.0, 800.0), 60.0);
         assert_eq!(panes[0].scale, panes[2].scale);
         assert_eq!(panes[0].scale, panes[3].scale);
-        // X lies to the right, Y up, in the frame.
+        // X to the right, Y up, in the frame.
         let (from, to) = (panes[0].place([0.0; 3]), panes[0].place([100.0, 10.0, 0.0]));
         assert!(to.0 > from.0 && to.1 < from.1);
         let (left, upper, right, lower) = panes[0].frame;

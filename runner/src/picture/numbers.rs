@@ -1,4 +1,4 @@
-//! Numbers of blocks beside their ends: each where it covers no other one.
+//! Places the numbers of blocks at their ends, so that none covers another one.
 
 use super::legend::width;
 
@@ -8,25 +8,25 @@ pub(super) const HEIGHT: f64 = 16.0;
 /// Units between the end of a block and its number.
 const GAP: f64 = 4.0;
 
-/// Side of a square of the map of what is taken, units.
+/// Side of a square of the occupancy map, units.
 const SQUARE: f64 = 8.0;
 
-/// A number that is shown.
+/// A block number that is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Number {
-    /// Where the block ends, units.
+    /// The end of the block, units.
     pub end: (f64, f64),
-    /// The upper left corner of the words, units.
+    /// Upper left corner of the text, units.
     pub at: (f64, f64),
-    /// The words.
+    /// The text.
     pub words: String,
 }
 
-/// A part of the picture, units: left, top, right, bottom.
+/// An area of the picture, units: left, top, right, bottom.
 pub(super) type Area = (f64, f64, f64, f64);
 
-/// Places numbers within a frame where nothing is yet, the first ones first; those
-/// without room are left out.
+/// Places numbers in the free parts of a frame, in their order. Numbers without free space are
+/// omitted.
 pub(super) fn placed(
     numbers: impl Iterator<Item = ((f64, f64), String)>,
     frame: Area,
@@ -49,7 +49,7 @@ pub(super) fn placed(
         .collect()
 }
 
-/// Which squares of the frame are taken.
+/// The occupied squares of the frame.
 pub(super) struct Taken {
     frame: Area,
     across: usize,
@@ -57,7 +57,7 @@ pub(super) struct Taken {
 }
 
 impl Taken {
-    /// None of them.
+    /// A map without occupied squares.
     pub fn new(frame: Area) -> Self {
         let squares = |length: f64| (length.max(0.0) / SQUARE).ceil() as usize + 1;
         let (across, down) = (squares(frame.2 - frame.0), squares(frame.3 - frame.1));
@@ -68,7 +68,7 @@ impl Taken {
         }
     }
 
-    /// Takes an area, if it lies in the frame and is free.
+    /// Occupies an area if it is in the frame and free. Returns whether it was.
     pub fn take(&mut self, area: Area) -> bool {
         let (left, top, right, bottom) = self.frame;
         if area.0 < left || area.1 < top || area.2 > right || area.3 > bottom {

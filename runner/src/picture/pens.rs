@@ -1,16 +1,16 @@
-//! Colours and lines. The colours are those of Okabe and Ito, which people with any
-//! kind of colour vision tell apart, without the yellow that white paper swallows.
+//! Colours and line styles. The colours are those of Okabe and Ito, which people with any kind
+//! of colour vision can distinguish, without the yellow, which is invisible on white.
 
 use super::pieces::Made;
 
-/// How a stroke is drawn.
+/// The style of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pen {
     /// Red, green, blue.
     pub color: [u8; 3],
-    /// Its width, units.
+    /// Width, units.
     pub width: f32,
-    /// Lengths of dash and gap, units; empty: a solid line.
+    /// Lengths of dash and gap, units; empty for a solid line.
     pub dash: &'static [f32],
 }
 
@@ -25,10 +25,10 @@ const COLORS: [[u8; 3]; 7] = [
     [0x00, 0x00, 0x00],
 ];
 
-/// Lines of further tools, when the colours begin anew.
+/// Dashes of further tools when the colours repeat.
 const DASHES: [&[f32]; 3] = [&[], &[14.0, 3.0], &[3.0, 2.0]];
 
-/// Where something was hit: a cross with arms of so many units.
+/// A collision: a cross with arms of this length, units.
 pub(super) const ARM: f64 = 6.0;
 pub(super) const MARK: Pen = Pen {
     color: [0xE0, 0x00, 0x20],
@@ -36,7 +36,7 @@ pub(super) const MARK: Pen = Pen {
     dash: &[],
 };
 
-/// From a shoulder to its figure.
+/// The line from a shoulder to its figure.
 pub(super) const DIMENSION: Pen = Pen {
     color: [0x60; 3],
     width: 0.8,
@@ -44,7 +44,7 @@ pub(super) const DIMENSION: Pen = Pen {
 };
 
 impl Pen {
-    /// Of what was made this way.
+    /// The style for rapids, or for the cuts of a tool.
     pub const fn of(made: Made) -> Self {
         match made {
             Made::Rapid => Self {

@@ -1,8 +1,8 @@
-//! The toolpath as it will be seen: points on a grid finer than a pixel, every
-//! piece once. What a program draws over and over takes no more memory than once.
+//! Stores the toolpath as it will be visible: points on a grid finer than a pixel, every piece
+//! once. What a program draws repeatedly takes no more memory than once.
 //!
-//! The picture is fitted to the path, and how far that reaches is known at its end
-//! only. So the grid begins fine and becomes coarser with the box around the path:
+//! The picture is fitted to the path, whose extent is known at its end only. So the grid
+//! begins fine and becomes coarser with the box around the path:
 //!
 //! ```text
 //!   box so far        a pixel of it     cell of the grid
@@ -13,32 +13,32 @@ use std::collections::HashSet;
 
 use gsk_core::units::Point;
 
-/// The finest cell, mm: beyond the least increment of the control.
+/// The finest cell, mm: less than the least increment of the control.
 const FINEST_MM: f64 = 1.0 / 1024.0;
 
-/// Cells across a pixel, at least, while there is room.
+/// Least number of cells across a pixel, while there is memory.
 const CELLS_PER_PIXEL: f64 = 4.0;
 
-/// Pieces that are kept at most: about 100 MB.
+/// Limit of the stored pieces: about 100 MB.
 const MOST_PIECES: usize = 1 << 20;
 
-/// What a piece is drawn with.
+/// The kind of a line of the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Made {
-    /// In rapid.
+    /// A rapid.
     Rapid,
-    /// By a tool, counted from 0 in the order of their first cuts.
+    /// A cut; tools count from 0 in the order of their first cuts.
     Cut(u8),
 }
 
-/// A point of the grid, cells from the zero of the program frame.
+/// A point of the grid, in cells from the zero of the program frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 struct Cell {
     x: i32,
     z: i32,
 }
 
-/// Pieces that follow each other, made the same way.
+/// Successive pieces of the same kind.
 #[derive(Clone, Debug, PartialEq)]
 struct Stroke {
     made: Made,
@@ -49,7 +49,7 @@ struct Stroke {
 #[derive(Clone, Debug)]
 pub(super) struct Pieces {
     strokes: Vec<Stroke>,
-    /// Every piece that is in the strokes, its ends in order.
+    /// Every piece in the strokes, its ends in order.
     drawn: HashSet<(Cell, Cell, Made)>,
     cell_mm: f64,
     most: usize,
@@ -72,7 +72,7 @@ impl Pieces {
         self.cell_mm
     }
 
-    /// The strokes in the order of execution: how they are made, and the points, mm.
+    /// The strokes in the order of execution: their kind, and their points, mm.
     pub fn strokes(
         &self,
     ) -> impl Iterator<Item = (Made, impl Iterator<Item = Point> + Clone + '_)> {
@@ -93,7 +93,7 @@ impl Pieces {
         self.piece(made, from, to);
     }
 
-    /// Whether there is room for another line.
+    /// Whether there is memory for another line.
     pub fn has_room(&self) -> bool {
         self.drawn.len() < self.most
     }
@@ -106,7 +106,7 @@ impl Pieces {
         }
     }
 
-    /// Makes room for more pieces: with cells up to a pixel, or not at all.
+    /// Coarsens the grid for more pieces, with cells up to a pixel.
     pub fn make_room(&mut self, pixel_mm: f64) {
         self.suit(pixel_mm);
         if !self.has_room() && self.cell_mm * 2.0 <= pixel_mm {
@@ -114,7 +114,7 @@ impl Pieces {
         }
     }
 
-    /// Adds a piece, unless it is smaller than a cell or drawn already.
+    /// Adds a piece, unless it is smaller than a cell or already stored.
     fn piece(&mut self, made: Made, from: Cell, to: Cell) {
         if from == to || !self.drawn.insert((from.min(to), from.max(to), made)) {
             return;
@@ -131,14 +131,14 @@ impl Pieces {
     }
 
     fn cell(&self, point: Point) -> Cell {
-        // Saturates far beyond any machine.
+        // The cast saturates far beyond any machine.
         Cell {
             x: (point.x / self.cell_mm).round() as i32,
             z: (point.z / self.cell_mm).round() as i32,
         }
     }
 
-    /// Goes over to the coarsest grid whose cells are not larger than `most_mm`.
+    /// Changes to the coarsest grid whose cells are not larger than `most_mm`.
     fn coarsen(&mut self, most_mm: f64) {
         let mut halvings = 0;
         while self.cell_mm * 2.0 <= most_mm {
@@ -166,12 +166,12 @@ impl Pieces {
         }
     }
 
-    /// How many pieces it holds.
+    /// Number of stored pieces.
     pub fn len(&self) -> usize {
         self.drawn.len()
     }
 
-    /// With room for few pieces.
+    /// With a limit of few pieces, for tests.
     #[cfg(test)]
     pub fn with_room(most: usize) -> Self {
         Self {

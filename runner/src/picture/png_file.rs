@@ -1,4 +1,4 @@
-//! The drawing as PNG.
+//! Writes the drawing as PNG.
 
 use gsk_messages::Language;
 use tiny_skia::Pixmap;
@@ -17,10 +17,10 @@ const GRID: Pen = grey(0xE0, &[]);
 const FRAME: Pen = grey(0xB0, &[]);
 const SPINDLE_AXIS: Pen = grey(0x80, &[16.0, 4.0, 3.0, 4.0]);
 
-/// Pieces up to which a path is drawn with smooth edges: a second of work.
+/// Number of pieces up to which a path is drawn with smooth edges: a second of work.
 const MOST_SMOOTH: usize = 30_000;
 
-/// The whole file.
+/// Draws the whole picture.
 pub fn render(drawing: &Drawing, language: Language) -> Result<Vec<u8>, PictureError> {
     let layout = Layout::new(drawing, language);
     let mut canvas = Canvas::new(drawing.look().size)?;
@@ -54,7 +54,7 @@ pub fn render(drawing: &Drawing, language: Language) -> Result<Vec<u8>, PictureE
     encode(&canvas.into_pixels())
 }
 
-/// An opaque picture as a PNG file.
+/// Encodes an opaque picture as a PNG file.
 pub fn encode(picture: &Pixmap) -> Result<Vec<u8>, PictureError> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, picture.width(), picture.height());
@@ -91,7 +91,7 @@ fn scenery(canvas: &mut Canvas, drawing: &Drawing, layout: &Layout) {
     }
 }
 
-/// Draws what was made in one of two ways, as much of it as lies in the frame.
+/// Draws the lines of the wanted kinds inside the frame.
 fn path(canvas: &mut Canvas, drawing: &Drawing, layout: &Layout, wanted: impl Fn(Made) -> bool) {
     let strokes = drawing.pieces().strokes();
     for (made, points) in strokes.filter(|(made, _)| wanted(*made)) {

@@ -1,5 +1,5 @@
-//! What stands behind a path: the part, the stock it was, chuck and tailstock, and marks
-//! where something was hit.
+//! What is drawn under a path: the part, the original stock, chuck and tailstock, and marks at
+//! collisions.
 
 use std::collections::BTreeMap;
 
@@ -12,12 +12,12 @@ use super::dimensions::Dimensions;
 use super::pens::Pen;
 use crate::machining::Machining;
 
-/// How an area is drawn.
+/// The style of an area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Look {
-    /// Colour of its inside, if it has one.
+    /// Fill colour, if it is filled.
     pub fill: Option<[u8; 3]>,
-    /// Its edge.
+    /// Style of its edge.
     pub edge: Pen,
 }
 
@@ -51,19 +51,19 @@ const fn edge(color: [u8; 3], dash: &'static [f32]) -> Pen {
     }
 }
 
-/// Part and clamping, in the coordinates of the path.
+/// Part, clamping and tools, in the coordinates of the path.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scenery {
     areas: Vec<(Look, Region)>,
     /// The tools of the job, by their T number.
     pub tools: BTreeMap<u8, Tool>,
     pub dimensions: Dimensions,
-    /// Where something was hit.
+    /// Contact points of collisions.
     pub marks: Vec<Point>,
 }
 
 impl Scenery {
-    /// Of a part as it is now, with tools whose tips are somewhere.
+    /// The current part, with tools at their tips.
     pub fn of(machining: &Machining, tips: Vec<(u8, Point)>, dimensions: bool) -> Self {
         let scene = machining.scene();
         let stock = scene.stock();
@@ -92,8 +92,8 @@ impl Scenery {
         }
     }
 
-    /// The areas as far as they lie between two points: polygons without overlap, holes
-    /// the other way round.
+    /// The areas clipped to a rectangle: polygons without overlap. Holes go in the opposite
+    /// direction.
     pub fn within(
         &self,
         low: Point,
@@ -115,7 +115,7 @@ fn drawn(tool: &Tool, tip: Point) -> Vec<(Look, Region)> {
         let points = contour.iter().map(|at| to_grid(from_grid(*at) + tip));
         Region::from_contours(&[points.collect()])
     };
-    // The insert lies on its holder; the turret would hide the part.
+    // The insert is on top of its holder. The turret would hide the part.
     let mut areas = Vec::new();
     for (wanted, look) in [(BodyPart::Holder, HOLDER), (BodyPart::InsertBack, INSERT)] {
         let parts = shape.body.iter().filter(|(part, _)| *part == wanted);

@@ -1,4 +1,4 @@
-//! The drawing as SVG.
+//! Writes the drawing as SVG.
 
 use std::fmt::Write;
 
@@ -14,7 +14,7 @@ use super::numbers::HEIGHT;
 use super::pens::{ARM, DIMENSION, MARK, Pen};
 use super::pieces::Made;
 
-/// The whole file.
+/// Draws the whole picture.
 pub fn render(drawing: &Drawing, language: Language) -> String {
     let layout = Layout::new(drawing, language);
     let mut out = open(drawing.look().size);
@@ -58,7 +58,7 @@ pub fn render(drawing: &Drawing, language: Language) -> String {
     out
 }
 
-/// The begin of a file: a white ground.
+/// The beginning of a file, with a white background.
 pub(super) fn open(size: Size) -> String {
     let (wide, tall) = size.units();
     let (width, height) = (size.width(), size.height());
@@ -69,7 +69,7 @@ pub(super) fn open(size: Size) -> String {
     )
 }
 
-/// A line of points.
+/// Writes a line through points.
 pub(super) fn polyline(out: &mut String, pen: Pen, points: &[(f64, f64)]) {
     let style = style(pen);
     let _ = write!(
@@ -83,7 +83,7 @@ pub(super) fn polyline(out: &mut String, pen: Pen, points: &[(f64, f64)]) {
     out.push_str("\"/>\n");
 }
 
-/// Words at a point, on which they begin, end or stand in the middle.
+/// Writes a text at a point; `anchor` is the SVG text-anchor.
 pub(super) fn text(out: &mut String, (x, y): (f64, f64), words: &str, anchor: &str) {
     let _ = writeln!(
         out,
@@ -92,7 +92,7 @@ pub(super) fn text(out: &mut String, (x, y): (f64, f64), words: &str, anchor: &s
     );
 }
 
-/// Part and clamping.
+/// Writes part and clamping.
 fn scenery(out: &mut String, drawing: &Drawing, layout: &Layout) {
     let (low, high) = layout.window();
     for (look, polygons) in drawing.scenery().within(low, high) {
@@ -237,7 +237,7 @@ fn grid(out: &mut String, layout: &Layout) {
     );
 }
 
-/// A text as XML may have it: without the control characters it forbids.
+/// Escapes a text for XML and replaces the control characters that XML forbids.
 fn safe(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for letter in text.chars() {

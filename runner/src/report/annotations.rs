@@ -1,5 +1,5 @@
-//! What is wrong in programs, for the tools that show it beside the text: lines that
-//! GitHub makes annotations of, and one SARIF 2.1.0 log.
+//! Lists the faults of programs for tools that show them in the program text: GitHub
+//! annotations, and a SARIF 2.1.0 log.
 
 use core::fmt::Write as _;
 
@@ -13,17 +13,17 @@ use super::{AlarmReport, Report, said};
 const SARIF: &str = "2.1.0";
 const SCHEMA: &str = "https://json.schemastore.org/sarif-2.1.0.json";
 
-/// How bad it is.
+/// Severity of an annotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// The program does not run: an alarm, a collision, no end.
+    /// The program does not run to its end: an alarm, a collision, a limit.
     Error,
-    /// It runs, and is likely not what was meant.
+    /// The program runs, but probably not as intended.
     Warning,
 }
 
 impl Level {
-    /// As GitHub and SARIF both call it.
+    /// The name that GitHub and SARIF both use.
     const fn name(self) -> &'static str {
         match self {
             Self::Error => "error",
@@ -32,25 +32,25 @@ impl Level {
     }
 }
 
-/// One thing that is wrong.
+/// A fault of a program, with its line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Annotation {
-    /// The file.
+    /// Name of the program file.
     pub file: String,
-    /// How bad it is.
+    /// Severity of the fault.
     pub level: Level,
-    /// Which rule: `PS010`, `collision`, `spindle-stands`.
+    /// Identifier of the rule: `PS010`, `collision`, `spindle-stands`.
     pub rule: String,
-    /// Line of the file, from 1; none where it has no line there.
+    /// Line of the file, from 1; `None` if the fault has no line there.
     pub line: Option<u32>,
-    /// First column in the line, in characters from 1, and the last one where it is known.
+    /// First column in the line, in characters from 1, and the last one if it is known.
     pub columns: Option<(u32, Option<u32>)>,
-    /// In words.
+    /// The message for the user.
     pub text: String,
 }
 
-/// What is wrong in a program, in the order of its report: alarms, collisions, what
-/// keeps it from its end, likely slips.
+/// The faults of a program in the order of its report: alarms, collisions, what prevents its
+/// end, probable mistakes.
 pub fn annotations(report: &Report, language: Option<Language>) -> Vec<Annotation> {
     let annotation = |level, rule: &str, line: Option<u32>, text| Annotation {
         file: report.file.clone(),
@@ -81,7 +81,7 @@ pub fn annotations(report: &Report, language: Option<Language>) -> Vec<Annotatio
         let text = in_program(it.program, said(&it.message(), language));
         annotation(Level::Error, "collision", line, text)
     }));
-    // An alarm has said what ended it; else no block is to blame for it.
+    // The alarm explains why it ended. Without an alarm no block is the cause.
     if report.failed() && report.alarm.is_none() {
         let ended = said(&report.how_it_ended(), language);
         all.push(annotation(Level::Error, report.end.name(), None, ended));
@@ -98,7 +98,7 @@ pub fn annotations(report: &Report, language: Option<Language>) -> Vec<Annotatio
     all
 }
 
-/// A line in the file that is checked; a subprogram's block stands in another one.
+/// A line in the checked file. A block of a subprogram is in another one.
 const fn own_line(program: Option<ProgramId>, line: Option<u32>) -> Option<u32> {
     match program {
         Some(ProgramId::Stored(_)) => None,
@@ -114,8 +114,8 @@ fn in_program(program: Option<ProgramId>, sentence: String) -> String {
     }
 }
 
-/// What an alarm says; its place only where the annotation has none, what helps where
-/// the tables know it.
+/// The text of an alarm, with its position if the annotation has none, and with the remedy if
+/// the tables have one.
 fn text(alarm: &AlarmReport, language: Option<Language>) -> String {
     let mut said = match own_line(alarm.program, alarm.line) {
         None => alarm.sentence(language),
@@ -132,7 +132,7 @@ fn text(alarm: &AlarmReport, language: Option<Language>) -> String {
     said
 }
 
-/// A line for each that GitHub shows at its line of the change: `::error
+/// A workflow command for each fault, which GitHub shows at its line of the change: `::error
 /// file=…,line=…,title=…::…`.
 pub fn github(annotations: &[Annotation]) -> String {
     let mut out = String::new();
@@ -153,19 +153,19 @@ pub fn github(annotations: &[Annotation]) -> String {
     out
 }
 
-/// The text of a workflow command: one line, `%` and line breaks in code.
+/// The text of a workflow command: one line, with `%` and line breaks encoded.
 fn data(text: &str) -> String {
     text.replace('%', "%25")
         .replace('\r', "%0D")
         .replace('\n', "%0A")
 }
 
-/// A property of a workflow command, where `:` and `,` end it.
+/// A property of a workflow command, which `:` and `,` would end.
 fn property(text: &str) -> String {
     data(text).replace(':', "%3A").replace(',', "%2C")
 }
 
-/// One SARIF log of all that is wrong.
+/// A SARIF log with all faults. `version` is that of the program.
 pub fn sarif(annotations: &[Annotation], version: &str) -> String {
     let mut rules: Vec<&str> = annotations.iter().map(|it| it.rule.as_str()).collect();
     rules.sort_unstable();
@@ -202,8 +202,8 @@ fn result(it: &Annotation) -> Value {
     })
 }
 
-/// A path as the reference of a URI: slashes, and every byte that has no place there in
-/// code (RFC 3986). An absolute one is a `file:` URI.
+/// A path as a URI reference: slashes, and bytes that a URI does not allow percent-encoded
+/// (RFC 3986). An absolute path becomes a `file:` URI.
 fn uri(path: &str) -> String {
     let path = path.replace('\\', "/");
     let mut out = String::new();

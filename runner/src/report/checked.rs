@@ -1,4 +1,4 @@
-//! A program interpreted without running the machine.
+//! Checks a program: interprets it without running the machine.
 
 use std::collections::BTreeMap;
 
@@ -14,8 +14,8 @@ use super::{
 use crate::moves::{diameter_z, rounded};
 use crate::times::Times;
 
-/// Looks the selected program of a set-up through, behind its alarms too. `on_move` gets
-/// every move in order; `goes_on` gives the look up when it says no.
+/// Previews the selected program of a set-up, and continues after alarms. `on_move` receives
+/// every move in order. `goes_on` is called with the progress; it returns false to cancel.
 pub fn check(
     name: &str,
     setup: &Setup,

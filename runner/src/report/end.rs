@@ -1,4 +1,4 @@
-//! How a program ended.
+//! The ways a program can end.
 
 use gsk_core::preview;
 use serde::{Serialize, Serializer};
@@ -18,18 +18,18 @@ pub enum End {
     Alarm,
     /// Cycle start was refused.
     Refused,
-    /// It stands at a board, and nobody was there to press what goes on.
+    /// It stopped at a board, and no operator was there to press cycle start.
     Stop,
-    /// The end was asked for: Ctrl-C, `kill`.
+    /// The end was requested: Ctrl-C, `kill`.
     Asked,
-    /// A tool hit something, and that was to end it.
+    /// A tool hit something, and the run was set to end then.
     Collision,
-    /// Given up: no end within the limits.
+    /// It did not end within the limits.
     Limit,
 }
 
 impl End {
-    /// Its name in a report.
+    /// The name in the JSON of a report.
     pub const fn name(self) -> &'static str {
         match self {
             Self::M30 => "M30",
@@ -45,7 +45,7 @@ impl End {
         }
     }
 
-    /// Whether it is the program's own.
+    /// Whether the program reached its own end.
     pub(crate) const fn is_own(self) -> bool {
         matches!(self, Self::M30 | Self::M02 | Self::M99 | Self::Text)
     }

@@ -1,4 +1,4 @@
-//! What became of the part.
+//! The report on the machined part.
 
 use gsk_core::command::ProgramId;
 use gsk_core::units::Diameter;
@@ -13,45 +13,46 @@ use crate::moves::{diameter_z, rounded};
 /// The part at the end of a program.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PartReport {
-    /// The job's file; none of one that was guessed.
+    /// The job's file; `None` for a guessed job.
     pub job: Option<String>,
-    /// Volume of the fresh stock, mm³.
+    /// Volume of the new stock, mm³.
     pub stock_mm3: f64,
-    /// Volume that was cut away, mm³.
+    /// Volume removed by cutting, mm³.
     pub removed_mm3: f64,
     /// Volume of the part, mm³.
     pub left_mm3: f64,
-    /// The outside and then the bore, each from front to back, if they were measured.
+    /// The features of the outside and then of the bore, each from front to back, if they were
+    /// measured.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub features: Vec<Feature>,
-    /// What hit what, in the order in which it happened.
+    /// The collisions in the order in which they happened.
     pub collisions: Vec<CollisionReport>,
 }
 
-/// A collision.
+/// A collision in a report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CollisionReport {
-    /// Line of its block, from 1; none by hand.
+    /// Line of its block, from 1; `None` in manual operation.
     pub line: Option<u32>,
     /// Sequence number of its block.
     pub n: Option<u32>,
-    /// The program of its block; not part of the JSON.
+    /// The program of its block. Not part of the JSON.
     #[serde(skip)]
     pub program: Option<ProgramId>,
-    /// The tool.
+    /// The T number of the tool.
     pub tool: u8,
-    /// What touched what.
+    /// The parts that touched, as a message.
     pub text: String,
-    /// Where the tip was at the first touch, X as a diameter, part coordinates.
+    /// Position of the tip at the first contact: X as a diameter and Z, part coordinates.
     pub tip: (f64, f64),
-    /// Where they touched.
+    /// Position of the contact, in the same form.
     pub contact: (f64, f64),
-    /// How deep it went, mm.
+    /// Greatest depth of the overlap, mm.
     pub depth: f64,
 }
 
 impl PartReport {
-    /// Of a part as it is now.
+    /// The report on the current part. With `measure` its features are measured.
     pub fn new(
         machining: &Machining,
         job: Option<String>,
@@ -85,7 +86,7 @@ impl PartReport {
         }
     }
 
-    /// Lines for people.
+    /// Lines of text for the user.
     pub(super) fn words(&self, words: Language) -> Vec<String> {
         let part = match &self.job {
             Some(job) => say::report_part(job, self.removed_mm3, self.left_mm3),
@@ -101,7 +102,7 @@ impl PartReport {
     }
 }
 
-/// A feature as a drawing gives it: whole micrometres, thousandths of a degree.
+/// Rounds a feature as on a drawing: whole micrometres, thousandths of a degree.
 fn to_micrometre(feature: Feature) -> Feature {
     let whole = |value: f64| (value * 1000.0).round() / 1000.0;
     let both = |(from, to): (f64, f64)| (whole(from), whole(to));
@@ -146,7 +147,7 @@ fn to_micrometre(feature: Feature) -> Feature {
     }
 }
 
-/// What is measured of a feature.
+/// The measured values of a feature as a message.
 pub fn in_words(feature: &Feature) -> Message {
     match *feature {
         Feature::Cylinder { diameter, z } => say::measure_cylinder(diameter.0, z.0, z.1),

@@ -1,4 +1,4 @@
-//! Where the machine time goes, as it stands in a report.
+//! The machine time in a report, by kind of motion.
 
 use serde::Serialize;
 
@@ -6,27 +6,27 @@ use super::tool_word;
 use crate::moves::rounded;
 use crate::times::{Spending, Spent, ToolTime};
 
-/// Seconds of each kind.
+/// Seconds of each kind of motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Seconds {
-    /// Rapids.
+    /// Rapids, s.
     pub rapid: f64,
-    /// Cuts, straight and round.
+    /// Straight and circular cuts, s.
     pub feed: f64,
-    /// Threads and taps.
+    /// Threads and taps, s.
     pub thread: f64,
-    /// G04.
+    /// Dwells (G04), s.
     pub dwell: f64,
-    /// M, S and T functions, and what else the slides wait for.
+    /// M, S and T functions, and other waits of the slides, s.
     pub other: f64,
 }
 
-/// Seconds of a tool.
+/// Machine time of a tool.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ToolSeconds {
-    /// The T word it cuts with.
+    /// The T word it first cuts with.
     pub tool: String,
-    /// Its seconds.
+    /// Its seconds of each kind.
     #[serde(flatten)]
     pub seconds: Seconds,
 }
@@ -54,7 +54,7 @@ impl From<&ToolTime> for ToolSeconds {
 }
 
 impl Seconds {
-    /// The kinds that took time, with their seconds.
+    /// The kinds with a time above zero, with their seconds.
     pub(super) fn kinds(&self) -> impl Iterator<Item = (Spending, f64)> {
         [
             (Spending::Rapid, self.rapid),
@@ -67,12 +67,12 @@ impl Seconds {
         .filter(|(_, seconds)| *seconds > 0.0)
     }
 
-    /// With the tool in the material, s.
+    /// Time with the tool in the material, s.
     pub(super) fn cutting(&self) -> f64 {
         self.feed + self.thread
     }
 
-    /// Of all kinds, s.
+    /// Sum of all kinds, s.
     pub(super) fn whole(&self) -> f64 {
         self.rapid + self.feed + self.thread + self.dwell + self.other
     }

@@ -1,4 +1,4 @@
-//! A report in words.
+//! Writes a report as text for the user.
 
 use gsk_core::command::ProgramId;
 use gsk_messages::{Language, Message, say};
@@ -7,11 +7,12 @@ use super::{AlarmReport, Bounds, End, PathReport, Place, Report};
 use crate::words::{beginning, clock};
 
 impl AlarmReport {
-    /// One line: `P/S 011 … in line 3: N30 G01 X50;`.
+    /// The alarm with its block: `P/S 011 … in line 3: N30 G01 X50;`. The detail, and in class
+    /// PLC cause and remedy, follow on indented lines.
     pub fn sentence(&self, language: Option<Language>) -> String {
         let words = language.unwrap_or(Language::En);
         let mut out = format!("{} {}", self.shown, self.text);
-        // The block of a subprogram stands in a program of its own.
+        // A block of a subprogram is in a separate program.
         if let Some(ProgramId::Stored(number)) = self.program {
             out.push_str(&format!(", O{number:04}"));
         }
@@ -24,7 +25,7 @@ impl AlarmReport {
         if let Some(detail) = &self.detail {
             out.push_str(&format!("\n  {detail}"));
         }
-        // The block alone does not say what the machine waits for.
+        // The block alone does not show what the machine waits for.
         if self.class == "PLC" {
             let cause = self.cause.map(say::report_cause);
             let way_out = self.way_out.map(say::report_way_out);
@@ -37,7 +38,7 @@ impl AlarmReport {
 }
 
 impl Report {
-    /// Lines for people.
+    /// The report as indented lines of text for the user.
     pub fn words(&self, language: Option<Language>) -> String {
         let words = language.unwrap_or(Language::En);
         let mut lines = vec![format!(
@@ -106,7 +107,7 @@ impl Report {
 }
 
 impl PathReport {
-    /// What else is wrong, a line each.
+    /// The further alarms, a line each.
     fn further(&self, language: Option<Language>) -> Vec<String> {
         let words = language.unwrap_or(Language::En);
         let alarms = self.more_alarms.iter();
@@ -118,7 +119,7 @@ impl PathReport {
         lines
     }
 
-    /// What the further axes of a mill reach.
+    /// The range of the further axes of a mill.
     fn further_bounds(&self) -> String {
         let Some(bounds) = &self.bounds else {
             return String::new();
@@ -162,7 +163,7 @@ impl PathReport {
 }
 
 impl PathReport {
-    /// Where the time goes: a line for the kinds, one for each tool.
+    /// The machine time: a line for the kinds, and one for each tool.
     fn time_words(&self, words: Language) -> Vec<String> {
         let kinds = self.times.kinds();
         let times: Vec<String> = kinds
@@ -180,7 +181,7 @@ impl PathReport {
     }
 }
 
-/// A kind of move.
+/// The name of a kind of move.
 fn kind_in_words(kind: &str) -> Message {
     match kind {
         "rapid" => say::report_kind_rapid(),

@@ -1,4 +1,5 @@
-//! Bodies of triangles: half sections turned about the spindle axis, or drawn out along Y.
+//! Makes bodies of triangles: half sections turned about the spindle axis, or extruded along
+//! Y.
 
 use core::f32::consts::TAU;
 
@@ -11,12 +12,12 @@ use super::finish::Finish;
 use super::profile::{self, Edge};
 use super::vertex::Vertex;
 
-/// A body, or one of its surfaces.
+/// A body, or one of its surfaces, as triangles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     pub(super) finish: Finish,
     pub(super) vertices: Vec<Vertex>,
-    /// Seen from outside they go counter-clockwise.
+    /// Vertex indexes, counter-clockwise seen from outside.
     pub(super) triangles: Vec<[u32; 3]>,
     /// Edges that are drawn as lines.
     pub(super) lines: Vec<[Vec3; 2]>,
@@ -27,7 +28,7 @@ pub struct Body {
 pub(super) struct Arc {
     pub from: f32,
     pub to: f32,
-    /// Flat sides it is made of.
+    /// Number of flat sides.
     pub sides: u16,
 }
 
@@ -41,7 +42,8 @@ impl Arc {
         }
     }
 
-    /// What is left when the quarter between X and Y is cut out; `sides` of a whole turn.
+    /// The three quarters that remain when the quarter between X and Y is cut out. `sides`
+    /// counts those of a whole turn.
     pub(super) const fn three_quarters(sides: u16) -> Self {
         Self {
             from: TAU / 4.0,
@@ -70,7 +72,7 @@ impl Body {
         }
     }
 
-    /// Turns pieces of an outline about the axis of the spindle.
+    /// Turns pieces of an outline about the spindle axis.
     pub(super) fn turn<'a>(&mut self, edges: impl IntoIterator<Item = &'a Edge>, arc: Arc) {
         let directions: Vec<Vec2> = arc.directions().collect();
         for edge in edges.into_iter().filter(|edge| edge.is_off_axis()) {
@@ -92,8 +94,8 @@ impl Body {
         }
     }
 
-    /// The section of a region in the half plane at an angle, seen from the cut-out
-    /// quarter: that of X or that of Y.
+    /// Adds the section of a region in the half plane of X or Y, seen from the cut-out
+    /// quarter.
     pub(super) fn section(&mut self, region: &Region, half: Half) {
         let (out, normal) = match half {
             Half::X => (Vec3::Y, Vec3::Z),
@@ -107,8 +109,8 @@ impl Body {
             .extend(lines.map(|(a, b)| [place(a.x, a.y), place(b.x, b.y)]));
     }
 
-    /// Draws a convex polygon of Z and X out between two Y, mm, turned about the axis of
-    /// the spindle; it may be simplified by a tolerance, mm.
+    /// Extrudes a convex polygon of Z and X between two Y, mm, turned by `angle` about the
+    /// spindle axis. It may be simplified by `tolerance`, mm.
     pub(super) fn draw_out(
         &mut self,
         contour: &GridContour,
@@ -137,8 +139,8 @@ impl Body {
         self.flat(&region, -up, |z, x| turned(z, x, low), false);
     }
 
-    /// A filled region in a plane; `direct`: the plane faces its viewer with Z to the right
-    /// and X up.
+    /// Adds a filled region in a plane. `direct` means that the plane faces its viewer with Z
+    /// to the right and X up.
     fn flat(
         &mut self,
         region: &Region,
@@ -160,7 +162,7 @@ impl Body {
         }
     }
 
-    /// Two triangles: `a b c` goes counter-clockwise.
+    /// Adds two triangles; `a b c` goes counter-clockwise.
     fn strip(&mut self, [a, b, c, d]: [u32; 4]) {
         self.triangles.extend([[a, b, c], [c, b, d]]);
     }
@@ -180,7 +182,7 @@ mod tests {
     use super::*;
     use gsk_workpiece::grid::{GridPoint, grid};
 
-    /// The volume inside triangles that go counter-clockwise, mm³.
+    /// The volume inside counter-clockwise triangles, mm³.
     fn volume(bodies: &[&Body]) -> f32 {
         let of = |body: &&Body| {
             let corner = |index: u32| body.vertices[index as usize].at;

@@ -1,34 +1,35 @@
-//! How surfaces look: colour, and what light does on turned steel.
+//! Computes how surfaces look: colour, and the reflection of turned steel.
 //!
-//! Light comes with the viewer: a strong one from above on the left, a weak one from the
-//! right below, and what a workshop throws back, bright from above and dark from below.
+//! The lights move with the viewer: a strong one from above on the left, a weak one from below
+//! on the right, and the ambient light of a workshop, bright from above and dark from below.
 
 use glam::{Mat3, Vec3, vec3};
 
 use super::vertex::Vertex;
 
-/// The strong light and the weak one, and half-way between each and the viewer.
+/// Directions of the strong and the weak light, and the half-way direction between each and
+/// the viewer.
 const KEY: Vec3 = vec3(-0.359_336, 0.499_078, 0.788_543);
 const KEY_HALF: Vec3 = vec3(-0.189_992, 0.263_878, 0.945_659);
 const FILL: Vec3 = vec3(0.413_597, -0.709_024, 0.571_158);
 const FILL_HALF: Vec3 = vec3(0.233_320, -0.399_978, 0.886_329);
 
-/// What a surface is made of.
+/// The appearance of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finish {
-    /// Its colour, 255 for what throws all light back; faces that are to be read are
-    /// brighter than that.
+    /// Colour; 255 reflects all light. Section faces are brighter than that, so that they
+    /// stand out.
     color: Vec3,
-    /// How much it shines, 0 to 1.
+    /// Glossiness, 0 to 1.
     shine: f32,
-    /// Hatched as a section.
+    /// Whether it is hatched as a section.
     pub(super) hatched: bool,
 }
 
 impl Finish {
-    /// Freshly cut.
+    /// Freshly cut metal.
     pub(super) const CUT: Self = Self::of([196.0, 202.0, 210.0], 1.0);
-    /// Stock that was never touched.
+    /// Uncut stock.
     pub(super) const SKIN: Self = Self::of([136.0, 122.0, 112.0], 0.3);
     /// A face of the cut-out quarter.
     pub(super) const SECTION: Self = Self {
@@ -54,17 +55,16 @@ impl Finish {
         }
     }
 
-    /// The colour of a corner, 0 to 255 and beyond; `seen`: from the body's directions to
-    /// right, up and near.
+    /// The colour of a corner, 0 to 255 and above. `seen` maps the body's directions to right,
+    /// up and near.
     ///
-    /// Marks of turning scatter light across themselves: a highlight lies where they are
-    /// at right angles to the half-way direction, along a cylinder and in two rays on a
-    /// face.
+    /// Turning marks scatter light across themselves. A highlight appears where they are at
+    /// right angles to the half-way direction: along a cylinder, and in two rays on a face.
     pub(super) fn lit(&self, vertex: &Vertex, seen: &Mat3) -> Vec3 {
         let normal = *seen * vertex.normal;
         let key = normal.dot(KEY).max(0.0);
         let fill = normal.dot(FILL).max(0.0);
-        // Where the workshop is seen in the mirror of the surface.
+        // The share of ambient light that the surface reflects.
         let mirrored = 2.0 * normal.z.max(0.0) * normal.y;
         let sky = ((mirrored + 0.35) / 1.1).clamp(0.0, 1.0);
         let sky = sky * sky * (3.0 - 2.0 * sky);
@@ -82,7 +82,7 @@ impl Finish {
             (0.3 * power(strong, 3) + 0.6 * power(strong, 6)) * (2.0 * key).min(1.0)
                 + 0.4 * power(weak, 5) * (2.0 * fill).min(1.0)
         };
-        // A bore has less of the sky than what lies outside.
+        // A bore gets less ambient light than the outside.
         let outward = vertex.at.y * vertex.normal.y + vertex.at.z * vertex.normal.z;
         let inside = if vertex.marks != Vec3::ZERO && outward < 0.0 {
             0.72
@@ -93,15 +93,15 @@ impl Finish {
     }
 }
 
-/// A number to the power of 2, 4, 8 …: squared so many times.
+/// A number to the power of 2, 4, 8 …: squared `squarings` times.
 fn power(base: f32, squarings: u8) -> f32 {
     (0..squarings).fold(base, |value, _| value * value)
 }
 
-/// The hatching of a section: lines at 45° across it, a few pixels apart.
+/// The hatching of a section: lines at 45°, a few pixels apart.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hatch {
-    /// Lines a millimetre, along Z as along X.
+    /// Lines per millimetre, along Z and along X.
     lines: f32,
 }
 
@@ -109,8 +109,8 @@ impl Hatch {
     /// Least distance of two lines along Z, pixels of the picture.
     const APART: f32 = 13.0;
 
-    /// At a scale, pixels a millimetre: in steps of 2, so that it stays while the view is
-    /// only turned.
+    /// For a scale, pixels per millimetre. The distance changes in steps of 2, so it stays
+    /// while the view only turns.
     pub(super) fn new(scale: f32) -> Self {
         let mut step = 65_536.0;
         while step > 1e-4 && step / 2.0 * scale >= Self::APART {
@@ -119,13 +119,13 @@ impl Hatch {
         Self { lines: 1.0 / step }
     }
 
-    /// Which line a position is on; whole numbers are in the middle of one.
+    /// The coordinate of a position across the lines; whole numbers are in the middle of one.
     pub(super) fn line(self, at: Vec3) -> f32 {
         (at.x - at.y - at.z) * self.lines
     }
 
-    /// The share of light on a place: less on a line. `step`: how much `line` grows in a
-    /// pixel, `width` of a line in pixels.
+    /// The share of light at a position; it is less on a line. `step` is the increase of
+    /// `line` in a pixel, `width` that of a line in pixels.
     pub(super) fn share(line: f32, step: f32, width: f32) -> f32 {
         let off = (line - line.floor() - 0.5).abs();
         let beside = (0.5 - off) / step.max(1e-6);

@@ -1,6 +1,6 @@
-//! The part in space: a solid of revolution with a quarter cut out, its clamping and the
-//! tool, in the light; drawn by the processor with a depth for each pixel, so that the
-//! picture is the same on every computer.
+//! Draws the part in space: a solid of revolution with a quarter cut out, its clamping and the
+//! tool, with lighting. The CPU draws it with a depth buffer, so that the picture is the same
+//! on every computer.
 //!
 //! ```text
 //!            X  plane of the tools
@@ -35,30 +35,31 @@ use raster::{Corner, Raster};
 use vertex::Vertex;
 use view::Projection;
 
-/// Largest side of a picture, pixels; a larger one stays empty beyond it.
+/// Largest side of a picture, pixels. A larger picture is empty beyond it.
 const LARGEST: usize = 16_384;
-/// Lines at the edges of a section.
+/// Colour of the lines at the edges of a section.
 const EDGE: Pixel = [60, 40, 24, 255];
 /// Width of a line, pixels of the picture.
 const LINE: f32 = 1.0;
-/// How much nearer lines are than the surfaces they bound, pixels.
+/// Depth offset of lines in front of the surfaces they bound, pixels.
 const OVER: f32 = 0.75;
 
-/// Where solids are drawn; its memory is used again for the next picture.
+/// A canvas for solids. It reuses its memory for the next picture.
 #[derive(Clone, Debug, Default)]
 pub struct Canvas {
     raster: Raster,
-    /// Of the body in work: right, down, near.
+    /// Projected corners of the current body: right, down, near.
     places: Vec<Vec3>,
     lights: Vec<[f32; 3]>,
 }
 
-/// A body, and by how much it is moved in the plane of the tools: Z and X, mm.
+/// A body, and its displacement in the plane of the tools: Z and X, mm.
 pub type Placed<'a> = (&'a Body, (f32, f32));
 
 impl Canvas {
-    /// Draws bodies on a picture of a size, row by row from above, on nothing. `samples`
-    /// by `samples` are taken of each pixel: 2 for smooth edges.
+    /// Draws bodies on a picture of a size, with a transparent background. Returns the pixels
+    /// row by row from the top. Each pixel is the mean of `samples` by `samples`; 2 gives
+    /// smooth edges.
     pub fn draw<'a>(
         &mut self,
         bodies: impl IntoIterator<Item = Placed<'a>>,
@@ -96,7 +97,7 @@ impl Canvas {
         self.raster.picture(samples)
     }
 
-    /// Surfaces whose light changes evenly between their corners.
+    /// Draws surfaces whose light changes evenly between their corners.
     fn smooth(&mut self, body: &Body, seen: &Mat3, mirrored: bool) {
         self.lights.clear();
         let light = |vertex: &Vertex| body.finish.lit(vertex, seen).to_array();
@@ -119,7 +120,7 @@ impl Canvas {
         }
     }
 
-    /// Faces of a section.
+    /// Draws the faces of a section.
     fn hatched(&mut self, body: &Body, seen: &Mat3, mirrored: bool, hatch: Hatch, samples: usize) {
         let width = 1.2 * samples as f32;
         for corners in &body.triangles {
@@ -148,25 +149,25 @@ impl Canvas {
     }
 }
 
-/// The places of the corners of a triangle that faces the viewer.
+/// The projected corners of a triangle that faces the viewer.
 fn facing(places: &[Vec3], corners: [u32; 3], mirrored: bool) -> Option<[Vec3; 3]> {
     let [a, b, c] = corners.map(|corner| places.get(corner as usize).copied());
     let (a, b, c) = (a?, b?, c?);
     let turns = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-    // Down is greater: counter-clockwise is less than 0.
+    // Down is greater, so counter-clockwise is negative.
     ((turns < 0.0) != mirrored).then_some([a, b, c])
 }
 
 impl View {
-    /// Where a Z and X in the plane of the tools lie on a picture of a size: right and
+    /// Projects a Z and X, mm, of the plane of the tools to a picture of a size: right and
     /// down, pixels.
     pub fn place(&self, (z, x): (f32, f32), size: (usize, usize)) -> (f32, f32) {
         let place = Projection::new(self, size, 1).place(Vec3::new(z, x, 0.0));
         (place.x, place.y)
     }
 
-    /// A view that shows half sections whole, turned about the axis, on a picture of a
-    /// size, with a margin around them of so many pixels.
+    /// A view in a direction that shows half sections, turned about the axis, completely on a
+    /// picture of a size. `margin` is the free border in pixels.
     pub fn fit<'a>(
         turn: Turn,
         regions: impl IntoIterator<Item = &'a Region>,
@@ -180,7 +181,7 @@ impl View {
             let (near, far) = (from_grid(bounds.low), from_grid(bounds.high));
             let radius = far.x as f32;
             for z in [near.z as f32, far.z as f32] {
-                // A circle about Z, as wide as its shadow.
+                // The silhouette of a circle about Z.
                 let middle = matrix * Vec3::new(z, 0.0, 0.0);
                 let axis = matrix.x_axis;
                 let reach = Vec3::new(
@@ -199,7 +200,7 @@ impl View {
         let free = |side: usize| (side as f32 - 2.0 * margin).max(1.0);
         let scale = (free(width) / size.x).min(free(height) / size.y);
         let middle = (low + high) / 2.0;
-        // The Z and X that lie there in the plane of the tools.
+        // The Z and X that are there in the plane of the tools.
         let [(zx, zy), (xx, xy)] = turn.axes();
         let (right, down) = (middle.x, -middle.y);
         let all = zx * xy - zy * xx;

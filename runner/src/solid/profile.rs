@@ -1,33 +1,33 @@
-//! The edge of a half section as it is turned or drawn out into space: no more corners
-//! than are seen, with the directions in which it faces.
+//! Simplifies the outline of a half section before it is turned or extruded: only visible
+//! corners, with the directions of its surfaces.
 
 use glam::{Vec2, vec2};
 use gsk_workpiece::grid::{GridContour, GridPoint, from_grid};
 use gsk_workpiece::region::Region;
 
-/// Edges that turn less are one smooth surface: the cosine of 15°.
+/// Edges that bend less are one smooth surface: the cosine of 15°.
 const SMOOTH: f32 = 0.966;
-/// What lies so near to the stock's outline was not cut, mm.
+/// Edges this near to the stock's outline are uncut, mm.
 const ON_STOCK: f32 = 0.001;
-/// Nearer to the axis is on it, mm.
+/// Points this near to the axis are on it, mm.
 const ON_AXIS: f32 = 0.000_5;
 
 /// A piece of the outline; Z and X, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Edge {
-    /// Where it begins and ends.
+    /// Start and end.
     pub ends: [Vec2; 2],
-    /// Which way it faces there, length 1; on arcs another one at each end.
+    /// Outward directions at the ends, length 1. On arcs they differ.
     pub normals: [Vec2; 2],
 }
 
 impl Edge {
-    /// Whether it turns into a surface at all.
+    /// Whether turning it gives a surface.
     pub(super) fn is_off_axis(&self) -> bool {
         self.ends.iter().any(|end| end.y > ON_AXIS)
     }
 
-    /// Whether it lies on one of the lines of another outline.
+    /// Whether it is on one of the lines of another outline.
     pub(super) fn lies_on(&self, outline: &[(Vec2, Vec2)]) -> bool {
         let on = |line: &(Vec2, Vec2)| {
             self.ends
@@ -38,8 +38,8 @@ impl Edge {
     }
 }
 
-/// The pieces of a region's outlines, with corners left out that move it by less than a
-/// tolerance, mm.
+/// The pieces of a region's outlines, without corners that move it by less than `tolerance`,
+/// mm.
 pub(super) fn edges(region: &Region, tolerance: f32) -> Vec<Edge> {
     region
         .contours()
@@ -48,7 +48,7 @@ pub(super) fn edges(region: &Region, tolerance: f32) -> Vec<Edge> {
         .collect()
 }
 
-/// The lines of a region's outlines as they are.
+/// The unchanged lines of a region's outlines.
 pub(super) fn lines(region: &Region) -> Vec<(Vec2, Vec2)> {
     region.edges().map(|(a, b)| (point(a), point(b))).collect()
 }
@@ -67,8 +67,8 @@ pub(super) fn of_contour(contour: &GridContour, tolerance: f32) -> Vec<Edge> {
         vec2(along.y, -along.x)
     };
     let flat = |index: usize| outward(index).normalize_or(vec2(0.0, 1.0));
-    // The longer side of a corner has more of a say: a cylinder that runs into a fillet
-    // stays a cylinder.
+    // The longer side of a corner has more weight: a cylinder that runs into a fillet stays a
+    // cylinder.
     let joint = |before: usize, after: usize, own: usize| {
         let smooth = flat(before).dot(flat(after)) > SMOOTH;
         match smooth {
@@ -92,8 +92,8 @@ fn point(point: GridPoint) -> Vec2 {
     vec2(point.z as f32, point.x as f32)
 }
 
-/// A closed polygon with fewer corners, none of the others farther than a tolerance
-/// from it (Douglas and Peucker, from its first corner to the farthest one and back).
+/// A closed polygon with fewer corners. No removed corner is farther than `tolerance` from it
+/// (Douglas and Peucker, from its first corner to the farthest one and back).
 fn simplified(contour: &GridContour, tolerance: f32) -> Vec<Vec2> {
     let points: Vec<Vec2> = contour.iter().map(|it| point(*it)).collect();
     let Some(first) = points.first().copied() else {
@@ -122,7 +122,7 @@ fn simplified(contour: &GridContour, tolerance: f32) -> Vec<Vec2> {
     kept.map(|(point, _)| *point).collect()
 }
 
-/// How far a point is from a piece of line.
+/// Distance of a point from a line segment.
 fn distance(point: Vec2, from: Vec2, to: Vec2) -> f32 {
     let (along, beside) = (to - from, point - from);
     let length = along.length_squared();
@@ -183,7 +183,7 @@ mod tests {
         let outline = lines(&stock);
         let skin = edges(&part, 0.01).into_iter();
         let skin: Vec<Edge> = skin.filter(|edge| edge.lies_on(&outline)).collect();
-        // The axis, the bar behind, its back, and what is left of its face.
+        // The axis, the bar on the far side of the cut, its back, and the remaining face.
         assert_eq!(skin.len(), 4, "{skin:?}");
     }
 

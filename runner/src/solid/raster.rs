@@ -1,25 +1,24 @@
-//! Triangles on pixels, the nearest on top: rows of pixels between two edges, with a depth
-//! for each pixel.
+//! Draws triangles on pixels with a depth buffer: rows of pixels between two edges.
 
 use glam::{Vec2, Vec3};
 
-/// Red, green, blue and how much of the background is covered, premultiplied.
+/// Red, green, blue and opacity, premultiplied.
 pub type Pixel = [u8; 4];
 
 /// Thinner triangles cover no pixel, square pixels.
 const THINNEST: f32 = 1e-5;
 
-/// A picture that is being drawn.
+/// A picture with a depth buffer.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Raster {
     width: usize,
     height: usize,
     pixels: Vec<Pixel>,
-    /// The greater, the nearer.
+    /// Greater is nearer.
     depths: Vec<f32>,
 }
 
-/// A corner of a triangle, and what changes evenly between the corners.
+/// A corner of a triangle, with values that are interpolated between the corners.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner<const N: usize> {
     /// Right, down, near; pixels.
@@ -28,7 +27,7 @@ pub(super) struct Corner<const N: usize> {
 }
 
 impl Raster {
-    /// Empties it, and gives it a size.
+    /// Empties the picture and sets its size.
     pub(super) fn clear(&mut self, width: usize, height: usize) {
         (self.width, self.height) = (width, height);
         self.pixels.clear();
@@ -37,8 +36,8 @@ impl Raster {
         self.depths.resize(width * height, f32::NEG_INFINITY);
     }
 
-    /// Draws a triangle. `paint` is given how much each value changes in a pixel to the
-    /// right and down, and makes the colours.
+    /// Draws a triangle. `paint` receives the change of each value per pixel to the right and
+    /// down, and returns the function that makes the colours.
     pub(super) fn triangle<const N: usize, P: Fn([f32; N]) -> Pixel>(
         &mut self,
         corners: [Corner<N>; 3],
@@ -50,7 +49,7 @@ impl Raster {
         if area.abs().partial_cmp(&THINNEST) != Some(core::cmp::Ordering::Greater) {
             return;
         }
-        // Of a value that is greater by p at b and by q at c.
+        // For a value that is greater by p at b and by q at c.
         let gradient =
             |p: f32, q: f32| Vec2::new((p * ac.y - q * ab.y) / area, (q * ab.x - p * ac.x) / area);
         let nearer = gradient(ab.z, ac.z);
@@ -117,7 +116,7 @@ impl Raster {
         }
     }
 
-    /// The picture, each of its pixels the mean of `samples` by `samples` of these.
+    /// The picture; each of its pixels is the mean of `samples` by `samples` pixels.
     pub(super) fn picture(&self, samples: usize) -> Vec<Pixel> {
         if samples <= 1 || self.width == 0 {
             return self.pixels.clone();
@@ -144,8 +143,8 @@ impl Raster {
     }
 }
 
-/// The side of a triangle from its upper end to its lower one; two triangles that share
-/// it have the same.
+/// The side of a triangle from its upper to its lower end. Two triangles that share it compute
+/// the same values.
 struct Side {
     from: Vec3,
     slope: f32,
@@ -167,9 +166,9 @@ impl Side {
     }
 }
 
-/// The pixels whose middle lies between two positions.
+/// The pixels whose middle is between two positions.
 fn covered(from: f32, to: f32, count: usize) -> core::ops::Range<usize> {
-    // Not a number and less than 0 become 0, as in every cast.
+    // NaN and negative numbers become 0, as in every cast.
     let first = ((from - 0.5).ceil() as usize).min(count);
     let end = ((to - 0.5).ceil() as usize).min(count);
     first..end.max(first)

@@ -1,4 +1,4 @@
-//! What stands in the lathe, as bodies: the part, what clamps it, and the tools.
+//! Makes the bodies in the lathe: the part, its clamping, and the tools.
 
 use core::f32::consts::TAU;
 
@@ -11,30 +11,30 @@ use super::body::{Arc, Body, Half};
 use super::finish::Finish;
 use super::profile::{self, Edge};
 
-/// How far a chord may lie beside its arc, pixels.
+/// Greatest distance of a chord from its arc, pixels.
 const OFF: f32 = 0.2;
-/// Flat sides of a turn, least and most.
+/// Number of flat sides of a turn, least and greatest.
 const SIDES: (f32, f32) = (36.0, 144.0);
-/// Surfaces of a part at most: beyond that its outline is made coarser.
+/// Limit of the surfaces of a part; above it its outline is made coarser.
 const MOST: usize = 60_000;
-/// Width of a jaw, share of the chuck's radius.
+/// Width of a jaw as a share of the chuck's radius.
 const JAW: f32 = 0.5;
-/// From where to where an insert, a holder and a turret lie across the plane of the tools,
-/// mm: behind it, where they hide nothing, but so little in front of it that they are seen
-/// where they stand in the part.
+/// Range of an insert, a holder and a turret across the plane of the tools, mm. They are on
+/// the far side of the plane, where they hide nothing, and only slightly in front of it, so
+/// that they are visible inside the part.
 const INSERT: (f32, f32) = (-4.8, 0.02);
 const HOLDER: (f32, f32) = (-20.0, 0.01);
 const TURRET: (f32, f32) = (-60.0, 0.01);
 
-/// How fine a body is made: as fine as it is seen at a scale.
+/// The resolution of bodies, as fine as visible at a scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fineness {
-    /// How far a surface may be off, mm.
+    /// Greatest deviation of a surface, mm.
     tolerance: f32,
 }
 
 impl Fineness {
-    /// For a scale, pixels a millimetre; it changes with each doubling of it.
+    /// For a scale, pixels per millimetre. It changes with each doubling of the scale.
     pub fn of(scale: f32) -> Self {
         let mut tolerance = 4.0;
         while tolerance * scale > OFF && tolerance > 1e-4 {
@@ -43,7 +43,7 @@ impl Fineness {
         Self { tolerance }
     }
 
-    /// Flat sides of a whole turn of a radius, mm; a multiple of 4.
+    /// Number of flat sides of a whole turn of a radius, mm; a multiple of 4.
     fn sides(self, radius: f32) -> u16 {
         // 1 − cos(π / sides) is about (π / sides)² / 2.
         let sides = TAU / 2.0 * (radius.max(0.0) / (2.0 * self.tolerance)).sqrt();
@@ -52,10 +52,11 @@ impl Fineness {
     }
 }
 
-/// The part: surfaces that were cut, those of the stock, and the faces of the quarter.
+/// The part: its cut surfaces, those of the stock, and the faces of the cut-out quarter.
+/// `section` and `stock` are half sections.
 ///
-/// A thread is drawn as the rings that its half section makes: at the size of a screen
-/// they look like the thread, and a helix would be another solid than the section.
+/// A thread is drawn as the rings of its half section. At the size of a screen they look like
+/// a thread, and a helix would be another solid than the section.
 pub fn part(section: &Region, stock: &Region, fineness: Fineness) -> [Body; 3] {
     let radius = section.bounds().map_or(0.0, |it| reach(&it));
     let sides = fineness.sides(radius);
@@ -78,11 +79,11 @@ pub fn part(section: &Region, stock: &Region, fineness: Fineness) -> [Body; 3] {
     [cut, rough, faces]
 }
 
-/// Chuck, jaws and tailstock; `open`: a power chuck has let the stock go.
+/// Chuck, jaws and tailstock. `open` shows the jaws of a power chuck open.
 pub fn clamping(stock: &Stock, open: bool, fineness: Fineness) -> Vec<Body> {
     let (chuck, jaws) = stock.chuck_section();
     let jaws = if open { stock.open_jaws() } else { jaws };
-    // The bar goes into the chuck.
+    // The bar extends into the chuck.
     let chuck = chuck.difference(stock.section().contours());
     let sides = fineness.sides(chuck.bounds().map_or(0.0, |it| reach(&it)));
     let mut body = Body::new(Finish::CHUCK);
@@ -95,7 +96,7 @@ pub fn clamping(stock: &Stock, open: bool, fineness: Fineness) -> Vec<Body> {
     let mut teeth = Body::new(Finish::JAWS);
     let half = JAW * stock.chuck.diameter.radius() as f32 / 2.0;
     for contour in jaws.contours() {
-        // One stands in the plane of the tools, and is cut by it.
+        // One jaw is in the plane of the tools, and is cut by it.
         teeth.draw_out(contour, (-half, 0.0), 0.0, fineness.tolerance);
         for third in [1.0, 2.0] {
             let angle = TAU / 3.0 * third;
@@ -113,7 +114,7 @@ pub fn clamping(stock: &Stock, open: bool, fineness: Fineness) -> Vec<Body> {
     bodies
 }
 
-/// A tool, its tip at the zero: its cutting face lies in the plane of the section.
+/// A tool with its tip at the zero. Its cutting face is in the plane of the section.
 pub fn tool(tool: &Tool, fineness: Fineness) -> Vec<Body> {
     let shape = ToolShape::from_tool(tool);
     let [mut gold, mut steel, mut turret] =
@@ -138,7 +139,7 @@ pub fn tool(tool: &Tool, fineness: Fineness) -> Vec<Body> {
     vec![gold, steel, turret]
 }
 
-/// A round bar along Z of which a polygon is the outline, turned about its own middle.
+/// Adds a round bar along Z, turned about its own axis. The polygon is its outline.
 fn round(body: &mut Body, contour: &GridContour, fineness: Fineness) {
     let Some(GridBounds { low, high }) = GridBounds::from_points(contour) else {
         return;

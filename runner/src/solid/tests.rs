@@ -1,4 +1,4 @@
-//! Solids on pictures: their size, what covers what, and what no input may do.
+//! Tests pictures of solids: their size, what covers what, and robustness against any input.
 
 use gsk_workpiece::grid::{GridContour, GridPoint, grid};
 use gsk_workpiece::stock::Stock;
@@ -27,7 +27,7 @@ fn at(picture: &[Pixel], column: usize, row: usize) -> Pixel {
     picture[row * 400 + column]
 }
 
-/// Columns and rows that are covered: first and behind the last.
+/// The covered columns and rows: the first, and the one after the last.
 fn box_of(picture: &[Pixel]) -> [usize; 4] {
     let covered = |index: &usize| picture[*index][3] > 0;
     let places: Vec<usize> = (0..picture.len()).filter(covered).collect();
@@ -48,7 +48,8 @@ fn a_cylinder_is_as_large_as_its_section() {
     let bar = rectangle((-80.0, 0.0), (0.0, 25.0));
     let bodies = part(&bar, &bar, Fineness::of(4.0));
     for turn in [FLAT, Turn::flat(false)] {
-        // 80 mm and 50 mm, 4 pixels each, about the middle; a line stands over by half.
+        // 80 mm and 50 mm, 4 pixels each, about the middle; a line sticks out by half its
+        // width.
         let [left, right, top, bottom] = box_of(&picture(&bodies, turn));
         for (found, wanted) in [(left, 40), (right, 360), (top, 50), (bottom, 250)] {
             assert!(found.abs_diff(wanted) <= 1, "{found} for {wanted}");
@@ -71,13 +72,13 @@ fn a_small_cylinder_behind_a_large_one_is_not_seen() {
     let small = rectangle((-80.0, -60.0), (0.0, 10.0));
     let none = Region::default();
     let fineness = Fineness::of(4.0);
-    // Nearly along the axis, from the end of +Z: the small one lies behind.
+    // Nearly along the axis, from the end of +Z: the large one hides the small one.
     let turn = FLAT.turned(-70.0, 0.0);
     let alone = picture(&part(&large, &none, fineness), turn);
     for order in [[&large, &small], [&small, &large]] {
         let bodies = order.map(|region| part(region, &none, fineness));
         let both = picture(&bodies.concat(), turn);
-        // Through the cut-out quarter, up and to the viewer, it may be seen.
+        // Through the cut-out quarter, up and to the viewer, it may be visible.
         let below = 160 * 400;
         assert_eq!(&both[below..], &alone[below..]);
     }
@@ -95,7 +96,7 @@ fn through_the_cut_out_quarter_the_section_is_seen() {
     assert!(warm(at(&seen, 203, 150 - 80)), "{:?}", at(&seen, 203, 70));
     let below = at(&seen, 203, 150 + 80);
     assert!(below[3] == 255 && !warm(below), "{below:?}");
-    // X 5 above it: the bore behind the plane.
+    // X 5 above it: the bore on the far side of the plane.
     let bore = at(&seen, 203, 150 - 20);
     assert!(bore[3] == 255 && !warm(bore), "{bore:?}");
 }

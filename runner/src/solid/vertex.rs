@@ -2,13 +2,13 @@
 
 use glam::Vec3;
 
-/// A corner of a body; Z, X, Y.
+/// A corner of a body; the axes are Z, X, Y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Vertex {
-    /// Where it is, mm.
+    /// Position, mm.
     pub at: Vec3,
-    /// Which way the surface faces, length 1.
+    /// Direction of the surface, length 1.
     pub normal: Vec3,
-    /// Which way the marks of turning go, length 1; 0 where there are none.
+    /// Direction of the turning marks, length 1; 0 without marks.
     pub marks: Vec3,
 }

@@ -1,5 +1,5 @@
-//! From where a solid is looked at, and how it falls on the picture: in parallel, so that
-//! equal lengths along a direction stay equal.
+//! The direction of view of a solid, and its parallel projection to the picture: equal lengths
+//! along a direction stay equal.
 //!
 //! A position in space is Z, X and Y of the lathe, in this order: Y is at right angles to
 //! the plane in which the tools move, and points to the viewer.
@@ -18,23 +18,23 @@ use glam::{Mat3, Vec2, Vec3};
 /// A direction of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
-    /// The tool post is behind the spindle: X points up, else to the viewer.
+    /// Whether the lathe has a rear tool post: X then points up, otherwise to the viewer.
     pub rear: bool,
-    /// About the upright, degrees; less than 0 brings the end of +Z nearer.
+    /// Angle about the vertical, degrees; negative angles bring the end of +Z nearer.
     pub yaw: f32,
-    /// About the horizontal of the picture, degrees; greater than 0 looks down.
+    /// Angle about the horizontal of the picture, degrees; positive angles look down.
     pub pitch: f32,
 }
 
 impl Turn {
-    /// Farthest to either side, degrees: the plane of the tools is never seen from its edge.
+    /// Greatest yaw to either side, degrees: the plane of the tools is never seen edge-on.
     const SIDE: f32 = 70.0;
-    /// Least and greatest pitch of a post behind the spindle, degrees.
+    /// Least and greatest pitch with a rear tool post, degrees.
     const REAR: (f32, f32) = (-35.0, 70.0);
-    /// The same of one in front.
+    /// Least and greatest pitch with a front tool post, degrees.
     const FRONT: (f32, f32) = (15.0, 90.0);
 
-    /// Straight onto the plane of the tools: the half section as it is drawn.
+    /// Straight onto the plane of the tools: the half section as drawn.
     pub const fn flat(rear: bool) -> Self {
         Self {
             rear,
@@ -43,7 +43,7 @@ impl Turn {
         }
     }
 
-    /// From the front and above: both faces of the cut-out quarter are seen, and the face
+    /// From the front and above: both faces of the cut-out quarter are visible, and the face
     /// of the part.
     pub const fn oblique(rear: bool) -> Self {
         Self {
@@ -53,7 +53,7 @@ impl Turn {
         }
     }
 
-    /// Turned by so many degrees, as far as it goes.
+    /// Turned by these angles, degrees, within the limits.
     #[must_use]
     pub const fn turned(self, yaw: f32, pitch: f32) -> Self {
         let (low, high) = if self.rear { Self::REAR } else { Self::FRONT };
@@ -64,7 +64,7 @@ impl Turn {
         }
     }
 
-    /// From Z, X, Y to right, up, towards the viewer.
+    /// Maps Z, X, Y to right, up, towards the viewer.
     pub(super) fn matrix(self) -> Mat3 {
         let (yaw, pitch) = (self.yaw.to_radians(), self.pitch.to_radians());
         let (side, along) = (libm::sinf(yaw), libm::cosf(yaw));
@@ -76,7 +76,7 @@ impl Turn {
         Mat3::from_cols(right, x, y)
     }
 
-    /// Where a millimetre of Z and of X goes on the picture: right and down.
+    /// The displacement on the picture for a millimetre of Z and of X: right and down.
     pub fn axes(self) -> [(f32, f32); 2] {
         let matrix = self.matrix();
         [matrix.x_axis, matrix.y_axis].map(|axis| (axis.x, -axis.y))
@@ -86,21 +86,21 @@ impl Turn {
 /// A view of the solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// The direction.
+    /// The direction of view.
     pub turn: Turn,
-    /// Z and X that are seen in the middle, mm.
+    /// Z and X in the middle of the picture, mm.
     pub centre: (f32, f32),
-    /// Pixels a millimetre.
+    /// Pixels per millimetre.
     pub scale: f32,
 }
 
-/// A view on a picture of a size: what is done with every corner.
+/// The projection of a view on a picture of a size.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Projection {
     pub matrix: Mat3,
-    /// Pixels a millimetre.
+    /// Pixels per millimetre.
     pub scale: f32,
-    /// Its mirror image of a right-handed one.
+    /// Whether it mirrors a right-handed system.
     pub mirrored: bool,
     centre: Vec3,
     middle: Vec2,
@@ -118,7 +118,7 @@ impl Projection {
         }
     }
 
-    /// Right and down in pixels, and how near.
+    /// Projects a position: right and down in pixels, and nearness.
     pub(super) fn place(&self, at: Vec3) -> Vec3 {
         let seen = self.matrix * (at - self.centre) * self.scale;
         Vec3::new(self.middle.x + seen.x, self.middle.y - seen.y, seen.z)

@@ -1,15 +1,15 @@
-//! Feeds a fuzz target with inputs until its time is over.
+//! Runs a fuzz target on mutated inputs until its time budget is used up.
 //!
 //! `cargo run --profile fuzz -p gsk980td-tests --bin fuzz -- TARGET [--seconds N]
 //! [--seed S] [--corpus DIR] [--crashes DIR] [--runs N] [--keep] [--trace]`,
 //! or `fuzz TARGET FILE…` to run files once.
 //!
-//! The inputs follow from the seed and the corpus. An input that leads to
-//! something new is mutated further; `--keep` adds it to the corpus. A panic, or
-//! a block that takes more than 50 ms each time it is tried, is made small,
-//! written to the folder of the crashes, and ends the run with exit code 1; so
-//! does an input that runs for a minute. `--trace` writes each input to
-//! `current` in that folder before it runs: for what kills the process itself.
+//! The inputs follow from the seed and the corpus. An input that leads to something
+//! new is mutated further; `--keep` adds it to the corpus. A panic, or a block that
+//! takes more than 50 ms in every retry, is a finding: the input is minimized, written
+//! to the folder of the crashes, and ends the run with exit code 1. An input that runs
+//! for a minute is a finding too. `--trace` writes each input to `current` in that
+//! folder before it runs, for inputs that kill the process.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -25,14 +25,14 @@ use gsk_tests::fuzz::{TARGETS, Target, minimize, target, watch};
 
 /// An input that runs longer than this hangs.
 const HANG: Duration = Duration::from_secs(60);
-/// How often a slow input is tried again.
+/// Number of retries of a slow input.
 const RETRIES: u32 = 10;
-/// Inputs that are mutated at most.
+/// Limit of the pool of mutated inputs.
 const POOL: usize = 5000;
 
-/// Where and how the last panic happened.
+/// Position and message of the last panic.
 static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
-/// The input that runs now, and since when.
+/// The current input, and its start time.
 static CURRENT: Mutex<Option<(Instant, Vec<u8>)>> = Mutex::new(None);
 
 struct Options {
@@ -47,10 +47,9 @@ struct Options {
     files: Vec<PathBuf>,
 }
 
-/// What is wrong with an input.
+/// A fault that an input shows.
 struct Finding {
-    /// In one line; the place in the source stands in it, so that two findings
-    /// can be told apart.
+    /// The fault in one line, with its position in the source: it identifies the finding.
     what: String,
     slow: bool,
 }
@@ -122,7 +121,7 @@ fn options() -> Result<Options, String> {
     Ok(options)
 }
 
-/// Runs files once and says what is wrong with each.
+/// Runs files once and prints the fault of each.
 fn replay(options: &Options) -> Result<bool, String> {
     let mut clean = true;
     for file in &options.files {
@@ -188,10 +187,10 @@ fn fuzz(options: &Options) -> Result<bool, String> {
     Ok(true)
 }
 
-/// One input through the target.
+/// Runs one input through the target.
 fn run(options: &Options, input: &[u8]) -> (watch::Report, Option<Finding>) {
     if options.trace {
-        // Without the file the trace is incomplete, the run is not.
+        // Without the file the trace is incomplete, but the run is not.
         let _ = fs::create_dir_all(&options.crashes);
         let _ = fs::write(options.crashes.join("current"), input);
     }
@@ -199,7 +198,7 @@ fn run(options: &Options, input: &[u8]) -> (watch::Report, Option<Finding>) {
     if panicked.is_some() || report.longest <= watch::LIMIT {
         return (report, panicked);
     }
-    // Another process may have had the processor: the shortest counts.
+    // Another process may have used the processor: the shortest time counts.
     let mut shortest = report.longest;
     for _ in 0..RETRIES {
         if shortest <= watch::LIMIT {
@@ -238,7 +237,7 @@ fn set_current(input: Option<(Instant, Vec<u8>)>) {
     }
 }
 
-/// Makes the input small and writes it down.
+/// Minimizes the input and writes it to a file.
 fn write_finding(options: &Options, input: &[u8], finding: &Finding) -> Result<(), String> {
     let place = |what: &str| {
         what.split(" at ")

@@ -1,5 +1,5 @@
-//! Hashes of the session of `determinism`, to be compared between systems: printed, or on
-//! a page the text of its element `golden`.
+//! Prints the hashes of the session of `determinism`, to compare systems. On a page they
+//! become the text of its element `golden`.
 
 fn main() {
     let text = match gsk_tests::determinism::trace(&[]) {

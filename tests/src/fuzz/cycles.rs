@@ -1,9 +1,9 @@
-//! Cycles and compensated contours: an input is the body of a program that is
-//! set up to cut, so that its first words already count.
+//! Fuzzes cycles and compensated contours. An input is the body of a program that is prepared
+//! for cutting, so that its first words already have an effect.
 
 use super::{dry_run, settings};
 
-/// Steps of the interpreter: cycles with fine cuts make many.
+/// Step limit of the interpreter: cycles with fine cuts make many steps.
 const STEPS: u32 = 100_000;
 
 pub(super) fn run(input: &[u8]) {

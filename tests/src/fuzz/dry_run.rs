@@ -1,4 +1,4 @@
-//! The interpreter alone, one timed step after another, and the preview.
+//! Runs the interpreter alone, one timed step after another, and the preview.
 
 use core::cell::LazyCell;
 use core::mem::discriminant;
@@ -13,8 +13,8 @@ use gsk_core::units::{PerAxis, Point};
 
 use super::watch;
 
-/// Steps through the selected program, at most so many steps. Whether it ended
-/// within them.
+/// Interprets the selected program for at most `limit` steps. Returns whether it ended within
+/// them.
 pub(super) fn step_through(setup: &Setup, limit: u32) -> bool {
     let Some(program) = setup.memory.programs.current() else {
         return true;
@@ -99,10 +99,10 @@ fn assert_finite(point: Point) {
     );
 }
 
-/// Blocks without motion after which a preview is given up.
+/// Number of blocks without motion after which a preview is cancelled.
 const MOTIONLESS_BLOCKS: u64 = 1_500_000;
 
-/// Previews the selected program, beyond its alarms.
+/// Previews the selected program and continues after its alarms.
 pub(super) fn preview_all(setup: &Setup) {
     let mut moves = 0_u64;
     let mut on_move = |executed: &ExecutedMove| {

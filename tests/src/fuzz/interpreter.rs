@@ -1,11 +1,11 @@
-//! Any text through the interpreter, step by step, and through the preview.
+//! Fuzzes the interpreter with any text, step by step, and the preview.
 
 use gsk_core::setup::Setup;
 
 use super::{dry_run, settings};
 
-/// Steps of the interpreter; programs that need more are not previewed, for
-/// they may never end.
+/// Step limit of the interpreter. Programs that need more steps may never end, so they are not
+/// previewed.
 const STEPS: u32 = 20_000;
 /// The same for programs of macro B, which loop more.
 const STEPS_MACRO_B: u32 = 5_000;

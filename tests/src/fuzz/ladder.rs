@@ -1,4 +1,5 @@
-//! Any text as a ladder; if it compiles, it is listed, compiled again and run.
+//! Fuzzes the ladder compiler with any text. A ladder that compiles is listed, compiled again
+//! and run.
 
 use std::sync::Arc;
 
@@ -6,7 +7,7 @@ use gsk_core::plc::{Ladder, Plc};
 
 use super::watch;
 
-/// Slots a ladder runs.
+/// Number of slots that a ladder runs.
 const SLOTS: u32 = 64;
 
 pub(super) fn run(input: &[u8]) {
@@ -38,7 +39,7 @@ pub(super) fn run(input: &[u8]) {
             "its listing has errors: {errors}\n{listed}"
         ),
     }
-    // Rungs lead back to the list they came from.
+    // Rungs map back to their instruction list.
     let drawn: Vec<String> = ladder
         .networks()
         .flat_map(|network| network.statements())
@@ -59,7 +60,7 @@ pub(super) fn run(input: &[u8]) {
     let mut stepped = plc.clone();
     let mut together = true;
     for slot in 0..SLOTS {
-        // Inputs that change, each at its own pace.
+        // Inputs that change at different rates.
         for byte in 0..4 {
             plc.memory_mut().set_x(byte, (slot >> byte) as u8);
             stepped.memory_mut().set_x(byte, (slot >> byte) as u8);
@@ -84,7 +85,7 @@ pub(super) fn run(input: &[u8]) {
     plc.run_slot();
 }
 
-/// One slot, rung by rung; `false` for a loop that takes too many.
+/// Runs one slot, rung by rung. Returns `false` for a loop with too many steps.
 fn step_through(plc: &mut Plc) -> bool {
     const STEPS: u32 = 2000;
     for _ in 0..STEPS {

@@ -1,8 +1,8 @@
-//! Any bytes from a pulse board, at any time, between any acts of the operator:
-//! motion goes out only where the state allows it, and never more than the
+//! Fuzzes the line link with any bytes from a pulse board at any time, between any actions of
+//! the operator. Motion is sent only in the states that allow it, and never more than the
 //! lookahead.
 //!
-//! Bytes below F0 come from the board; the others are acts and time.
+//! Bytes below F0 come from the board; the others are actions and time.
 
 use core::mem::discriminant;
 use core::time::Duration;
@@ -17,7 +17,7 @@ use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 
 use super::watch;
 
-/// The longest line a board reads.
+/// The longest line that a board reads, bytes.
 const LINE: usize = 70;
 
 #[derive(Clone)]
@@ -32,7 +32,7 @@ pub(super) fn run(input: &[u8]) {
     thread_local! {
         static READY: [OnceCell<Desk>; 2] = const { [OnceCell::new(), OnceCell::new()] };
     }
-    // The first byte says which board it is.
+    // The first byte selects the board.
     let (input, which) = match input {
         [0xEF, rest @ ..] => (rest, 1),
         whole => (whole, 0),
@@ -96,7 +96,7 @@ fn act(desk: &mut Desk, byte: u8) {
     desk.link.tick(desk.now);
 }
 
-/// A link that has come to know its board and may move it.
+/// A link that has identified its board and may move it.
 fn ready_desk(variant: Variant) -> Desk {
     let mut settings = GrblSettings::default();
     let mut link = LineLink::open(
@@ -117,7 +117,7 @@ fn ready_desk(variant: Variant) -> Desk {
         let sent = link.tx().len();
         link.consumed(sent);
         match ms {
-            // What a FluidNC board is to be set to it is told by name.
+            // The FluidNC settings are written by name.
             4000 => link.write_settings(),
             6000 => link.reset(),
             8500 => {

@@ -1,4 +1,5 @@
-//! Any text as a program of the mill: read, carried out, its moves held together.
+//! Fuzzes the mill with any text as a program: it is interpreted, and its moves are checked
+//! for continuity.
 
 use std::time::Instant;
 
@@ -7,13 +8,13 @@ use gsk_milling::{MillMove, MillSetup, preview_while};
 
 use super::{settings, watch};
 
-/// Moves after which a program is given up; it may never end.
+/// Number of moves after which a program is cancelled; it may never end.
 const MOVES: u64 = 20_000;
-/// Blocks without any.
+/// Number of blocks without motion after which it is cancelled.
 const MOTIONLESS: u64 = 20_000;
-/// Blocks among which a time is shared out at most.
+/// Greatest number of blocks that share one measured time.
 const SHARES: u64 = 20;
-/// How far a move may begin from the end of the one before it, mm.
+/// Greatest distance of a move's start from the end of the move before, mm.
 const APART: f64 = 1e-9;
 
 pub(super) fn run(input: &[u8]) {
@@ -21,7 +22,7 @@ pub(super) fn run(input: &[u8]) {
     let setup = settings::setup(&text);
     let mut model = ControlModel::new(ModelId::Gsk980mdi);
     for (number, value) in settings::numbers(&text) {
-        // A setting that is refused is a setting that is not made.
+        // A refused setting is not made.
         let _ = model.set_parameter(number, value);
     }
     let mut mill = MillSetup::default().with(&model);
@@ -41,8 +42,8 @@ pub(super) fn run(input: &[u8]) {
         last = Some(*made);
     };
     let programs = &setup.memory.programs;
-    // Nobody can stop it between two questions: the time of a block, or of a hole in it, and
-    // of many blocks at once their share.
+    // The program cannot be cancelled between two progress callbacks. The time between them is
+    // that of a block, or of a hole in it. For many blocks at once their share counts.
     let mut asked = (Instant::now(), 0);
     let mut note = |blocks: u64| {
         let share = blocks.saturating_sub(asked.1).clamp(1, SHARES);

@@ -1,16 +1,16 @@
-//! Makes an input that shows something smaller.
+//! Minimizes an input that shows a fault.
 
-/// Attempts that a minimisation takes at most.
+/// Limit of the attempts of a minimization.
 const ATTEMPTS: u32 = 3000;
 
-/// Leaves out lines, then pieces of lines, as long as `shows` holds.
+/// Removes lines, then parts of lines, as long as `shows` returns true.
 pub fn minimize(input: &[u8], shows: &mut dyn FnMut(&[u8]) -> bool) -> Vec<u8> {
     let mut left = ATTEMPTS;
     let by_lines = without(input, b'\n', &mut left, shows);
     without(&by_lines, b' ', &mut left, shows)
 }
 
-/// Leaves out as many pieces between separators as it can.
+/// Removes as many pieces between separators as possible.
 fn without(
     input: &[u8],
     separator: u8,

@@ -1,14 +1,13 @@
-//! Fuzz targets: plain functions from bytes, for the driver `fuzz` or any other
-//! engine.
+//! Fuzz targets: plain functions from bytes, for the driver `fuzz` or any other engine.
 //!
-//! A target panics when the program breaks a promise. What a target does in one
-//! go (a block read, a tick, a slot of the ladder) it wraps in [`watch::unit`],
-//! so that a driver sees how long the longest took; what an input led to it
-//! tells with [`watch::seen`], so that a driver keeps inputs that are new.
+//! A target panics when the program violates an invariant. It wraps each unit of work (a
+//! parsed block, a tick, a slot of the ladder) in [`watch::unit`], so that a driver sees the
+//! longest one. It reports what an input reached with [`watch::seen`], so that a driver keeps
+//! inputs with new results.
 //!
-//! Targets that take a program read settings from a comment in its first line:
-//! `(SET 13=1 1.4=0 T1=0.4/3 B=1)` sets a parameter, one of its bits, the nose
-//! radius and tip of an offset, and the option of macro B.
+//! Targets that take a program read settings from a comment in its first line: `(SET 13=1
+//! 1.4=0 T1=0.4/3 B=1)` sets a parameter, one of its bits, the nose radius and tip of an
+//! offset, and the option of macro B.
 
 mod cycles;
 mod dry_run;
@@ -31,16 +30,16 @@ pub use minimize::minimize;
 pub struct Target {
     /// Its name, also that of its corpus folder.
     pub name: &'static str,
-    /// What it does with an input.
+    /// Runs one input.
     pub run: fn(&[u8]),
-    /// Words that mean something to it.
+    /// Words with a meaning for it, one per line.
     pub words: &'static str,
 }
 
 /// Words of programs.
 const PROGRAM_WORDS: &str = include_str!("words-program.txt");
 
-/// Every target.
+/// All targets.
 pub const TARGETS: [Target; 10] = [
     Target {
         name: "program",
@@ -94,7 +93,7 @@ pub const TARGETS: [Target; 10] = [
     },
 ];
 
-/// The target of a name.
+/// The target with a name.
 pub fn target(name: &str) -> Option<&'static Target> {
     TARGETS.iter().find(|target| target.name == name)
 }

@@ -1,11 +1,11 @@
-//! Changes inputs: words and lines most of the time, bytes now and then.
+//! Mutates inputs: words and lines most of the time, bytes now and then.
 
-/// A reproducible source of numbers (splitmix64).
+/// A reproducible random number generator (splitmix64).
 #[derive(Clone, Debug)]
 pub struct Random(u64);
 
 impl Random {
-    /// The source of a seed.
+    /// The generator for a seed.
     pub const fn new(seed: u64) -> Self {
         Self(seed)
     }
@@ -19,7 +19,7 @@ impl Random {
         mixed ^ (mixed >> 31)
     }
 
-    /// A number below a limit; 0 below 0.
+    /// A random number below a limit; 0 if the limit is 0.
     pub const fn below(&mut self, limit: usize) -> usize {
         if limit == 0 {
             return 0;
@@ -27,17 +27,17 @@ impl Random {
         (self.next() % limit as u64) as usize
     }
 
-    /// One of some things.
+    /// A random element.
     pub fn pick<'a, T>(&mut self, of: &'a [T]) -> Option<&'a T> {
         let index = self.below(of.len());
         of.get(index)
     }
 }
 
-/// Longer inputs are cut.
+/// Longer inputs are cut to this length, bytes.
 const LONGEST: usize = 4096;
 
-/// Numbers at the edges of what the control takes.
+/// Numbers at the limits of the control's ranges.
 const NUMBERS: [&str; 30] = [
     "0",
     "1",
@@ -77,14 +77,14 @@ pub struct Mutator {
 }
 
 impl Mutator {
-    /// A mutator that knows some words, one a line; a word may hold blanks.
+    /// A mutator that knows some words, one a line; a word may contain spaces.
     pub fn new(words: &'static str) -> Self {
         Self {
             words: words.lines().filter(|word| !word.is_empty()).collect(),
         }
     }
 
-    /// A new input from one of the pool.
+    /// A new input, made from one of the pool.
     pub fn next(&self, pool: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
         let mut input = random.pick(pool).cloned().unwrap_or_default();
         let changes = 1 + random.below(4) * random.below(3);
@@ -126,8 +126,8 @@ impl Mutator {
     }
 }
 
-/// A word is a run of letters with the number behind it; everything else is a
-/// word of its own character.
+/// Splits into words: a run of letters with the number after it. Every other character is a
+/// separate word.
 fn split_words(input: &[u8]) -> Vec<Vec<u8>> {
     let mut words: Vec<Vec<u8>> = Vec::new();
     let mut in_number = false;

@@ -1,4 +1,4 @@
-//! Any text as a program: index, words, search.
+//! Fuzzes the program parser with any text: index, words, search.
 
 use gsk_core::model::ModelId;
 use gsk_core::program::{Program, Syntax, split, with_points};

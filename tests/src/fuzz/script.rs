@@ -1,4 +1,4 @@
-//! Any text as an operator script; its lines without errors are carried out.
+//! Fuzzes operator scripts with any text; its lines without errors are executed.
 
 use core::mem::discriminant;
 use std::cell::OnceCell;
@@ -9,9 +9,9 @@ use gsk_panel::script::{Effect, Runner, Script, ScriptError, ScriptProgress};
 
 use super::watch;
 
-/// Machine time a script gets, ticks.
+/// Limit of the machine time of a script, ticks.
 const TICKS: u32 = 4000;
-/// What `load` finds, whatever its name.
+/// The file that `load` finds under any name.
 const FILE: &str = "O0077\nG00 X50 Z20\nG01 X40 Z-5 F300\nM30\n";
 
 pub(super) fn run(input: &[u8]) {
@@ -48,7 +48,7 @@ pub(super) fn run(input: &[u8]) {
     }
 }
 
-/// The text without the lines that cannot be read.
+/// The text without its invalid lines.
 fn without_errors(text: &str, errors: &[ScriptError]) -> String {
     let mut lines: Vec<&str> = text.lines().collect();
     for error in errors {

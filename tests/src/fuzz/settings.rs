@@ -1,4 +1,4 @@
-//! The settings in the first line of an input, and the setup they give.
+//! Parses the settings in the first line of an input and makes a set-up from them.
 
 use gsk_core::command::ProgramId;
 use gsk_core::memory::ToolOffset;
@@ -6,15 +6,15 @@ use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::program::split;
 use gsk_core::setup::Setup;
 
-/// A setup with the program of an input selected and its settings in force.
-/// Its further O numbers are stored as subprograms.
+/// A set-up with these settings, in which the program of an input is selected. Its further O
+/// numbers are stored as subprograms.
 pub(super) fn setup(text: &str) -> Setup {
     let mut setup = Setup {
         spindle_rpm: Some(500.0),
         ..Setup::default()
     };
     for setting in settings(text) {
-        // A setting that is refused is a setting that is not made.
+        // A refused setting is not made.
         let _ = apply(&mut setup, setting);
     }
     let mut programs = split(text).into_iter();

@@ -1,4 +1,4 @@
-//! Any program on the whole control with its lathe, for some seconds.
+//! Fuzzes the whole control with its lathe: any program runs for some seconds.
 
 use core::mem::discriminant;
 use std::cell::OnceCell;

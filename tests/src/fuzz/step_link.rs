@@ -1,9 +1,9 @@
-//! Any bytes from a board of timed steps, at any time, between any acts of the
-//! operator: no panic, nothing without a bound, and the axes move only when motion
-//! was taken.
+//! Fuzzes the step link with any bytes from a board of timed steps, at any time, between any
+//! actions of the operator. It must not panic or use unbounded memory, and the axes move only
+//! after motion was accepted.
 //!
-//! Bytes below F0 are collected; the others are acts and time, or send what was
-//! collected: as it is, or as the content of a block that is whole.
+//! Bytes below F0 are collected. The others are actions and time, or send the collected bytes:
+//! unchanged, or as the content of a valid block.
 
 use core::mem::discriminant;
 use core::time::Duration;
@@ -21,7 +21,7 @@ use super::watch;
 const WIRED: &str = r#"(protocol: StepQueue,
     x: (step: "PA0", dir: "PA1", limit: "^PC0"), z: (step: "PA2", dir: "PA3", limit: "PC1", dec: "PC6"),
     io: (enable: "PL0", estop: "PC2", coolant: "PB7", index: "PC3"))"#;
-/// Motion in the board may be made so long after it was taken.
+/// Time within which the board may still execute accepted motion.
 const LATER: Duration = Duration::from_millis(1500);
 
 #[derive(Clone)]
@@ -31,9 +31,9 @@ struct Desk {
     run: RunTime,
     z: i64,
     collected: Vec<u8>,
-    /// Sequence of the last block sent.
+    /// Sequence number of the last block sent.
     sequence: u8,
-    /// When motion was last taken.
+    /// When motion was last accepted.
     took: Duration,
 }
 
@@ -149,7 +149,7 @@ fn act(desk: &mut Desk, byte: u8) {
     desk.link.tick(desk.now());
 }
 
-/// A link that has come to know its board and may move it.
+/// A link that has identified its board and may move it.
 fn ready_desk() -> Desk {
     let config: LinkConfig = ron::from_str(WIRED).unwrap_or_default();
     let mut desk = Desk {

@@ -1,11 +1,11 @@
-//! What a driver sees of a run: the longest unit of work, and what was new.
+//! Records what a driver needs of a run: the longest unit of work, and new results.
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::{Duration, Instant};
 
-/// The longest that a block, a tick or a slot may take.
+/// Time limit of a block, a tick or a slot.
 pub const LIMIT: Duration = Duration::from_millis(50);
 
 thread_local! {
@@ -13,16 +13,16 @@ thread_local! {
     static SEEN: RefCell<BTreeSet<u64>> = const { RefCell::new(BTreeSet::new()) };
 }
 
-/// What one run was like.
+/// The record of one run.
 #[derive(Debug, Default)]
 pub struct Report {
     /// The longest unit of work.
     pub longest: Duration,
-    /// Marks of what happened.
+    /// Hashes of everything that happened.
     pub seen: BTreeSet<u64>,
 }
 
-/// Does one unit of work and notes how long it took.
+/// Runs one unit of work and records its duration.
 pub fn unit<T>(work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let result = work();
@@ -30,19 +30,19 @@ pub fn unit<T>(work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Notes how long a unit of work took.
+/// Records the duration of a unit of work.
 pub fn took(time: Duration) {
     LONGEST.with(|longest| longest.set(longest.get().max(time)));
 }
 
-/// Notes that something happened; a kind of thing and which one.
+/// Records an event by its kind and identity.
 pub fn seen(kind: &str, which: impl Hash) {
     let mut hasher = DefaultHasher::new();
     (kind, which).hash(&mut hasher);
     SEEN.with(|seen| seen.borrow_mut().insert(hasher.finish()));
 }
 
-/// A message without what it quotes and without numbers: the rule it tells of.
+/// A message without quoted text and numbers, which identifies its rule.
 pub fn rule(message: &str) -> String {
     let before = message.split('"').next().unwrap_or("");
     let after = message.rsplit('"').next().unwrap_or("");
@@ -55,12 +55,12 @@ pub fn rule(message: &str) -> String {
         .collect()
 }
 
-/// How often something happened, roughly: its power of two.
+/// The order of magnitude of a count, as its power of two.
 pub const fn roughly(count: u64) -> u32 {
     u64::BITS - count.leading_zeros()
 }
 
-/// What was noted since the last call.
+/// Returns the record since the last call, and starts a new one.
 pub fn take() -> Report {
     Report {
         longest: LONGEST.with(|longest| longest.replace(Duration::ZERO)),

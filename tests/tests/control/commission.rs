@@ -1,6 +1,6 @@
-//! A lathe with wrong gear, play and screw errors is set up by the steps of the assistant, as
-//! a person with a laser and a gauge does it (manual III-12.4 to III-12.8): what is left is
-//! less than 2 µm.
+//! Commissions a lathe with wrong gear, backlash and screw errors by the steps of the
+//! assistant, like an operator with a laser and a gauge (manual III-12.4 to III-12.8). The
+//! remaining error is less than 2 µm.
 
 use std::collections::BTreeSet;
 
@@ -21,12 +21,12 @@ use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::{Axis, Point};
 
-/// What must be reached.
+/// The required accuracy, µm.
 const LEFT_UM: f64 = 2.0;
-/// Between two targets of the laser, mm.
+/// Distance of two targets of the laser, mm.
 const TARGET_MM: f64 = 10.0;
 
-/// Numbers that follow from a seed, 0 to 1.
+/// Random numbers from a seed, 0 to 1.
 struct Dice(u64);
 
 impl Dice {
@@ -43,12 +43,12 @@ impl Dice {
     }
 }
 
-/// A slide whose screw is long or short, bent, and worn.
-/// Its drive falls behind its command nearly as far as it may.
+/// A slide whose screw is long or short, bent, and worn. The following error of its drive
+/// comes close to the limit.
 fn badly_set(axis: &AxisConfig, scale: f64, length: f64, dice: &mut Dice) -> AxisConfig {
     let (slope, height) = (dice.between(-0.05, 0.05), dice.between(4.0, 9.0));
     let (period, phase) = (dice.between(180.0, 260.0), dice.between(0.0, 6.0));
-    // mm of slide travel and µm; the file counts diameters of X.
+    // mm of slide travel and µm; the file uses diameters for X.
     let error =
         |at: f64| slope * at + height * libm::sin(core::f64::consts::TAU * at / period + phase);
     let points = (0..=((length + 10.0) / 5.0) as i32).map(|index| {
@@ -60,7 +60,7 @@ fn badly_set(axis: &AxisConfig, scale: f64, length: f64, dice: &mut Dice) -> Axi
     });
     let pulse = dice.between(0.000_25, 0.000_6);
     AxisConfig {
-        // The motor is mounted the other way round, or not.
+        // The direction of the motor is random.
         reversed: dice.throw() < 0.5,
         pulse: Some(pulse),
         backlash: (dice.between(5.0, 60.0) / 1000.0) * scale,
@@ -70,8 +70,9 @@ fn badly_set(axis: &AxisConfig, scale: f64, length: f64, dice: &mut Dice) -> Axi
     }
 }
 
-/// A drive that a rapid brings near to what trips it, or not quite. Before the gear is set
-/// a rapid is as fast as its `pulse`, mm, is to the one of delivery.
+/// A drive whose following error comes close to the limit in a rapid, or exceeds it slightly.
+/// Before the gear is set, the rate of a rapid differs by the ratio of `pulse`, mm, to the
+/// delivered one.
 fn servo(scale: f64, pulse: f64, dice: &mut Dice) -> ServoConfig {
     // mm/min and mm of slide travel.
     let (rapid, delivered) = if scale > 1.0 {
@@ -92,7 +93,7 @@ fn lathe(seed: u64) -> Simulation {
     let mut setup = Setup::delivered();
     setup.lathe.x = badly_set(&setup.lathe.x, 2.0, 150.0, &mut dice);
     setup.lathe.z = badly_set(&setup.lathe.z, 1.0, 500.0, &mut dice);
-    // Gear 1 turns at another speed than 037 says, and 10 V are none.
+    // Gear 1 has another speed than 037, and 10 V is not reached.
     setup.lathe.spindle.top = Some([dice.between(1200.0, 4000.0).round(), 2000.0, 2500.0, 3000.0]);
     let parameters = &mut setup.memory.parameters;
     parameters.set_bit(1, 4, true).unwrap();
@@ -104,12 +105,12 @@ fn lathe(seed: u64) -> Simulation {
     simulation
 }
 
-/// Who sets the lathe up.
+/// The operator who sets the lathe up.
 struct Person {
     simulation: Simulation,
     undo: UndoList<CommissioningStep, ParameterChange>,
     dice: Dice,
-    /// Where the laser was set to zero, mm.
+    /// Position where the laser was set to zero, mm.
     laser: f64,
 }
 
@@ -118,7 +119,7 @@ impl Person {
         self.simulation.lathe.slides().get(axis)
     }
 
-    /// Reads the laser, which trembles.
+    /// Reads the laser, with its noise.
     fn read(&mut self, axis: Axis) -> f64 {
         self.slide(axis) - self.laser + self.dice.between(-0.000_2, 0.000_2)
     }
@@ -133,7 +134,7 @@ impl Person {
         assert!(alarms.is_empty(), "{alarms:?}");
     }
 
-    /// Until nothing moves; the largest following errors until then.
+    /// Waits until nothing moves. Returns the largest following errors.
     #[track_caller]
     fn until_still(&mut self) -> Point {
         let mut still = 0;
@@ -153,7 +154,7 @@ impl Person {
         panic!("it does not come to rest");
     }
 
-    /// An MDI block, started by its key; the largest following errors.
+    /// Executes an MDI block, started by its key. Returns the largest following errors.
     #[track_caller]
     fn block(&mut self, words: &[String]) -> Point {
         press(&mut self.simulation, MDI);
@@ -169,7 +170,7 @@ impl Person {
         most
     }
 
-    /// A move by so much slide travel; the largest following errors.
+    /// Moves by a slide travel. Returns the largest following errors.
     #[track_caller]
     fn go(&mut self, axis: Axis, by: f64) -> Point {
         let (letter, by) = match axis {
@@ -179,7 +180,7 @@ impl Person {
         self.block(&["G00".to_owned(), format!("{letter}{by:.3}")])
     }
 
-    /// To a machine coordinate.
+    /// Moves to a machine coordinate.
     #[track_caller]
     fn go_to(&mut self, axis: Axis, at: f64) {
         let by = at - self.machine(axis);
@@ -187,10 +188,10 @@ impl Person {
         assert!((self.machine(axis) - at).abs() < 1e-6);
     }
 
-    /// The machine zero return; the laser is set to zero there.
+    /// Makes the machine zero return and sets the laser to zero there.
     #[track_caller]
     fn home(&mut self, axis: Axis) {
-        // Before the dog: from beyond it the return leads into the limit switch.
+        // From before the dog: beyond it the return would run into the limit switch.
         if self.machine(axis) > -50.0 {
             self.go_to(axis, -55.0);
         }
@@ -206,14 +207,14 @@ impl Person {
         self.laser = self.slide(axis);
     }
 
-    /// Writes what a step proposes; the control has nothing against it.
+    /// Writes the proposal of a step. The control must accept it.
     #[track_caller]
     fn write(&mut self, step: CommissioningStep, proposal: &Proposal) {
         self.put(step, proposal);
         self.no_alarm();
     }
 
-    /// Writes what a step proposes, as the control lets a person.
+    /// Writes the proposal of a step within the rights of the operator.
     #[track_caller]
     fn put(&mut self, step: CommissioningStep, proposal: &Proposal) {
         press(&mut self.simulation, MDI);
@@ -246,7 +247,8 @@ impl Person {
         self.simulation.cnc.battery().parameters.clone()
     }
 
-    /// A short move, and 008 turned over where the slide goes against it; whether it did.
+    /// Makes a short move, and inverts 008 if the slide moves in the wrong direction. Returns
+    /// whether it did.
     #[track_caller]
     fn turn_round(&mut self, axis: Axis) -> bool {
         let from = self.slide(axis);
@@ -254,7 +256,7 @@ impl Person {
         let reversed = self.slide(axis) > from;
         self.go(axis, 2.0);
         if reversed {
-            // A gear is not made of such a move.
+            // Such a move is too short for the gear.
             let made = MeasuredMove {
                 commanded: SlideTravel(-2.0),
                 measured: SlideTravel(1.0),
@@ -262,7 +264,7 @@ impl Person {
             propose_gear_from_move(axis, made, &self.parameters()).unwrap_err();
             let proposal = propose_direction(axis, &self.parameters()).unwrap();
             self.put(CommissioningStep::Direction, &proposal);
-            // Alarm 000: it counts from the next power-on.
+            // Alarm 000: the parameter applies after the next power-on.
             let alarms = self.simulation.cnc.alarms();
             assert!(alarms.iter().any(|it| it.number == 0), "{alarms:?}");
             self.simulation.power_cycle();
@@ -275,7 +277,7 @@ impl Person {
         reversed
     }
 
-    /// The speed that the spindle has at S9999 or less, and the voltage.
+    /// The spindle's speed at S9999 or less, and the voltage.
     #[track_caller]
     fn turns(&mut self, speed: u32) -> (f64, f64) {
         self.block(&["M03".to_owned(), format!("S{speed}")]);
@@ -287,7 +289,7 @@ impl Person {
         (rpm, volts)
     }
 
-    /// Voltage and speed of the first gear.
+    /// Sets voltage and speed of the first gear.
     #[track_caller]
     fn spindle(&mut self) {
         let (rpm, volts) = self.turns(9999);
@@ -300,7 +302,7 @@ impl Person {
         self.write(CommissioningStep::Spindle, &proposal);
     }
 
-    /// What trips the drive, mm of slide travel, from its manual.
+    /// Limit of the drive's following error from its manual, mm of slide travel.
     fn allowed(&self, axis: Axis) -> f64 {
         let config = self.simulation.lathe.config();
         let (slide, scale) = match axis {
@@ -310,7 +312,7 @@ impl Person {
         slide.servo.as_ref().expect("a servo").largest_error / scale
     }
 
-    /// The largest following error of a rapid move, as the scope shows it, mm.
+    /// Largest following error of a rapid on the scope, mm.
     #[track_caller]
     fn falls_behind(&mut self, axis: Axis) -> f64 {
         let there = self.go(axis, -40.0);
@@ -318,8 +320,8 @@ impl Person {
         there.get(axis).max(back.get(axis))
     }
 
-    /// The rapid rate that the following error allows; what it was and is, as a part of
-    /// what trips the drive.
+    /// Sets the rapid rate that the following error allows. Returns the error before and after
+    /// as a share of the limit.
     #[track_caller]
     fn lag(&mut self, axis: Axis) -> (f64, f64) {
         let allowed = self.allowed(axis);
@@ -333,7 +335,7 @@ impl Person {
         (seen / allowed, self.falls_behind(axis) / allowed)
     }
 
-    /// The gear from a long move, approached from the same side.
+    /// Sets the gear from a long move, approached from the same side.
     fn gear(&mut self, axis: Axis, far: f64) {
         self.go(axis, -5.0);
         let from = self.read(axis);
@@ -347,7 +349,7 @@ impl Person {
         self.write(CommissioningStep::Gear, &proposal);
     }
 
-    /// The manual's program, and its two readings.
+    /// Runs the manual's backlash program and takes its two readings.
     fn play(&mut self, axis: Axis) {
         self.go_to(axis, -80.0);
         let mut readings = Vec::new();
@@ -364,7 +366,7 @@ impl Person {
         self.write(CommissioningStep::Backlash, &proposal);
     }
 
-    /// Two runs along the travel, both ways each.
+    /// Makes two runs along the travel, each in both directions.
     fn pitch(&mut self, axis: Axis, targets: u32) -> (f64, f64) {
         let mut readings = Vec::new();
         for run in 1..=2 {
@@ -406,7 +408,7 @@ impl Person {
         (plan.before.0, plan.after.0)
     }
 
-    /// The largest deviation at positions between the targets, from both sides, µm.
+    /// Largest deviation at positions between the targets, from both sides, µm.
     fn largest(&mut self, axis: Axis, travel: f64) -> f64 {
         let mut largest: f64 = 0.0;
         for _ in 0..24 {
@@ -471,7 +473,7 @@ fn a_badly_set_lathe_is_set_right() {
             assert!(wrong > LEFT_UM, "{axis:?}, seed {seed}: {wrong} µm before");
             assert!(left < LEFT_UM, "{axis:?}, seed {seed}: {left} µm");
         }
-        // Everything taken back, the control is as it was delivered.
+        // With all changes undone, the control is as delivered.
         press(&mut person.simulation, MDI);
         let switch = Request::SetParameterSwitch(true);
         person.simulation.cnc.request(switch).unwrap();
@@ -482,9 +484,9 @@ fn a_badly_set_lathe_is_set_right() {
         assert_eq!(memory.parameters, delivered.parameters);
         assert_eq!(memory.pitch, delivered.pitch);
     }
-    // A drive was too fast once, and one was not.
+    // One drive was too fast, and one was not.
     assert!(slowed.contains(&true) && slowed.contains(&false));
-    // Each axis was right once, and wrong once.
+    // Each axis was right in one run, and wrong in another.
     for axis in 0..2 {
         let ways: BTreeSet<bool> = reversed
             .iter()
@@ -494,7 +496,7 @@ fn a_badly_set_lathe_is_set_right() {
     }
 }
 
-/// Without the parameter switch nothing is written, however it is asked.
+/// Without the parameter switch nothing is written, in any way.
 #[test]
 fn the_rights_of_the_control_hold() {
     let mut simulation = lathe(1);

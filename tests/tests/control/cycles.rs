@@ -1,5 +1,4 @@
-//! Cycles in the whole control: feed hold, single block, agreement with the
-//! preview.
+//! Cycles in the whole control: feed hold, single block, agreement with the preview.
 
 use crate::bench::program::started;
 use crate::bench::{press, ticks};
@@ -41,7 +40,7 @@ fn piece(moved: &ExecutedMove) -> Piece {
     (moved.source.line, moved.kind, ends.map(round))
 }
 
-/// Pieces of motion until the run ends.
+/// The moves until the run ends.
 fn moves(simulation: &mut Simulation) -> Vec<Piece> {
     let mut pieces = Vec::new();
     for _ in 0..600_000 {
@@ -92,8 +91,8 @@ fn feed_hold_in_a_cycle_waits_for_the_end_of_the_segment() {
     press(&mut simulation, key(FEED_HOLD.0, FEED_HOLD.1));
     ticks(&mut simulation, 10_000);
     assert_eq!(simulation.cnc.run_state(), RunState::Hold);
-    // The whole cut is done, and nothing after it: X90.5 is beyond the end of the
-    // contour, X90 + 0.5, so that it ends at Z-30 + 0.2.
+    // The whole cut is done, and nothing after it. X90.5 is outside the end of the contour,
+    // X90 + 0.5, so it ends at Z-30 + 0.2.
     let at = simulation.cnc.position_absolute();
     assert!(
         (at.x - 45.25).abs() < 1e-9 && (at.z + 29.8).abs() < 1e-9,

@@ -1,4 +1,4 @@
-//! DNC operation: a program comes in through the serial line while it runs.
+//! DNC operation: a program arrives through the serial port while it runs.
 
 use gsk_core::cnc::Event;
 use gsk_core::command::ExecutedMove;
@@ -11,11 +11,11 @@ const AUTO: BitAddress = BitAddress::new(Area::X, 20, 1);
 const START: BitAddress = BitAddress::new(Area::X, 25, 0);
 const RESET: BitAddress = BitAddress::new(Area::X, 26, 0);
 
-/// A control at one end of the line, a text at the other.
+/// A control on one end of the line, a text on the other.
 struct Line {
     simulation: Simulation,
     partner: Box<dyn Iterator<Item = u8>>,
-    /// Pauses so many ticks behind each character.
+    /// Pause after each character, ticks.
     pause: u64,
     moves: Vec<ExecutedMove>,
     ended: bool,
@@ -92,7 +92,7 @@ impl Line {
     }
 }
 
-/// What a block moved; where in time it lay depends on the line.
+/// The moves of the blocks, without their times, which depend on the line.
 fn path(moves: &[ExecutedMove]) -> Vec<String> {
     let path = moves.iter().map(|m| {
         let (line, kind) = (m.source.line, m.kind.name());
@@ -123,8 +123,8 @@ fn with_nose() -> Setup {
     setup
 }
 
-/// Everything whose effect reaches beyond its own block: corners, threads that go on,
-/// compensation, skipped and empty blocks, a call.
+/// Everything with an effect beyond its own block: corners, successive threads, compensation,
+/// skipped and empty blocks, a call.
 const PART: &str = "%
 O0007;
 N10 G00 X60 Z2 T0101 S400 M03;
@@ -197,7 +197,7 @@ fn what_comes_in_is_carried_out_as_what_is_stored() {
     }
 }
 
-/// Blocks without end, each with a place of its own.
+/// Endless blocks, each with a different position.
 fn endless() -> Box<dyn Iterator<Item = u8>> {
     let lines = (1_u64..).flat_map(|count| {
         let z = (count % 50) as f64 / 10.0;
@@ -244,7 +244,7 @@ fn the_partner_waits_while_the_program_does() {
         line.tick();
     }
     assert_eq!(line.simulation.cnc.run_state(), RunState::Hold);
-    // The buffer is full and nothing more is asked for.
+    // The buffer is full, and the control requests no more.
     assert_eq!(line.simulation.cnc.dnc_room(), 0);
     let stood = line.moves.len();
     line.press(START);
@@ -267,7 +267,7 @@ fn reset_closes_the_line_and_the_next_start_calls_anew() {
     assert!(line.simulation.cnc.programs().inflow().is_none());
     assert_eq!(line.simulation.cnc.dnc_room(), 0);
     let stood = line.moves.len();
-    // The partner begins again.
+    // The partner sends from the beginning again.
     line.partner = endless();
     line.press(START);
     assert_eq!(line.simulation.cnc.dnc_calls(), 2);

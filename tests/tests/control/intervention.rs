@@ -1,4 +1,4 @@
-//! Moving by hand in the middle of a run (manual III-5.1.5, I-3.2.6).
+//! Manual motion during a program (manual III-5.1.5, I-3.2.6).
 
 use crate::bench::{press, ticks};
 use gsk_core::cnc::Request;
@@ -21,7 +21,7 @@ const HOLD: BitAddress = key(24, 7);
 const START: BitAddress = key(25, 0);
 const X_DOWN: BitAddress = key(23, 1);
 
-/// A program that runs; M functions take so many ms.
+/// A running program; M functions take `m_time` ms.
 fn started(text: &str, m_time: i32) -> Simulation {
     let mut setup = Setup::default();
     assert!(setup.memory.parameters.set(80, m_time).is_ok());
@@ -35,7 +35,7 @@ fn started(text: &str, m_time: i32) -> Simulation {
     simulation
 }
 
-/// Jogs X for a while and goes back to AUTO; the way moved.
+/// Jogs X for a time and returns to AUTO. Returns the distance.
 fn jog_x(simulation: &mut Simulation, time: u32) -> Point {
     let before = simulation.cnc.position_machine();
     press(simulation, JOG);
@@ -71,7 +71,7 @@ const ROUGHING: &str = "O0001\nG00 X50 Z5\nG71 U2 R1\nG71 P10 Q20 U0 W0 F2000\nN
 #[test]
 fn the_rest_of_a_cycle_is_shifted_by_the_way_moved_by_hand() {
     let mut simulation = started(ROUGHING, 500);
-    // At radius 25 Z5 the cycle begins; its first cut runs along Z at radius 23.
+    // At radius 25 Z5 the cycle begins; its first cut is along Z at radius 23.
     for _ in 0..MINUTE {
         simulation.tick();
         if simulation.cnc.position_absolute().z < 0.0 {
@@ -83,7 +83,7 @@ fn the_rest_of_a_cycle_is_shifted_by_the_way_moved_by_hand() {
     assert_eq!(simulation.cnc.run_state(), RunState::Hold);
     let moved = jog_x(&mut simulation, 1000);
     to_the_end(&mut simulation);
-    // The cycle ends at its start point, shifted; the next block goes to its point.
+    // The cycle ends at its start point, shifted; the next block goes to its programmed point.
     stopped_at(&simulation, 25.0 + moved.x, 5.0);
     to_the_end(&mut simulation);
     stopped_at(&simulation, 30.0, 10.0);
@@ -113,7 +113,7 @@ fn a_held_block_goes_its_rest_and_the_next_block_to_its_point() {
     stopped_at(&simulation, 145.0, 270.0);
 }
 
-/// A block without motion is held, and ends meanwhile: nothing of it stays behind.
+/// A block without motion is held, and ends meanwhile. No part of it remains.
 #[test]
 fn hold_acts_again_after_jogging_in_a_held_m_block() {
     let mut simulation = started("O0001\nM03 S500\nG98 G01 Z200 F600\nG01 Z300\nM30\n", 5000);

@@ -1,5 +1,5 @@
-//! The ladder beside the motion: its slots never shift the interpolation, and a
-//! loaded ladder runs from the next power-on.
+//! Ladder and motion: the slots of the ladder never delay the interpolation, and a loaded
+//! ladder runs from the next power-on.
 
 use std::sync::Arc;
 
@@ -40,7 +40,7 @@ fn path(ladder: Arc<Ladder>) -> Vec<Point> {
         }
     }
     assert_eq!(simulation.cnc.run_state(), RunState::Reset);
-    // What was run while the key's rest passed is the same for all.
+    // The path before the key is released is the same for all.
     path
 }
 
@@ -48,7 +48,7 @@ fn path(ladder: Arc<Ladder>) -> Vec<Point> {
 fn the_division_of_level_2_never_shifts_the_path() {
     let divided = path(compiled(STANDARD_LADDER));
     let undivided = path(compiled(&format!(".OPT n1\n{STANDARD_LADDER}")));
-    // The start may come some slots earlier; from then on tick by tick the same.
+    // The start may differ by some slots. From then on every tick is the same.
     let began = |path: &[Point]| path.iter().position(|at| *at != path[0]).unwrap();
     let (a, b) = (&divided[began(&divided)..], &undivided[began(&undivided)..]);
     let same = a.len().min(b.len()).min(1000);
@@ -56,9 +56,9 @@ fn the_division_of_level_2_never_shifts_the_path() {
     assert_eq!(a[..same], b[..same]);
 }
 
-/// DM01 and DM02 of M codes that the machine's ladder names: 1 once the motion of their
-/// block is over, 0 with FIN, and never when FIN comes first; under the auxiliary lock
-/// they go out too (manual PLC-II 8.1, 8.2).
+/// DM01 and DM02 of M codes that the machine's ladder defines: 1 once the motion of their
+/// block has ended, 0 with FIN, and never when FIN comes first. They are also sent under the
+/// auxiliary lock (manual PLC-II 8.1, 8.2).
 #[test]
 fn m01_and_m02_of_the_ladder_have_their_decode_signals() {
     let named = format!(".MCODE 1 \"one\"\n.MCODE 2 \"two\"\n{STANDARD_LADDER}");
@@ -197,7 +197,7 @@ fn a_forced_bit_and_a_soft_switch_reach_the_control() {
     }
 }
 
-/// A program that moves Z down slowly, one second after its start.
+/// A program that moves Z slowly in the negative direction, one second after its start.
 fn moving(changes: &[(u16, u8)]) -> Simulation {
     let mut setup = Setup::default();
     for (number, bit) in changes {
@@ -255,7 +255,7 @@ fn interlocks_hold_a_run_that_goes_on_by_itself() {
         assert_eq!(advances(&mut simulation), !waits, "{signal}");
         assert_eq!(simulation.cnc.run_state(), RunState::Run, "{signal}");
         force(&mut simulation, signal, None);
-        // Nothing in the standard ladder writes the interlocks of single axes.
+        // The standard ladder does not write the interlocks of single axes.
         if !matches!(signal, "G8.0") {
             force(&mut simulation, signal, Some(!value));
             force(&mut simulation, signal, None);
@@ -268,7 +268,7 @@ fn interlocks_hold_a_run_that_goes_on_by_itself() {
 #[test]
 fn a_limit_signal_stops_the_way_into_it_with_its_alarm() {
     let mut simulation = moving(&[]);
-    // The other side, and the other axis: nothing.
+    // The other side and the other axis have no effect.
     for signal in ["G114.1", "G116.0"] {
         force(&mut simulation, signal, Some(false));
         assert!(advances(&mut simulation), "{signal}");
@@ -323,7 +323,7 @@ fn one_percent_rapid_and_the_override_table() {
         }
         FromPlc::read(&memory)
     };
-    // G96: HROV and the inverted seven bits; above 100 % counts as 100.
+    // G96: HROV and the inverted seven bits; values above 100 % count as 100.
     assert_eq!(decoded(&[(96, 0b1111_1110), (14, 3)]).rapid_override, 1);
     assert_eq!(decoded(&[(96, 0b1000_0000)]).rapid_override, 100);
     assert_eq!(decoded(&[(96, 0b1111_1111)]).rapid_override, 0);

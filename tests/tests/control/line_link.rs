@@ -1,5 +1,5 @@
-//! The link with a line board against the board's twin, in virtual time: nothing
-//! moves by itself, every stop is known, the counts agree to the pulse.
+//! Tests the link with a line board against the board's twin, in virtual time: nothing moves
+//! without a command, every stop is known, the counts agree to the pulse.
 
 use core::time::Duration;
 
@@ -14,7 +14,7 @@ use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 use gsk_twins::wire::Damage;
 
 const ALL: [Variant; 3] = [Variant::Grbl, Variant::GrblHal, Variant::FluidNc];
-/// One millisecond of both.
+/// One millisecond, ns.
 const MS: u64 = 1_000_000;
 
 #[derive(Clone)]
@@ -74,7 +74,7 @@ impl Bench {
     }
 
     fn set_position(&mut self) {
-        // A board with homing wakes up locked.
+        // A board with homing starts locked.
         self.pass(400);
         self.link.reset();
         self.pass(400);
@@ -111,7 +111,8 @@ impl Bench {
         until(self)
     }
 
-    /// Hands over one tick of motion, waiting for room; false when refused.
+    /// Sends one tick of motion when the board has space for it. Returns false if it is
+    /// refused.
     fn sample(&mut self, x: i64, z: i64) -> bool {
         for _ in 0..3000 {
             if !self.link.state().takes_motion() {
@@ -128,7 +129,8 @@ impl Bench {
         false
     }
 
-    /// A there-and-back of 12 mm in Z and 2 mm in X with ramps; false when it broke off.
+    /// Moves 12 mm in Z and 2 mm in X with ramps, and back. Returns false if the motion is
+    /// interrupted.
     fn job(&mut self) -> bool {
         let (x0, z0) = self.at;
         for k in 1..=1000_i64 {
@@ -218,7 +220,7 @@ fn a_job_ends_on_the_commanded_pulse() {
     }
 }
 
-/// G54 is kept in the board without power: whatever used it last may have left one.
+/// The board stores G54 without power, and another program may have set one.
 #[test]
 fn a_work_offset_of_another_program_moves_nothing() {
     for variant in ALL {
@@ -279,7 +281,7 @@ fn a_flush_in_motion_keeps_the_position() {
                 "{at}: {x} {z} {:?}",
                 bench.events
             );
-            // And it goes on from there.
+            // And it continues from there.
             bench.at = (x, z);
             assert!(
                 bench.job() && bench.ends_ready(),
@@ -308,7 +310,7 @@ fn a_kill_loses_the_position_and_says_so() {
     }
 }
 
-/// Nothing on this wire is said twice, but the reset is: until the board is there again.
+/// The link sends nothing twice except the reset, which it repeats until the board answers.
 #[test]
 fn a_reset_that_is_lost_on_the_way_is_sent_again() {
     for variant in ALL {
@@ -322,7 +324,7 @@ fn a_reset_that_is_lost_on_the_way_is_sent_again() {
                 bench.twin.to_board.damage(byte, Damage::Changed(0x01));
             }
             bench.link.stop(Stop::Kill);
-            // FluidNC makes what its pulse timer has been handed.
+            // FluidNC executes what its pulse timer has received.
             let coasts = if variant == Variant::FluidNc { 200 } else { 0 };
             bench.pass(100 * lost as u32 + 60 + coasts);
             let stood = bench.twin.pulses();
@@ -337,7 +339,7 @@ fn a_reset_that_is_lost_on_the_way_is_sent_again() {
     }
 }
 
-/// A line that becomes slow brings a banner for each of them, late.
+/// On a line that becomes slow, each reset brings a late banner.
 #[test]
 fn the_banners_of_a_reset_that_was_sent_again_are_no_restart() {
     for held_up in [150, 300] {
@@ -363,8 +365,8 @@ fn the_banners_of_a_reset_that_was_sent_again_are_no_restart() {
     }
 }
 
-/// What the board has in its queue tells the way on which its switch was met; where the
-/// axis turned round about then nobody knows it.
+/// The board's queue shows the direction in which its switch was hit. If the axis reversed
+/// about then, the direction is unknown.
 #[test]
 fn the_way_into_a_limit_switch_is_that_of_the_motion_that_met_it() {
     for (turned, known) in [
@@ -479,16 +481,15 @@ fn an_unplugged_cable_is_an_alarm_within_a_second() {
             (bench.link.state(), bench.alarms()),
             (LinkState::Lost, vec![605])
         );
-        // What the board held it made, then it stood.
+        // The board executes what it holds, then it stops.
         let stood = bench.twin.pulses();
         bench.pass(2000);
         assert_eq!(bench.twin.pulses(), stood);
     }
 }
 
-/// A decimal point lost on the wire makes a valid line with another meaning; the
-/// wire has no checksum. The board is stopped as soon as it reports itself off the
-/// path.
+/// A decimal point lost on the wire makes a valid line with another meaning, because the wire
+/// has no checksum. The link stops the board as soon as it reports a position off the path.
 #[test]
 fn a_board_off_the_path_is_stopped() {
     for variant in ALL {
@@ -498,8 +499,8 @@ fn a_board_off_the_path_is_stopped() {
             for k in 1..=300 {
                 assert!(bench.sample(k, -k * 4));
             }
-            // Somewhere in the next lines: a digit turns into another one, a letter is
-            // refused by the board.
+            // Somewhere in the next lines: a digit changes to another one; the board refuses a
+            // letter.
             let from = bench.twin.to_board.sent_count();
             bench
                 .twin
@@ -526,12 +527,12 @@ fn a_board_off_the_path_is_stopped() {
     }
 }
 
-/// A fault at every byte of a short job, either way: the job ends on the pulse
-/// with the count compared, or it stands with an alarm. Nothing third.
+/// Makes a fault at every byte of a short job, in each direction. The job ends on the pulse
+/// with the count compared, or it stops with an alarm. There is no third result.
 #[test]
 fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
     for variant in ALL {
-        // EVERY_BYTE=1 leaves none out, and does everything to each.
+        // EVERY_BYTE=1 omits none, and tries every fault on each.
         let every = std::env::var_os("EVERY_BYTE").is_some();
         let step = if every { 1 } else { 7 };
         let damages = [
@@ -602,7 +603,7 @@ fn a_report_under_way_when_the_reference_return_begins_tells_no_place() {
         let mut bench = Bench::ready(variant);
         assert!(bench.job() && bench.ends_ready());
         let reports = bench.link.traffic().reports;
-        // The next question has just gone out; its answer comes while the board homes.
+        // The next status request was just sent; its answer comes while the board homes.
         let mut asked = false;
         for _ in 0..300 {
             bench.ms();
@@ -648,7 +649,7 @@ fn letters_of_a_report_are_contacts_of_the_control() {
     assert_eq!(bench.link.input(Input::LimitX), Some(false));
 }
 
-/// Old or other firmware is named and refused; nothing is written into it.
+/// Old or other firmware is named and refused; nothing is written to it.
 #[test]
 fn another_firmware_is_602() {
     for (identity, named) in [
@@ -694,7 +695,8 @@ fn another_firmware_is_602() {
     }
 }
 
-/// Somebody opened its door, or put it into another state: it is stopped, and said.
+/// An operator opened the door of the board, or another host changed its state: the link stops
+/// it and raises the alarm.
 #[test]
 fn a_state_nobody_asked_for_is_607() {
     for state in ["Door:0", "Tool", "Sleep", "Check", "Jog"] {
@@ -714,9 +716,9 @@ fn a_state_nobody_asked_for_is_607() {
     }
 }
 
-/// The line protocol has no checksum: `X1.005` may arrive as `X9.005` or `X1005`. What
-/// the slides do until the next report tells is bounded: at a feed of 1200 mm/min less than
-/// 1 mm, and 5 mm with FluidNC, whose pulse timer makes 120 ms more.
+/// The line protocol has no checksum: `X1.005` may arrive as `X9.005` or `X1005`. The motion
+/// until the next report is bounded: at a feed of 1200 mm/min it is less than 1 mm, and 5 mm
+/// with FluidNC, whose pulse timer makes 120 ms more.
 #[test]
 fn a_figure_damaged_on_the_way_is_stopped_within_millimetres() {
     for variant in ALL {
@@ -757,8 +759,8 @@ fn a_figure_damaged_on_the_way_is_stopped_within_millimetres() {
     }
 }
 
-/// Wherever the program was cut off, in the middle of a line, too: the bytes for whoever
-/// holds the port, sent a few times, leave a board that stands with its spindle off.
+/// The program may be cut off anywhere, even in the middle of a line. The port guard then
+/// sends its stop bytes a few times: the board stops with its spindle off.
 #[test]
 fn the_bytes_that_stop_the_board_do_so_behind_any_broken_line() {
     for variant in ALL {
@@ -767,7 +769,7 @@ fn the_bytes_that_stop_the_board_do_so_behind_any_broken_line() {
             let mut bench = begun.clone();
             assert_eq!(bench.link.stop_bytes(), [0x18]);
             bench.twin.write(b"M3S500\n");
-            // Whole pieces of motion, and one that is broken off.
+            // Complete pieces of motion, and an incomplete one.
             let lines = "G53G1X10F600\nG53G1X20F600\nG53G1X30F600\n";
             bench.twin.write(&lines.as_bytes()[..cut]);
             bench.twin.advance(cut as u64 * 3 * MS);
@@ -784,7 +786,7 @@ fn the_bytes_that_stop_the_board_do_so_behind_any_broken_line() {
         }
     }
 }
-/// However short of a whole piece of motion an axis turns: it goes all the way.
+/// An axis that reverses just before a complete piece of motion still goes all the way.
 #[test]
 fn an_axis_turns_where_it_was_commanded_to() {
     for variant in ALL {
@@ -803,7 +805,7 @@ fn an_axis_turns_where_it_was_commanded_to() {
     }
 }
 
-/// With motion that has found no room in the board yet, too.
+/// This also holds for motion that does not fit into the board yet.
 #[test]
 fn a_computer_that_was_away_is_612_whatever_waited() {
     for variant in ALL {
@@ -812,7 +814,7 @@ fn a_computer_that_was_away_is_612_whatever_waited() {
             for k in 1..=600 {
                 assert!(bench.sample(0, 2 * k));
             }
-            // Nothing more is answered, and lines wait here.
+            // The host answers nothing more, and lines wait here.
             while bench.link.free_lookahead() > Duration::ZERO {
                 let (x, z) = bench.at;
                 assert!(bench.sample(x, z + 2));
@@ -840,8 +842,8 @@ fn a_computer_that_was_away_is_612_whatever_waited() {
     }
 }
 
-/// Behind a limit switch Grbl hears nothing but a reset, and what an earlier host was
-/// greeted with waits in the port.
+/// After a limit switch Grbl accepts nothing but a reset, and the port still holds the banner
+/// for an earlier host.
 #[test]
 fn a_board_behind_its_limit_switch_is_known_although_an_old_banner_waits() {
     let mut bench = Bench::ready(Variant::Grbl);

@@ -1,4 +1,4 @@
-//! Who is at the wire: boards that are refused, and what they have to be set to.
+//! Identifies boards on the wire: which are refused, and the settings they need.
 
 use core::time::Duration;
 
@@ -8,7 +8,7 @@ use gsk_link::line::{LineLink, RequiredSettings};
 use gsk_link::{Backend, LinkConfig, LinkEvent, LinkState};
 use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 
-/// What another firmware says when it is spoken to; alarm and text that come of it.
+/// Alarm and text for a firmware that gives these answers.
 fn alarm_of(answers: impl Fn(&str) -> String, banner: &str) -> (u16, String, LinkState) {
     let mut link = LineLink::open(
         LinkConfig::default(),
@@ -33,7 +33,7 @@ fn alarm_of(answers: impl Fn(&str) -> String, banner: &str) -> (u16, String, Lin
     panic!("{:?}", link.state());
 }
 
-/// A link and a FluidNC board, side by side; what the link has to say.
+/// A link and a FluidNC board, side by side. Returns the events of the link.
 fn fluid(changes: &[(&str, &str)]) -> (LineLink, GrblTwin) {
     let mut twin = GrblTwin::new(Variant::FluidNc, GrblSettings::default());
     for (path, value) in changes {
@@ -81,7 +81,7 @@ fn a_fluidnc_board_is_known_and_told_its_settings_by_name() {
     assert_eq!(link.state(), LinkState::Locked, "{events:?}");
     assert_eq!(twin.config_item("start/must_home"), Some("true"));
     assert_eq!(twin.macro_count, 0);
-    // What was written is forgotten with the power.
+    // The written settings are lost with the power.
     twin.press_reset();
     let events = pass(&mut link, &mut twin, 4000);
     assert_eq!(alarms(&events)[0].0, 606, "{events:?}");
@@ -90,7 +90,7 @@ fn a_fluidnc_board_is_known_and_told_its_settings_by_name() {
     assert_eq!(alarms(&events)[0].0, 603, "{events:?}");
 }
 
-/// Pulse length, pins, macros: a value in memory would change nothing, or not for long.
+/// Pulse length, pins, macros: values in memory would have no effect, or no lasting one.
 #[test]
 fn what_only_the_file_of_the_board_can_say_is_named_and_not_written() {
     for (path, value, wanted) in [
@@ -124,7 +124,7 @@ fn what_only_the_file_of_the_board_can_say_is_named_and_not_written() {
     }
 }
 
-/// The example of the manual is what the machine file beside it asks for.
+/// The config.yaml example of the manual fits the machine file next to it.
 #[test]
 fn the_example_of_a_config_yaml_fits_its_machine_file() {
     let config: LinkConfig = ron::from_str(
@@ -167,7 +167,8 @@ fn the_example_of_a_config_yaml_fits_its_machine_file() {
     }
 }
 
-/// A board that looks for a network says so every second, and greets much later.
+/// A board that searches for a network reports that every second, and sends its banner much
+/// later.
 #[test]
 fn a_board_that_starts_slowly_is_waited_for() {
     let (config, parameters) = (LinkConfig::default(), Parameters::default());
@@ -210,7 +211,8 @@ fn a_board_that_is_not_understood_points_to_protocol_and_baud() {
     }
 }
 
-/// Wires of the owner: what the machine file says is asked of the board, and written.
+/// For wires of the owner, the settings from the machine file are compared with those of the
+/// board, and written.
 #[test]
 fn levels_and_the_time_of_a_switch_come_from_the_machine_file() {
     let config: LinkConfig =
@@ -250,7 +252,7 @@ fn a_board_that_greets_and_then_is_silent_is_reset_once_and_called_silent() {
     assert_eq!(resets.get(), 1);
 }
 
-/// Versions of grblHAL hang at the first setting that is written.
+/// Some versions of grblHAL hang at the first setting that is written.
 #[test]
 fn a_setting_that_is_never_answered_is_named() {
     for (variant, hint) in [(Variant::Grbl, false), (Variant::GrblHal, true)] {

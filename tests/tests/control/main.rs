@@ -1,4 +1,4 @@
-//! The whole control from outside, one binary: a test is `subject::name`.
+//! Tests the whole control from outside, in one binary: a test is `subject::name`.
 
 #![allow(
     clippy::expect_used,

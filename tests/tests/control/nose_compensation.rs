@@ -1,5 +1,5 @@
-//! Nose radius compensation in the whole control: agreement with the preview,
-//! single block, reset.
+//! Nose radius compensation in the whole control: agreement with the preview, single block,
+//! reset.
 
 use crate::bench::press;
 use gsk_core::cnc::Event;
@@ -77,7 +77,7 @@ fn moves(simulation: &mut Simulation, pieces: &mut Vec<Piece>) {
     }
 }
 
-/// Cycle start again and again until the program is over.
+/// Presses cycle start until the program has ended.
 fn run_through(simulation: &mut Simulation) -> Vec<Piece> {
     let mut pieces = Vec::new();
     for _ in 0..40 {
@@ -86,7 +86,7 @@ fn run_through(simulation: &mut Simulation) -> Vec<Piece> {
         if simulation.cnc.run_state() == RunState::Reset {
             break;
         }
-        // Release and press between the events of a tick: none is lost.
+        // The key is released and pressed between the events of a tick: none is lost.
         for down in [true, false] {
             simulation.cnc.set_panel_key(CYCLE_START, down);
             for _ in 0..100 {
@@ -148,8 +148,8 @@ fn reset_leaves_the_tool_where_it_stands() {
     assert_eq!(simulation.cnc.position_absolute(), machine);
 }
 
-/// Under G96 along a cylinder of 40 and an arc about (60, -60): the nose centre is
-/// the tip (T0), so the path of the tip lies 1 mm beside the programmed one.
+/// Under G96 along a cylinder of 40 and an arc about (60, -60). The nose centre is the tip
+/// (T0), so the path of the tip is 1 mm off the programmed one.
 const SURFACE: &str = "T0202 F600;
 M03 G96 S100;
 G42 G00 X40 Z2;
@@ -194,7 +194,7 @@ fn the_surface_speed_follows_the_programmed_x() {
         };
         let expected = 100_000.0 / (core::f64::consts::TAU * programmed);
         let commanded = simulation.cnc.spindle_commanded();
-        // The speed is set before the tick's motion: one tick behind.
+        // The speed is set before the tick's motion: it is one tick late.
         assert!((commanded - expected).abs() < 6.0, "{commanded} {expected}");
     }
     assert!(straight > 1000 && round > 1000 && waiting > 500);

@@ -1,5 +1,5 @@
-//! Pulses against commanded positions: gear, backlash and pitch errors, over very many
-//! moves. `PULSE_MOVES=10000000 cargo test -p gsk980td-core --test pulses` makes them all.
+//! Compares pulses with commanded positions over very many moves: gear, backlash and pitch
+//! errors. `PULSE_MOVES=10000000 cargo test -p gsk980td-core --test pulses` makes them all.
 
 use std::fmt::Write as _;
 
@@ -14,7 +14,7 @@ use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::{Axis, PerAxis, Point};
 
-/// Numbers that look random (Knuth's linear congruential generator).
+/// A random number generator (Knuth's linear congruential generator).
 struct Random(u64);
 
 impl Random {
@@ -31,8 +31,8 @@ impl Random {
     }
 }
 
-/// What an axis is set to, and what its pulses must be: whole numbers, straight from
-/// the manual. X counts half thousandths.
+/// The settings of an axis, and its expected pulses: integers, straight from the manual. X
+/// counts half thousandths.
 struct Model {
     per_thousandth: i64,
     gear: (i64, i64),
@@ -47,7 +47,7 @@ struct Model {
 }
 
 impl Model {
-    /// What was wrong from point to point between the reference and here.
+    /// The pitch error from point to point between the reference and here.
     fn pitch(&self) -> i64 {
         let point = |number: i64| {
             let place = usize::try_from(number).unwrap_or(0);
@@ -166,7 +166,7 @@ fn machine(random: &mut Random, gears: bool) -> Machine {
     }
 }
 
-/// Every move ends on its pulse, wherever it came from: nothing drifts.
+/// Every move ends on its pulse, wherever it came from: no error accumulates.
 #[test]
 fn pulses_are_exact_after_random_moves() {
     const MACHINES: u32 = 20;
@@ -263,8 +263,8 @@ fn run(setup: Setup, text: &str) -> Simulation {
     panic!("no end of\n{text}");
 }
 
-/// A screw with 0.04 mm of play: without 035 the slide is off after a reversal by the
-/// play; with it the slide stands where it was commanded, with servos too.
+/// A screw with 0.04 mm of backlash. Without 035 the slide is off by the backlash after a
+/// reversal. With it the slide is at its commanded position, with servos too.
 #[test]
 fn compensation_makes_up_for_the_play_of_the_screw() {
     let text = "O1;\nG98 G01 W10 F2000;\nW-4;\nG04 X1;\nM30;\n";

@@ -1,14 +1,14 @@
-//! Every signal of the table acts where its column `acts` says, and nowhere else.
+//! Checks that every signal of the table acts where its column `acts` says, and nowhere else.
 //!
-//! | word | who | looked up here by |
+//! | word | who | checked here by |
 //! |---|---|---|
-//! | `control` | the control reads G, writes F, X, K, DT | turning the bit and looking |
+//! | `control` | the control reads G, writes F, X, K, DT | inverting the bit |
 //! | `ladder` | the standard ladder reads or writes it | the cross reference |
 //! | `engine` | the PLC itself | – |
-//! | `free` | nobody: it is the machine builder's | – |
-//! | `none:` reason | nobody, and why | – |
+//! | `free` | unused: it is the machine builder's | – |
+//! | `none:` reason | unused, with the reason | – |
 //!
-//! What follows a semicolon is a remark.
+//! Text after a semicolon is a remark.
 
 use gsk_core::memory::Parameters;
 use gsk_core::operation::{FromPlc, Handshake, Mode, Strobe, ToPlc};
@@ -19,8 +19,7 @@ use gsk_core::units::PerAxis;
 
 const TABLE: &str = include_str!("../../../assets/tables/plc-signals.tsv");
 
-/// Signals that the control reads and writes elsewhere than in the F and G
-/// exchange; each has its case.
+/// Signals that the control reads and writes outside the F and G exchange; each has its case.
 const DIRECT: [&str; 10] = [
     "X0.5",  // emergency stop without the ladder
     "X26.0", // RESET key
@@ -28,7 +27,7 @@ const DIRECT: [&str; 10] = [
     "X0.3",  // deceleration switches of the zero return
     "X1.3", "Y0.7", // 011.4 ZDIL: the axes stand while the brake is on
     "Y1.2", // a spindle that turns already at the start
-    "K9",   // the mode at power-on (174)
+    "K9", // the mode at power-on (174)
     "K12",  // the tool at power-on
     "G54.0",
 ];
@@ -40,7 +39,7 @@ fn subject(text: &str) -> PlcAddress {
     }
 }
 
-/// Whether a bit of G changes what the control decodes, in any surroundings.
+/// Whether a bit of G changes what the control decodes, with any other signals.
 fn control_reads(bit: BitAddress) -> bool {
     [0u8, 0x80, 0xff].into_iter().any(|others| {
         let mut memory = PlcMemory::new();
@@ -63,7 +62,7 @@ fn control_reads(bit: BitAddress) -> bool {
     })
 }
 
-/// F as the control writes it, everything off or on.
+/// F as the control writes it, with everything off or on.
 fn written(on: bool, mode: Mode) -> PlcMemory {
     let mut parameters = Parameters::default();
     for number in [1, 4, 9, 11, 164, 168, 172, 173, 175] {
@@ -138,7 +137,7 @@ fn control_writes(bit: BitAddress) -> bool {
     (54..=59).contains(&bit.byte) || seen.any(|value| value != first)
 }
 
-/// Who acts on a signal, as the program has it.
+/// What acts on a signal, according to the program.
 fn actors(address: &str) -> Vec<&'static str> {
     let control = match subject(address) {
         PlcAddress::Bit(bit) if bit.area == Area::G => {

@@ -312,8 +312,8 @@ fn soft_limits_stop_a_jog_and_leave_the_way_back() {
     assert!(simulation.cnc.alarms().is_empty());
 }
 
-/// An axis passes its soft limit by a fifth of its rapid rate in m/min at most (045 to
-/// 048), wherever it comes from and whether it still gains speed there.
+/// An axis passes its soft limit by at most a fifth of its rapid rate in m/min (045 to 048),
+/// wherever it comes from and even while it accelerates there.
 #[test]
 fn a_rapid_passes_a_soft_limit_by_a_fifth_of_its_rate_at_most() {
     /// Of X as a radius, mm.

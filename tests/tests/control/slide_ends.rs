@@ -1,5 +1,5 @@
-//! The slides of every lathe have ends, and what the control says of a stop there
-//! (manual III-3.5, III-7).
+//! The slides of every lathe have ends. These tests check what the control reports about a
+//! stop there (manual III-3.5, III-7).
 
 use crate::bench::{press, ticks};
 use gsk_core::alarm::Alarm;
@@ -13,7 +13,7 @@ use proptest::prop_assert;
 use proptest::strategy::Strategy;
 use proptest::test_runner::{Config, TestRunner};
 
-/// The longest return: from one end of the training lathe to the other, and the low
+/// The longest return, ms: from one end of the training lathe to the other, and at the low
 /// rate of 033 over a dog.
 const LONGEST: u32 = 40_000;
 
@@ -25,7 +25,7 @@ const MACHINE_ZERO: BitAddress = key(20, 3);
 const X_PLUS: BitAddress = key(23, 1);
 const Z_PLUS: BitAddress = key(22, 7);
 
-/// A lathe in the mode of machine zero, its slides somewhere (X in radius).
+/// A lathe in machine zero mode, its slides at a position (X in radius).
 fn lathe(config: LatheConfig, bits: &[(u16, u8, bool)], place: Point) -> Simulation {
     let mut setup = Setup::delivered();
     for (number, bit, value) in bits {
@@ -45,7 +45,7 @@ fn lathe(config: LatheConfig, bits: &[(u16, u8, bool)], place: Point) -> Simulat
     simulation
 }
 
-/// Lets a return come to its end: still for a fifth of a second.
+/// Runs a return to its end: standstill for a fifth of a second.
 fn comes_to_an_end(simulation: &mut Simulation) -> bool {
     let mut still = 0;
     for _ in 0..LONGEST {
@@ -68,7 +68,7 @@ fn detail(simulation: &Simulation, number: u16) -> String {
     found.map(Alarm::detail_en).collect()
 }
 
-/// The training lathe, with what a machine file may take from it.
+/// The training lathe, without parts that a machine file may remove.
 fn without(limits: bool, dogs: bool, servo: Option<ServoConfig>) -> LatheConfig {
     let less = |axis: AxisConfig| AxisConfig {
         limits: axis.limits.filter(|_| limits),
@@ -156,7 +156,7 @@ fn a_return_without_switches_ends_in_a_drive_alarm_that_says_so() {
 
 #[test]
 fn the_alarm_of_a_limit_switch_names_axis_side_and_way_off() {
-    // Beyond the dog, which ends at -5: the return meets the limit switch at +5.
+    // Beyond the dog, which ends at -5: the return hits the limit switch at +5.
     let place = Point::new(-50.0, -2.0);
     let mut simulation = lathe(LatheConfig::default(), &[(11, 2, true)], place);
     press(&mut simulation, Z_PLUS);
@@ -187,7 +187,7 @@ fn a_return_that_begins_on_its_switch_is_told_the_way_off() {
     }
 }
 
-/// What the operator is told while a key is pressed and let go.
+/// The advice to the operator while a key is pressed and released.
 fn advice(latching: bool, z: f64) -> Vec<String> {
     let place = Point::new(-50.0, z);
     let mut simulation = lathe(LatheConfig::default(), &[(11, 2, latching)], place);

@@ -15,7 +15,7 @@ const RESET: BitAddress = BitAddress::new(Area::X, 26, 0);
 const BRAKE: BitAddress = BitAddress::new(Area::Y, 0, 7);
 const M42_OUTPUT: BitAddress = BitAddress::new(Area::Y, 0, 0);
 const M43_OUTPUT: BitAddress = BitAddress::new(Area::Y, 0, 1);
-/// Where the ladder of these tests finds the speed sensor.
+/// Input of the speed sensor in the ladder of these tests.
 const ARRIVED: BitAddress = BitAddress::new(Area::X, 2, 0);
 
 /// 2000 and 4000 r/min at 10 V in gears 1 and 2; 500 r/min while gears change, 200
@@ -37,7 +37,7 @@ fn setup(changes: &[(u16, i32)]) -> Setup {
     setup
 }
 
-/// Ticks until the condition holds.
+/// Runs until the condition holds. Returns the number of ticks.
 #[track_caller]
 fn until(simulation: &mut Simulation, reached: impl Fn(&Simulation) -> bool) -> u32 {
     let mut count = 0;
@@ -104,7 +104,7 @@ fn a_gear_that_does_not_engage_is_waited_for() {
     ticks(&mut simulation, 30_000);
     assert!(simulation.cnc.spindle().changing_gear());
     assert_eq!(simulation.cnc.run_state(), RunState::Run);
-    // Reset breaks it off: the old gear counts, S stands.
+    // Reset interrupts it: the old gear counts, S remains.
     press(&mut simulation, RESET);
     assert_eq!(simulation.cnc.spindle().gear(), 1);
     assert!((simulation.cnc.spindle_commanded() - 1000.0).abs() < 1e-9);
@@ -201,7 +201,7 @@ fn feed_per_revolution_follows_the_measured_spindle() {
     let mut simulation = started(Setup::default(), text);
     until(&mut simulation, |s| s.cnc.position_absolute().z < 295.0);
     assert!((simulation.cnc.feed_actual() - 300.0).abs() < 1.0);
-    // A spindle that stands stops the feed; as it comes up again so does the feed.
+    // A stopped spindle stops the feed. When it starts again, so does the feed.
     simulation.lathe.set_fault(Fault::SpindleBlocked, true);
     ticks(&mut simulation, 1500);
     let at = simulation.cnc.position_absolute().z;

@@ -1,5 +1,5 @@
-//! From cut to cut: with 007.3 = 1 every cut ends on its end point, with 007.3 = 0 it
-//! goes over into the next; the time that `check` gives is that of `run`.
+//! Transitions between cuts: with 007.3 = 1 every cut ends on its end point, with 007.3 = 0 it
+//! blends into the next. The time of `check` is that of `run`.
 
 use std::fmt::Write as _;
 
@@ -51,7 +51,7 @@ fn run(text: &str, setup: Setup, single_block: bool) -> Run {
         time: 0.0,
     };
     simulation.start_automatic();
-    // The part of the program that ran while the key was let go.
+    // The part of the program that ran before the key was released.
     let mut began = None;
     for tick in 0..3_600_000u32 {
         if simulation.cnc.run_state() == RunState::Stop {
@@ -101,7 +101,7 @@ fn nearest(path: &[Point], to: Point) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// The corner in machine coordinates: X300 Z300 is where runs start.
+/// The corner in machine coordinates: runs start at X300 Z300.
 const CORNER_POINT: Point = Point::new(150.0, 260.0);
 
 #[test]
@@ -110,11 +110,11 @@ fn smz_chooses_between_exact_and_rounded_corners() {
     let exact = run(CORNER, with(&[(7, 0b1000)]), false);
     assert!(nearest(&exact.path, CORNER_POINT) < 0.001);
     let over = run(CORNER, with(&[(7, 0)]), false);
-    // L = T (F - FL) = 4.98 mm; nearest to the corner the tool is at
-    // min √(e^-2s + (s - 1 + e^-s)²) = 0.509 of it, at s = 0.88.
+    // L = T (F - FL) = 4.98 mm; nearest to the corner the tool is at min √(e^-2s + (s - 1 +
+    // e^-s)²) = 0.509 of it, at s = 0.88.
     let off = nearest(&over.path, CORNER_POINT) / (0.1 * (3000.0 - 10.0) / 60.0);
     assert!((off - 0.509).abs() < 0.002, "{off}");
-    // One approach and one closing up less: T ln(F / FL) = 0.570 s.
+    // One approach and one deceleration less: T ln(F / FL) = 0.570 s.
     let saved = exact.time - over.time;
     assert!((saved - 0.5704).abs() < 0.01, "{saved} s");
     let ends: Vec<_> = over.moves.iter().map(|piece| piece.to).collect();
@@ -157,7 +157,7 @@ fn cycles_and_words_without_motion_keep_the_transition() {
     assert!((made.time - checked).abs() <= 0.005 * made.time);
 }
 
-/// A call stands between the cuts of two programs: check and run agree on it.
+/// A call is between the cuts of two programs: check and run agree on it.
 #[test]
 fn calls_between_cuts_take_the_same_time_in_check_and_run() {
     let mut setup = with(&[(7, 0)]);

@@ -27,7 +27,7 @@ const X_PLUS: BitAddress = key(23, 1);
 const Z_PLUS: BitAddress = key(22, 7);
 const Z_MINUS: BitAddress = key(22, 5);
 
-/// The lathe as delivered, with changed parameter bits and the tool somewhere.
+/// The lathe as delivered, with changed parameter bits and the tool at a position.
 fn lathe(bits: &[(u16, u8, bool)], x: f64, z: f64) -> Simulation {
     let mut setup = Setup::delivered();
     for (number, bit, value) in bits {
@@ -46,7 +46,7 @@ fn lathe(bits: &[(u16, u8, bool)], x: f64, z: f64) -> Simulation {
     simulation
 }
 
-/// Holds a key until the axes have stopped, at most so many ms.
+/// Holds a key until the axes have stopped, for at most `limit` ms.
 fn hold(simulation: &mut Simulation, key: BitAddress, limit: u32) {
     simulation.cnc.set_panel_key(key, true);
     ticks(simulation, 200);
@@ -78,7 +78,7 @@ fn alarms(simulation: &Simulation) -> Vec<u16> {
         .collect()
 }
 
-/// Lets a return run until the axes have stood for a tenth of a second.
+/// Runs a return until the axes have been at rest for a tenth of a second.
 #[track_caller]
 fn until_still(simulation: &mut Simulation) {
     let mut still = 0;
@@ -93,7 +93,7 @@ fn until_still(simulation: &mut Simulation) {
     }
 }
 
-/// A returned axis: machine coordinate, lamp, and where the slide really stands.
+/// Checks a returned axis: machine coordinate, lamp, and true position of the slide.
 #[track_caller]
 fn stands_at_zero(simulation: &Simulation, axis: Axis, place: f64) {
     assert_eq!(alarms(simulation), [0u16; 0]);
@@ -115,13 +115,13 @@ fn method_b_stops_on_the_first_zero_signal_after_the_switch() {
     assert!(!simulation.cnc.referenced().x);
     hold(&mut simulation, X_PLUS, 30_000);
     stands_at_zero(&simulation, Axis::X, 0.0);
-    // The lamp goes out when the axis leaves.
+    // The lamp goes off when the axis leaves.
     press(&mut simulation, JOG);
     hold(&mut simulation, Z_MINUS, 500);
     assert!(!lamp(&simulation, 4, 5) && lamp(&simulation, 4, 7));
 }
 
-/// A block by MDI, and until it is done.
+/// Executes a block by MDI and waits for its end.
 #[track_caller]
 fn block(simulation: &mut Simulation, words: &[&str]) {
     press(simulation, MDI);
@@ -136,8 +136,8 @@ fn block(simulation: &mut Simulation, words: &[&str]) {
     assert_eq!(alarms(simulation), [0u16; 0]);
 }
 
-/// However far its motor is behind when the signal comes, and whatever play the screw has:
-/// where the control takes the axis to be at zero, it is at zero from both sides.
+/// With any following error at the signal, and any backlash of the screw: the axis is at zero
+/// from both sides where the control displays zero.
 #[test]
 fn a_servo_with_play_stands_where_the_control_takes_it_to_be() {
     let mut worst: f64 = 0.0;
@@ -221,7 +221,7 @@ fn without_the_latch_of_the_keys_letting_go_stops_the_return() {
     let z = simulation.lathe.slides().z;
     assert!((-150.0..-30.0).contains(&z) && z > -149.0, "{z}");
     assert!(!simulation.cnc.referenced().z);
-    // Pressed again it begins anew.
+    // Pressed again it starts again.
     hold(&mut simulation, Z_PLUS, 30_000);
     stands_at_zero(&simulation, Axis::Z, 0.0);
 }
@@ -249,8 +249,8 @@ fn on_the_switch_the_return_is_refused_with_alarm_090() {
     assert_eq!(simulation.lathe.slides().z, -20.0);
 }
 
-/// Method C with a return in the positive direction: the zero is the positive end
-/// of the dog, met on the way back.
+/// Method C with a return in the positive direction: the zero is the positive end of the dog,
+/// reached on the way back.
 #[test]
 fn method_c_comes_back_to_the_edge_of_the_switch() {
     let mut simulation = lathe(&[(7, 1, true), (11, 2, true)], -100.0, -150.0);
@@ -278,7 +278,7 @@ fn method_a_goes_straight_to_the_zero_that_was_set() {
     press(&mut simulation, MACHINE_ZERO);
     hold(&mut simulation, Z_MINUS, 30_000);
     stands_at_zero(&simulation, Axis::Z, -150.0);
-    // It outlasts an emergency stop.
+    // It remains after an emergency stop.
     simulation.lathe.set_emergency_button(true);
     ticks(&mut simulation, 100);
     simulation.lathe.set_emergency_button(false);
@@ -296,8 +296,8 @@ fn a_switch_means_that_the_zero_is_not_set_by_hand() {
     assert!(!simulation.cnc.referenced().z);
 }
 
-/// The absolute coordinates go on through a return, or begin at 049 and 050 with
-/// 012.7 APRS = 1; the relative ones follow with 005.1 PPD = 1.
+/// The absolute coordinates continue through a return, or begin at 049 and 050 with 012.7 APRS
+/// = 1; the relative ones follow with 005.1 PPD = 1.
 #[test]
 fn coordinates_after_the_return() {
     for (aprs, ppd) in [(false, true), (true, true), (true, false)] {
@@ -308,7 +308,7 @@ fn coordinates_after_the_return() {
         ticks(&mut simulation, 100);
         let absolute = simulation.cnc.position_absolute().z;
         let relative = simulation.cnc.position_relative().z;
-        // It has gone 150 mm; 050 is 0.
+        // It has moved 150 mm; 050 is 0.
         let (expected, follows) = match (aprs, ppd) {
             (false, _) => (150.0, 150.0),
             (true, true) => (0.0, 0.0),
@@ -432,7 +432,7 @@ fn a_return_moves_under_the_ladders_locks_only() {
     assert!(!simulation.cnc.referenced().z);
 }
 
-/// How many random starts: a tenth unless PROPTEST_CASES says more.
+/// Number of random starts: a tenth unless PROPTEST_CASES sets another one.
 fn starts() -> u32 {
     std::env::var("PROPTEST_CASES")
         .ok()
@@ -440,7 +440,7 @@ fn starts() -> u32 {
         .unwrap_or(100)
 }
 
-/// A lathe with short ways: dogs as far from the zero as braking needs.
+/// A lathe with short travel: the dogs are as far from the zero as braking needs.
 fn short_lathe(bits: &[(u16, u8, bool)]) -> Simulation {
     let mut setup = Setup::delivered();
     for (number, bit, value) in bits {
@@ -452,7 +452,7 @@ fn short_lathe(bits: &[(u16, u8, bool)]) -> Simulation {
                 .is_ok()
         );
     }
-    // Fast low rate and short ramps: the test is about places, not about time.
+    // Fast low rate and short ramps: the test is about positions, not about time.
     for (number, value) in [(33, 1000), (24, 50), (25, 50)] {
         assert!(setup.memory.parameters.set(number, value).is_ok());
     }
@@ -463,12 +463,12 @@ fn short_lathe(bits: &[(u16, u8, bool)]) -> Simulation {
     simulation
 }
 
-/// Puts both slides somewhere, returns both axes by the keys, and gives the places
-/// that they come to, in pulses of the lathe.
+/// Puts both slides at a position, returns both axes by the keys, and returns their end
+/// positions in pulses of the lathe.
 fn return_from(simulation: &mut Simulation, x: f64, z: f64) -> (f64, f64) {
     simulation.lathe.put_slides(Point::new(x, z));
     simulation.lathe.stand_at(simulation.cnc.pulses());
-    // Both keys of an axis start the return; the lamps of the last one are out.
+    // Both keys of an axis start the return; the lamps of the last one are off.
     press(simulation, JOG);
     hold(simulation, Z_MINUS, 40);
     hold(simulation, key(22, 3), 40);
@@ -495,7 +495,7 @@ fn same_place(bits: &[(u16, u8, bool)], place: (f64, f64)) {
             continue;
         };
         let came = return_from(&mut simulation, x, z);
-        // Exactly the same pulse: the places are whole numbers of pulses.
+        // Exactly the same pulse: the positions are whole numbers of pulses.
         let pulses = |(x, z): (f64, f64)| ((x * 2000.0).round(), (z * 1000.0).round());
         assert_eq!(pulses(came), pulses(place), "from {x} {z}");
     }

@@ -1,4 +1,4 @@
-//! What a source file names: the paths that begin with `crate`, `super` or `self`,
+//! Finds the paths that a source file names: those that begin with `crate`, `super` or `self`,
 //! and those of the workspace's libraries.
 
 use std::fs;
@@ -20,7 +20,7 @@ pub struct Source {
     pub names: Vec<Named>,
 }
 
-/// Every source below a folder that is no test, in the order of their names.
+/// All sources below a folder except tests, sorted by name.
 pub fn sources(src: &Path) -> Vec<Source> {
     let mut found = Vec::new();
     walk(src, &mut Vec::new(), &mut found);
@@ -79,7 +79,7 @@ fn names(text: &str) -> Vec<Named> {
     named
 }
 
-/// Reads one path, with what its braces hold; gives the place behind it.
+/// Reads one path with the content of its braces. Returns the position after it.
 fn tree(
     tokens: &[(usize, String)],
     mut at: usize,
@@ -116,7 +116,7 @@ fn is_word(token: &str) -> bool {
     token.starts_with(|letter: char| letter.is_alphabetic() || letter == '_')
 }
 
-/// Words, `::` and single signs with their lines; comments and tests are left out.
+/// Words, `::` and single signs with their lines, without comments and tests.
 fn tokens(text: &str) -> Vec<(usize, String)> {
     let mut tokens: Vec<(usize, String)> = Vec::new();
     for (line, text) in without_tests(text) {
@@ -140,8 +140,8 @@ fn tokens(text: &str) -> Vec<(usize, String)> {
     tokens
 }
 
-/// The lines of a text, counted from 1, without the items under `#[cfg(test)]`. They
-/// end as rustfmt writes it: with a semicolon, or with a brace as far in as they began.
+/// The lines of a text, numbered from 1, without the items under `#[cfg(test)]`. These end
+/// as formatted by rustfmt: with a semicolon, or with a brace at their own indentation.
 fn without_tests(text: &str) -> Vec<(usize, &str)> {
     let mut lines = (1..).zip(text.lines());
     let mut kept = Vec::new();

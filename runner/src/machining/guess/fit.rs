@@ -1,4 +1,5 @@
-//! Fits tools and bar to what a program does: as slim as needed, far enough out of the jaws.
+//! Fits tools and bar to the moves of a program: tools as slim as needed, the bar far enough
+//! out of the jaws.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,7 +14,7 @@ use super::tools::SLIMMEST;
 use super::{FARTHEST, Guess, TO_JAWS};
 
 impl Guess<'_> {
-    /// The job with a bar, its tools as slim as the program needs them.
+    /// The job with a bar, and tools that are only as slim as the program needs.
     pub(super) fn fitted(&self, radius: f64, front: f64) -> Job {
         let mut slim = BTreeMap::new();
         let mut job = Job::new(self.stock(radius, front));
@@ -23,7 +24,7 @@ impl Guess<'_> {
             self.clear_jaws(&mut job);
             hits = self.hits(&job);
         }
-        // The fewest hits of each tool, and how slim it is then.
+        // The fewest hits of each tool, and its slimness then.
         let mut fewest: BTreeMap<u8, (usize, u8)> = BTreeMap::new();
         for level in 1..=SLIMMEST {
             if hits.of_tools.is_empty() {
@@ -49,7 +50,7 @@ impl Guess<'_> {
         job
     }
 
-    /// Makes the bar stand out as far as tools reach that cut it.
+    /// Extends the bar from the jaws to the reach of the tools that cut it.
     fn clear_jaws(&self, job: &mut Job) {
         let reach = |tool: &Tool| {
             let shape = ToolShape::from_tool(tool);
@@ -81,7 +82,7 @@ impl Guess<'_> {
     fn hits(&self, job: &Job) -> Hits {
         let mut machining = Machining::new(job.clone());
         for (line, step) in (1..).zip(self.tried) {
-            // Each motion is counted by itself.
+            // A separate source per motion counts each motion separately.
             let source = Source {
                 program: ProgramId::External,
                 line,
@@ -104,11 +105,11 @@ impl Guess<'_> {
     }
 }
 
-/// What guessed tools hit.
+/// Collisions of the guessed tools.
 #[derive(Default)]
 struct Hits {
     jaws: bool,
-    /// Findings by tool: its body anywhere, its insert in a rapid in the stock.
+    /// Number of findings by tool: its body anywhere, its insert during a rapid in the stock.
     of_tools: BTreeMap<u8, usize>,
 }
 

@@ -1,4 +1,4 @@
-//! Tools for what a program does with them, the most usual one first.
+//! Chooses tools for what a program does with them, the most usual one first.
 
 use std::collections::BTreeMap;
 
@@ -7,36 +7,36 @@ use gsk_workpiece::tool::{Holder, Insert, InsertLetter, Tool};
 
 use super::uses::{Use, Work};
 
-/// Width of a grooving tool whose width nothing shows, mm.
+/// Width of a grooving tool if the program does not show it, mm.
 const GROOVE: f64 = 3.0;
-/// How far the steps of a wide groove overlap, mm.
+/// Overlap of the steps of a wide groove, mm.
 const OVERLAP: f64 = 0.5;
-/// A drill whose diameter nothing shows, mm.
+/// Diameter of a drill if the program does not show it, mm.
 const DRILL: f64 = 10.0;
-/// A drill that goes no deeper while another one does drills a centre, mm.
+/// Greatest depth of a centre drill, mm: another drill goes deeper.
 const CENTER_DEPTH: f64 = 8.0;
-/// Its diameter, mm.
+/// Diameter of a centre drill, mm.
 const CENTER: f64 = 4.0;
-/// A blade or a drill reaches so much farther than it goes, mm.
+/// Extra reach of a blade or drill beyond its depth of cut, mm.
 const SPARE: f64 = 2.0;
-/// Part of a hole that a boring bar in it fills.
+/// Share of a hole that the boring bar in it fills.
 const FILLS: f64 = 0.7;
 /// Entering angle of an edge that finishes a shoulder, degrees.
 const RIGHT_ANGLE: f64 = 90.0;
-/// Depth of a groove inside whose depth nothing shows, mm.
+/// Depth of an internal groove if the program does not show it, mm.
 const INSIDE_GROOVE: f64 = 3.0;
 
-/// How a tool stands to the part.
+/// The orientation of a tool relative to the part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Pose {
-    /// It cuts the inside.
+    /// Whether it cuts the inside.
     pub(super) internal: bool,
-    /// It cuts away from the chuck.
+    /// Whether it cuts away from the chuck.
     pub(super) left_hand: bool,
 }
 
 impl Pose {
-    /// The number of the imaginary tip; beyond the axis everything is upside down.
+    /// The number of the imaginary tip. Beyond the spindle axis the directions are reversed.
     const fn tip(self, beyond: bool) -> u8 {
         match (self.internal != beyond, self.left_hand) {
             (false, false) => 3,
@@ -46,8 +46,8 @@ impl Pose {
         }
     }
 
-    /// How slim the tools are with which a pose is judged, the first one first: a square
-    /// insert leaves nothing on shoulders and steps that a rapid would meet.
+    /// The slimness levels with which a pose is judged, in their order. A square insert leaves
+    /// nothing on shoulders and steps that a rapid would hit.
     pub(super) const fn levels(self) -> [u8; 3] {
         if self.internal {
             [0, SQUARE, SLIMMEST]
@@ -56,7 +56,7 @@ impl Pose {
         }
     }
 
-    /// All of them, from the one that seems to be right on.
+    /// All poses, the most probable first.
     fn all(used: &Use) -> [Self; 4] {
         let (internal, left_hand) = (used.is_internal(), used.is_left_hand());
         let pose = |internal, left_hand| Self {
@@ -72,17 +72,17 @@ impl Pose {
     }
 }
 
-/// What is known of the tools beside what each of them does.
+/// What is known of the tools besides the use of each of them.
 pub(super) struct Known<'a> {
     pub(super) uses: &'a BTreeMap<u8, Use>,
     pub(super) offsets: &'a Offsets,
-    /// Greatest radius and front of the stock, mm.
+    /// Greatest radius and face of the stock, mm.
     pub(super) radius: f64,
     pub(super) front: f64,
 }
 
 impl Known<'_> {
-    /// The poses that a tool may have; the offset table decides where it names one.
+    /// The possible poses of a tool. A tip number in the offset table decides.
     pub(super) fn poses(&self, used: &Use) -> Vec<Pose> {
         let all = Pose::all(used);
         match (used.work, self.row(used).t) {
@@ -108,8 +108,8 @@ impl Known<'_> {
         self.offsets.get(used.offset)
     }
 
-    /// A tool in a pose; `slim` counts up to [`SLIMMEST`] from the usual one to one that
-    /// touches least.
+    /// The tool for a use in a pose. `slim` goes from 0, the usual tool, to [`SLIMMEST`], the
+    /// tool that touches least.
     pub(super) fn tool(&self, used: &Use, pose: Pose, slim: u8) -> Tool {
         let mut tool = match used.work {
             Some(Work::Drill) => return self.drill(used),
@@ -142,7 +142,7 @@ impl Known<'_> {
         }
     }
 
-    /// How deep a tool goes behind the front, mm.
+    /// Depth of a tool's cuts from the face, mm.
     fn depth(&self, used: &Use) -> f64 {
         (self.front - used.deepest).max(0.0)
     }
@@ -166,7 +166,7 @@ impl Known<'_> {
         tool
     }
 
-    /// A blade along the spindle axis; the middle of its edge is programmed.
+    /// A blade parallel to the spindle axis; its programmed point is the middle of the edge.
     fn face_groove(&self, used: &Use) -> Tool {
         let mut tool = Tool::grooving(width(used));
         tool.tip = 7;
@@ -220,7 +220,7 @@ impl Known<'_> {
 
     fn boring(&self, used: &Use, slim: u8) -> Tool {
         let mut tool = Tool::boring();
-        // The hole into which it goes must have room for the insert, too.
+        // The hole must also have space for the insert.
         let hole = 2.0 * used.nearest.unwrap_or(f64::INFINITY).max(1.0);
         let scale = match slim {
             0 => (hole / 15.0).min(1.0),
@@ -240,7 +240,7 @@ impl Known<'_> {
         tool
     }
 
-    /// A bar that fits into the hole that a tool finds, its insert standing out.
+    /// A bar that fits into the hole of the tool with its insert at `out`, mm.
     fn bar(&self, used: &Use, out: f64, slim: u8) -> Holder {
         if slim > 1 {
             return Holder::None;
@@ -254,20 +254,20 @@ impl Known<'_> {
     }
 }
 
-/// The step with a square blade, where a contour lets it.
+/// The level with a square blade, where the contour allows it.
 const SQUARE: u8 = 2;
-/// The last step from a usual tool to one that touches least.
+/// The last level, with the tool that touches least.
 pub(super) const SLIMMEST: u8 = 6;
 
-/// Width of a blade: a groove that is wider than its tool is cut in steps of less.
+/// Width of a blade. A groove wider than its tool is cut in smaller steps.
 fn width(used: &Use) -> f64 {
     let step = used.step().filter(|step| *step < GROOVE);
     step.map_or(GROOVE, |step| (step + OVERLAP).min(GROOVE))
 }
 
-/// An outside tool whose back clears a contour that goes in so steeply, degrees.
+/// An outside tool whose back clears a contour of this steepness, degrees.
 fn turning(steepest: f64, slim: u8) -> Tool {
-    // What is left between the second edge and the spindle axis.
+    // Angle left between the second edge and the spindle axis.
     let clears = |letter: InsertLetter, entering: f64| 180.0 - entering - letter.corner();
     let (letter, entering, nose) = if steepest <= clears(InsertLetter::C, 95.0) {
         (InsertLetter::C, 95.0, 0.8)
@@ -276,8 +276,8 @@ fn turning(steepest: f64, slim: u8) -> Tool {
     } else {
         (InsertLetter::V, 93.0, 0.4)
     };
-    // An edge of 16 mm: shoulders are finished in one go. One at right angles leaves nothing
-    // on a shoulder for the rapid away from it, a blade nothing on a step that is faced, either.
+    // An edge of 16 mm finishes shoulders in one pass. A right-angled edge leaves nothing on a
+    // shoulder for the rapid away from it; a blade leaves nothing on a faced step either.
     let usual = Tool::turning().holder;
     if slim == SQUARE && steepest <= 0.0 {
         let (width, reach) = (12.0, 16.0);

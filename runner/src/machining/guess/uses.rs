@@ -1,4 +1,4 @@
-//! What a program does with each of its tools.
+//! Finds out from its moves what a program does with each tool.
 
 use std::collections::BTreeMap;
 
@@ -11,19 +11,19 @@ use gsk_workpiece::stock::Stock;
 use super::super::track::Track;
 use crate::curves::RapidRates;
 
-/// A length that is nothing, mm.
+/// Lengths up to this count as zero, mm.
 const NOTHING: f64 = 1e-6;
-/// So near to the spindle axis a tool drills, mm of radius.
+/// A tool this near to the spindle axis drills, mm of radius.
 const ON_AXIS: f64 = 0.01;
-/// Feeds along Z that are no longer are chamfers and runs into a cut, mm.
+/// Feeds along Z up to this length are chamfers and run-ins, mm.
 const SHORT: f64 = 3.0;
-/// A cut across that lies no deeper faces the part, mm.
+/// A cross cut up to this depth faces the part, mm.
 const FACE: f64 = 1.0;
-/// Material above a ring into which a tool plunges from the front: more is not turned
-/// off in one pass, mm of radius.
+/// Greatest depth that one pass turns off, mm of radius. With more material above it, a tool
+/// that plunges from the front cuts a ring.
 const RING: f64 = 4.0;
 
-/// A motion of the first ones of a program, and its tool.
+/// A motion of the program, and its tool.
 #[derive(Clone, Debug)]
 pub(super) struct Step {
     pub(super) tool: u8,
@@ -41,7 +41,7 @@ impl Step {
     }
 }
 
-/// What a tool seems to be.
+/// The kind of work that a tool seems to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Work {
     /// Turning, facing, boring.
@@ -61,49 +61,49 @@ pub(super) enum Work {
 pub(super) struct Use {
     /// Number of the offset.
     pub(super) offset: u8,
-    /// Beyond the spindle axis: its X is negative.
+    /// Whether it works beyond the spindle axis, with negative X.
     pub(super) beyond: bool,
     threads: u32,
-    /// The greatest lead of them, mm.
+    /// Greatest lead of its threads, mm.
     pub(super) lead: f64,
-    /// Feeds along the spindle axis.
+    /// Number of feeds along the spindle axis.
     along: u32,
-    /// The longest of them along Z, mm.
+    /// Length of the longest of them along Z, mm.
     longest: f64,
-    /// Feeds across the spindle axis.
+    /// Number of feeds across the spindle axis.
     across: u32,
-    /// Feeds on the spindle axis.
+    /// Number of feeds on the spindle axis.
     pub(super) drills: u32,
-    /// Feeds into a groove: straight back comes next; of the rest, something else.
+    /// Number of cross feeds that retract straight, as from a groove, and of the others.
     grooves: [u32; 2],
     rings: [u32; 2],
-    /// Feeds into a ring that were broken to let go of the chip, or that dwelt at its
-    /// bottom.
+    /// Number of feeds into a ring with a break for the chip, or with a dwell at the bottom.
     pecks: u32,
-    /// How often it leaves a cut towards the axis and away from it.
+    /// Number of retractions from a cut towards the axis, and away from it.
     leaves: [u32; 2],
-    /// How often it leaves a cut across towards the chuck and away from it.
+    /// Number of retractions from a cross cut towards the chuck, and away from it.
     leaves_along: [u32; 2],
-    /// The steepest way back into the part, degrees.
+    /// Steepest path back into the part, degrees.
     pub(super) steepest: f64,
-    /// Nearest to the axis within the part, mm of radius.
+    /// Least distance from the axis within the part, mm of radius.
     pub(super) nearest: Option<f64>,
-    /// The same where it cuts.
+    /// The same for its cuts.
     pub(super) nearest_cut: f64,
-    /// Farthest from the axis where it cuts, and where it cuts along, mm of radius.
+    /// Greatest distance of its cuts, and of its longitudinal cuts, from the axis, mm of
+    /// radius.
     pub(super) farthest_cut: f64,
     pub(super) widest: f64,
     /// Least and greatest Z of its cuts.
     pub(super) deepest: f64,
     pub(super) first: f64,
-    /// Where its cuts into grooves begin: Z, or X of grooves in a face.
+    /// Where its cuts into grooves begin: Z, or X for grooves in a face.
     positions: Vec<f64>,
-    /// Radii of its threads.
+    /// Least and greatest radius of its threads.
     pub(super) crests: Option<(f64, f64)>,
     pub(super) work: Option<Work>,
 }
 
-/// The motions of moves.
+/// The tool motions of executed moves.
 pub(super) fn steps(moves: &[ExecutedMove], rates: RapidRates) -> Vec<Step> {
     let mut track = Track::of(&Job::new(Stock::bar(50.0, 0.0, 60.0)));
     let step = |executed: &ExecutedMove| {
@@ -119,14 +119,14 @@ pub(super) fn steps(moves: &[ExecutedMove], rates: RapidRates) -> Vec<Step> {
     moves.iter().flat_map(step).collect()
 }
 
-/// The uses of tools that cut.
+/// The uses of all tools that cut, by tool number.
 pub(super) fn uses(moves: &[ExecutedMove], steps: &[Step], front: f64) -> BTreeMap<u8, Use> {
     let mut uses = BTreeMap::<u8, Use>::new();
     let mut before: Option<&ExecutedMove> = None;
     for executed in moves {
         let used = uses.entry(executed.conditions.tool).or_default();
         if executed.kind == MoveKind::Dwell && before.is_some_and(is_along_inwards) {
-            // A ring is cut round before the tool goes back.
+            // A ring is cut all round before the tool retracts.
             used.pecks += 1;
         }
         before = Some(executed);
@@ -157,7 +157,7 @@ pub(super) fn uses(moves: &[ExecutedMove], steps: &[Step], front: f64) -> BTreeM
     uses
 }
 
-/// Whether a move cuts straight towards the chuck, beside the axis.
+/// Whether a move cuts straight towards the chuck, off the axis.
 fn is_along_inwards(executed: &ExecutedMove) -> bool {
     let (from, to) = (executed.from, executed.to);
     executed.kind == MoveKind::Feed && from.x == to.x && to.z < from.z && to.x.abs() > ON_AXIS
@@ -170,7 +170,7 @@ impl Use {
 
     fn take(&mut self, steps: &[&Step], front: f64) {
         let cuts = || steps.iter().filter(|step| step.is_cut());
-        // Beyond the axis are those that cut there, not those that face past it.
+        // A tool that faces past the axis does not work beyond it.
         let reach = |low: f64, high: f64| (low.min(high), high.max(low));
         let (low, high) = cuts().fold((0.0_f64, 0.0_f64), |(low, high), step| {
             let (a, b) = reach(step.motion.from.x, step.motion.to.x);
@@ -268,7 +268,7 @@ impl Use {
         }
     }
 
-    /// Whether it does nothing but drill or tap.
+    /// Whether it only drills or taps.
     pub(super) const fn is_drill(&self) -> bool {
         self.drills > 0 && self.along == 0 && self.threads == 0
     }
@@ -292,17 +292,18 @@ impl Use {
         }
     }
 
-    /// Whether its cuts seem to lie on the inside.
+    /// Whether its cuts seem to be on the inside.
     pub(super) const fn is_internal(&self) -> bool {
         self.leaves[0] > self.leaves[1]
     }
 
-    /// Whether it seems to cut away from the chuck: it leaves cuts across towards it.
+    /// Whether it seems to cut away from the chuck: it retracts from cross cuts towards the
+    /// chuck.
     pub(super) const fn is_left_hand(&self) -> bool {
         self.leaves_along[0] > self.leaves_along[1]
     }
 
-    /// The least distance between its plunges, mm.
+    /// Least distance between its plunges, mm.
     pub(super) fn step(&self) -> Option<f64> {
         let mut positions = self.positions.clone();
         positions.sort_by(f64::total_cmp);

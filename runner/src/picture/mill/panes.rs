@@ -1,4 +1,4 @@
-//! The four views of a mill's path, each in its frame.
+//! Lays out the four views of a mill's path, each in its frame.
 
 use gsk_messages::{Language, say};
 
@@ -8,18 +8,18 @@ use super::Cube;
 
 /// Units between views.
 const BETWEEN: f64 = 30.0;
-/// From the edge of a picture to a view: its figures stand there.
+/// Space for the figures between the edge of the picture and a view, units.
 const SIDE: f64 = 60.0;
 const BELOW: f64 = 36.0;
 
 /// A direction from which the path is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum View {
-    /// From above.
+    /// From above: X to the right, Y up.
     Xy,
-    /// From the front.
+    /// From the front: X to the right, Z up.
     Xz,
-    /// From the right.
+    /// From the right: Y to the right, Z up.
     Yz,
     /// From above, the front and the left.
     Isometric,
@@ -28,7 +28,7 @@ pub enum View {
 impl View {
     const ALL: [Self; 4] = [Self::Xy, Self::Isometric, Self::Xz, Self::Yz];
 
-    /// Where a point lies, mm: to the right, up.
+    /// Projects a point, mm: to the right, up.
     fn see(self, [x, y, z]: [f64; 3]) -> (f64, f64) {
         // Half of the root of three.
         const COS_30: f64 = 0.866_025_403_784_438_6;
@@ -40,7 +40,7 @@ impl View {
         }
     }
 
-    /// What it is called.
+    /// The caption of the view.
     pub fn name(self, language: Language) -> String {
         match self {
             Self::Xy => "XY".to_owned(),
@@ -50,7 +50,7 @@ impl View {
         }
     }
 
-    /// What lies to the right and up.
+    /// The axes to the right and up, as indexes of X, Y, Z; `None` for the isometric view.
     pub const fn axes(self) -> Option<[usize; 2]> {
         match self {
             Self::Xy => Some([0, 1]),
@@ -63,9 +63,9 @@ impl View {
 
 /// A view in its frame.
 pub struct Pane {
-    /// From where it is seen.
+    /// The view in this frame.
     pub view: View,
-    /// Its frame, units.
+    /// The frame: left, top, right, bottom, units.
     pub frame: Area,
     /// mm at the left and at the bottom of the frame, and units of a mm.
     left: f64,
@@ -74,7 +74,7 @@ pub struct Pane {
 }
 
 impl Pane {
-    /// Where a point lies in the picture, units.
+    /// Converts a point, mm, to units of the picture.
     pub fn place(&self, point: [f64; 3]) -> (f64, f64) {
         let (right, up) = self.view.see(point);
         let x = self.frame.0 + (right - self.left) * self.scale;
@@ -82,7 +82,7 @@ impl Pane {
     }
 }
 
-/// How far a view reaches, mm: least and greatest to the right and up.
+/// The range of a view, mm: least and greatest to the right, then up.
 fn reach(view: View, cube: &Cube) -> [f64; 4] {
     let seen = cube.corners().map(|corner| view.see(corner));
     seen.iter().fold(
@@ -91,7 +91,7 @@ fn reach(view: View, cube: &Cube) -> [f64; 4] {
     )
 }
 
-/// The four views: those along an axis at one scale, fitted into four equal fields.
+/// Lays out the four views in equal fields, those along an axis at the same scale.
 pub fn panes(cube: &Cube, (wide, tall): (f64, f64), top: f64) -> [Pane; 4] {
     let room = (
         (wide - 2.0 * SIDE - BETWEEN - EDGE).max(80.0) / 2.0,

@@ -1,4 +1,4 @@
-//! What the picture of a mill's path is made of: lines and texts.
+//! Makes the lines and texts of a mill's picture.
 
 use gsk_messages::{Language, say};
 
@@ -10,46 +10,46 @@ use super::panes::{Pane, panes};
 use super::{Cube, MillDrawing};
 use crate::words::clock;
 
-/// Units above the legend, of one of its rows, and between its entries.
+/// Units above the legend, height of one of its rows, and gap between its entries.
 const TOP: f64 = 44.0;
 const ROW: f64 = 22.0;
 const BETWEEN: f64 = 30.0;
 
-/// Lines of a view.
+/// The lines of a frame.
 const FRAME: Pen = Pen {
     color: [0xB0; 3],
     width: 1.0,
     dash: &[],
 };
 
-/// What a picture is made of, units.
+/// A line or text of a picture, units.
 #[derive(Clone, Debug)]
 pub enum Part {
     /// A line through points.
     Line(Pen, Vec<(f64, f64)>),
     /// A text.
     Text {
-        /// Its point.
+        /// Its reference point.
         at: (f64, f64),
-        /// What it says.
+        /// The text.
         words: String,
-        /// Where it stands about its point.
+        /// Its position relative to the point.
         align: Place,
     },
 }
 
-/// Where a text stands about its point.
+/// Position of a text relative to its point.
 #[derive(Clone, Copy, Debug)]
 pub enum Place {
-    /// To the right of it: it is its left end.
+    /// The point is at the left end of the text.
     Left,
-    /// In the middle.
+    /// The point is in the middle of the text.
     Center,
-    /// It is its right end.
+    /// The point is at the right end of the text.
     Right,
 }
 
-/// The whole picture.
+/// All lines and texts of the picture.
 pub fn parts(drawing: &MillDrawing, language: Language) -> Vec<Part> {
     let (wide, tall) = drawing.look.size.units();
     let cube = drawing.cube();
@@ -83,7 +83,7 @@ pub fn parts(drawing: &MillDrawing, language: Language) -> Vec<Part> {
     parts
 }
 
-/// Title, time and a line for each tool; the height that they take.
+/// Title, time and a line for each tool, with their height.
 fn head(drawing: &MillDrawing, wide: f64, language: Language) -> (Vec<Part>, f64) {
     let times = &drawing.times;
     let whole = times.all.rapid + times.all.feed + times.all.thread + times.all.dwell;
@@ -120,7 +120,7 @@ fn head(drawing: &MillDrawing, wide: f64, language: Language) -> (Vec<Part>, f64
         });
         x += entry;
     }
-    // The path is that of X, Y and Z: what turns is told.
+    // The path shows X, Y and Z only. The range of rotary axes is written as text.
     for (further, least, greatest) in &drawing.further {
         let unit = if further.rotary { "°" } else { " mm" };
         let (least, greatest) = (figure(*least), figure(*greatest));

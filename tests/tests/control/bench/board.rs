@@ -17,12 +17,12 @@ use gsk_twins::wire::Wire;
 
 use super::keys::{AUTO, CYCLE_START, MDI, RESET, X_PLUS, Z_PLUS, ZERO};
 
-/// One millisecond of all three.
+/// One millisecond, ns.
 const MS: u64 = 1_000_000;
-/// Pulses of X and Z from where the slides stand first to the reference switches.
+/// Pulses of X and Z from the initial position of the slides to the reference switches.
 const SWITCHES: [i64; 2] = [800, 400];
 
-/// What the tests of both kinds of board need of a twin.
+/// What tests of both kinds of board need of a twin.
 pub trait Board: Clone {
     fn now(&self) -> u64;
     fn advance(&mut self, ns: u64);
@@ -30,16 +30,16 @@ pub trait Board: Clone {
     fn write(&mut self, bytes: &[u8]);
     /// Pulses at the pins.
     fn pulses(&self) -> [i64; 2];
-    /// The board counts wrong from here on.
+    /// Adds an error to the board's count.
     fn add_position_error(&mut self, pulses: [i64; 2]);
-    /// Power or the reset line.
+    /// Cuts the power or pulls the reset line.
     fn press_reset(&mut self);
-    /// Its firmware gives up by itself.
+    /// Makes the firmware shut down.
     fn fail(&mut self);
     /// The limit switch of Z, and the contact of the emergency stop.
     fn press_limit(&mut self, operated: bool);
     fn press_emergency(&mut self, operated: bool);
-    /// To the board, and to the host.
+    /// The wires to the board and to the host.
     fn wires(&mut self) -> [&mut Wire; 2];
 }
 
@@ -79,8 +79,8 @@ impl Board for GrblTwin {
     }
 }
 
-/// A board of timed steps, with limit switches of X and Z at these pulses, which are
-/// the reference, too; that of Z may be pressed by hand.
+/// A board of timed steps, with limit switches of X and Z at these pulses. They are the
+/// reference too. The switch of Z may also be pressed by hand.
 #[derive(Clone)]
 pub struct Timed(pub KlipperTwin, pub [i64; 2], pub bool);
 
@@ -134,31 +134,31 @@ pub struct Machine<T = GrblTwin> {
     pub linked: Linked,
     pub twin: T,
     pub notes: Vec<Note>,
-    /// The computer's clock against the board's.
+    /// Speed of the computer's clock relative to the board's.
     pub clock_rate: f64,
-    /// Board time, ns, and host time at the last look.
+    /// Board time, ns, and host time at the last call.
     clock: (u64, Duration),
-    /// Kernel ticks made.
+    /// Number of kernel ticks.
     pub ticks: u64,
-    /// The board's count at which the kernel's is zero.
+    /// The board's count at which the kernel's count is zero.
     origin: [i64; 2],
     /// The kernel's count at the machine zero.
     home: [i64; 2],
-    /// The kernel's way: pulses after each tick that made one.
+    /// The kernel's path: its pulses after each tick with a pulse.
     pub path: Vec<[i64; 2]>,
     recording: bool,
-    /// Bytes to the board while the way is noted.
+    /// Bytes sent to the board while the path is recorded.
     pub sent: Vec<u8>,
-    /// Ticks of the kernel between two pulses that belong together.
+    /// Greatest number of kernel ticks between two pulses of one motion.
     pub moving_ticks: u64,
     last_pulse: u64,
-    /// The port takes no more bytes a millisecond than so.
+    /// Number of bytes that the port accepts in a millisecond.
     pub takes_at_most: Option<usize>,
-    /// Looked at after every millisecond.
+    /// Called after every millisecond.
     pub watch: Option<fn(&Self)>,
 }
 
-/// Two pulses farther apart, in ms, do not belong to one motion.
+/// Two pulses farther apart than this, ms, belong to different motions.
 pub const APART: u64 = 120;
 
 impl Machine {
@@ -172,7 +172,7 @@ impl Machine {
         Self::wired(twin, config, &[(17, divide), (18, divide)])
     }
 
-    /// Settings written, board unlocked; nobody knows where it stands.
+    /// Settings written, board unlocked, position unknown.
     pub fn connected(variant: Variant) -> Self {
         Self::unlocked(variant, 10_000, 5)
     }
@@ -181,7 +181,7 @@ impl Machine {
         Self::new(variant, flush_keep_speed, divide).open()
     }
 
-    /// Settings written, board unlocked.
+    /// Writes the settings and unlocks the board.
     pub fn open(self) -> Self {
         let mut machine = self;
         machine.wait(6000, |machine| machine.alarms() == [603]);
@@ -192,7 +192,7 @@ impl Machine {
         machine
     }
 
-    /// The reference return is made.
+    /// A machine after its reference return.
     pub fn referenced(variant: Variant) -> Self {
         Self::with(variant, 10_000)
     }
@@ -207,8 +207,8 @@ impl Machine {
         Self::unlocked(variant, 10_000, divide).homed()
     }
 
-    /// A lathe with grblHAL behind an encoder; machine file and settings of the board
-    /// as given, and parameters besides the gear 1/5.
+    /// A lathe with grblHAL and an encoder, with a machine file, settings of the board, and
+    /// parameters besides the gear 1/5.
     pub fn threading(config: LinkConfig, settings: GrblSettings, changes: &[(u16, i32)]) -> Self {
         let gear = [(17, 5), (18, 5)];
         let changes = [&gear[..], changes].concat();
@@ -219,8 +219,7 @@ impl Machine {
 }
 
 impl Machine<Timed> {
-    /// A training lathe with electronic gear 1/5 and a board of timed steps that has
-    /// just got power.
+    /// A training lathe with electronic gear 1/5 and a board of timed steps after power-on.
     pub fn timed(flush_keep_speed: u32) -> Self {
         let config: LinkConfig = ron::from_str(
             r#"(
@@ -241,7 +240,7 @@ impl Machine<Timed> {
         Self::wired(Timed(twin, SWITCHES, false), config, &[(17, 5), (18, 5)])
     }
 
-    /// Set up; nobody knows where it stands.
+    /// Set up, position unknown.
     pub fn timed_connected() -> Self {
         let mut machine = Self::timed(10_000);
         machine.wait(6000, |machine| machine.linked.state() == LinkState::Locked);
@@ -250,7 +249,7 @@ impl Machine<Timed> {
         machine
     }
 
-    /// The reference return is made.
+    /// A machine after its reference return.
     pub fn timed_referenced() -> Self {
         Self::timed_connected().homed()
     }
@@ -303,13 +302,13 @@ impl<T: Board> Machine<T> {
         machine
     }
 
-    /// Makes the reference return; a board that seeks both switches with one key has
-    /// done with the first.
+    /// Makes the reference return. A board that seeks both switches with one key is done after
+    /// the first key.
     pub fn reference(&mut self) {
         self.press(ZERO);
         for (key, axis) in [(X_PLUS, Axis::X), (Z_PLUS, Axis::Z)] {
             if !self.simulation.cnc.referenced().get(axis) {
-                // 011.2 ZNIK is off: where the control makes the return the key is held.
+                // 011.2 ZNIK is off: where the control makes the return, the key must be held.
                 self.simulation.cnc.set_panel_key(key, true);
                 self.wait(60_000, |machine| {
                     *machine.simulation.cnc.referenced().get(axis) || !machine.alarms().is_empty()
@@ -325,7 +324,7 @@ impl<T: Board> Machine<T> {
         self.home = [kernel.x.0, kernel.z.0];
     }
 
-    /// A short program runs to its end, on the pulse.
+    /// Runs a short program to its end and checks the pulse count.
     pub fn works(&mut self) {
         self.load(
             "O1\nG50 X60 Z20\nG98 G00 X50 Z5\nG01 Z0 F600\nG00 X60 Z20\nM30\n",
@@ -339,7 +338,7 @@ impl<T: Board> Machine<T> {
         assert_eq!(self.linked.state(), LinkState::Ready);
     }
 
-    /// Sets a parameter, as the operator does.
+    /// Sets a parameter as the operator does.
     pub fn set(&mut self, number: u16, value: i32) {
         self.press(MDI);
         for request in [
@@ -353,7 +352,7 @@ impl<T: Board> Machine<T> {
         self.press(RESET);
     }
 
-    /// Asked for a program the machine stands.
+    /// Starts a program and checks that the machine does not move.
     pub fn starts_nothing(&mut self) {
         let stood = self.twin.pulses();
         self.start();
@@ -388,7 +387,7 @@ impl<T: Board> Machine<T> {
         }
     }
 
-    /// From now on the kernel's way is noted.
+    /// Records the kernel's path from now on.
     pub fn record(&mut self) {
         self.recording = true;
         self.note_way();
@@ -430,7 +429,7 @@ impl<T: Board> Machine<T> {
         }
     }
 
-    /// A key held for so long.
+    /// Holds a key for a time.
     pub fn hold(&mut self, key: BitAddress, ms: u32) {
         self.simulation.cnc.set_panel_key(key, true);
         self.pass(ms);
@@ -438,7 +437,7 @@ impl<T: Board> Machine<T> {
         self.pass(100);
     }
 
-    /// The computer does something else for so long.
+    /// The computer is busy for a time.
     pub fn pause(&mut self, ms: u64) {
         self.twin.advance(ms * MS);
     }
@@ -455,7 +454,7 @@ impl<T: Board> Machine<T> {
         }
     }
 
-    /// The port is closed and opened again; this board does not mind.
+    /// Closes and opens the port again; this does not reset the board.
     pub fn reconnect(&mut self) {
         let now = self.clock.1;
         let config = self.linked.config().clone();
@@ -482,7 +481,7 @@ impl<T: Board> Machine<T> {
         self.press(CYCLE_START);
     }
 
-    /// Runs until the program has ended and all is made; M00 is gone on from.
+    /// Runs until the program has ended and all motion is made. M00 is continued.
     pub fn run_to_end(&mut self, limit_ms: u32) {
         for _ in 0..limit_ms {
             self.ms();
@@ -498,7 +497,7 @@ impl<T: Board> Machine<T> {
         panic!("the program does not end: {:?}", self.linked.state());
     }
 
-    /// Pulses at the pins, counted as the kernel counts.
+    /// Pulses at the pins, in the counts of the kernel.
     pub fn made(&self) -> [i64; 2] {
         let [x, z] = self.twin.pulses();
         [x - self.origin[0], z - self.origin[1]]

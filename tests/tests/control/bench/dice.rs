@@ -1,6 +1,6 @@
-//! Rounds of random tests.
+//! Random numbers and rounds of random tests.
 
-/// Numbers that look random and are the same each time.
+/// A reproducible random number generator.
 pub struct Dice(pub u64);
 
 impl Dice {
@@ -13,7 +13,7 @@ impl Dice {
     }
 }
 
-/// More rounds with `ROUNDS=200` in the environment.
+/// The number of rounds: `usual`, or that of `ROUNDS=200` in the environment.
 pub fn rounds(usual: u32) -> u32 {
     let wanted = std::env::var("ROUNDS").ok();
     wanted.and_then(|text| text.parse().ok()).unwrap_or(usual)

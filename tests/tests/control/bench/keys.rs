@@ -12,7 +12,7 @@ pub const JOG: BitAddress = key(20, 5);
 pub const SINGLE_BLOCK: BitAddress = key(20, 6);
 pub const MACHINE_LOCK: BitAddress = key(21, 0);
 pub const DRY_RUN: BitAddress = key(21, 2);
-/// Z turned by the handwheel.
+/// Selects Z for the handwheel.
 pub const WHEEL_Z: BitAddress = key(22, 1);
 pub const INCREMENT_100: BitAddress = key(21, 6);
 /// Arrows up and down: X-, X+.
@@ -21,7 +21,7 @@ pub const X_PLUS: BitAddress = key(23, 1);
 /// Arrows left and right: Z-, Z+.
 pub const Z_MINUS: BitAddress = key(22, 5);
 pub const Z_PLUS: BitAddress = key(22, 7);
-/// Rapid by hand.
+/// Manual rapid.
 pub const RAPID: BitAddress = key(22, 6);
 /// Feed override down.
 pub const SLOWER: BitAddress = key(24, 6);

@@ -8,14 +8,14 @@ pub mod program;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::simulation::Simulation;
 
-/// Lets so many milliseconds pass.
+/// Simulates a number of milliseconds.
 pub fn ticks(simulation: &mut Simulation, count: u32) {
     for _ in 0..count {
         simulation.tick();
     }
 }
 
-/// Presses a key of the machine panel as a finger does: down 100 ms, up 100 ms.
+/// Presses a key of the machine panel like a finger: down 100 ms, up 100 ms.
 pub fn press(simulation: &mut Simulation, key: BitAddress) {
     for down in [true, false] {
         simulation.cnc.set_panel_key(key, down);

@@ -5,7 +5,7 @@ use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 
-/// A machine that has come up, with an opened program.
+/// A machine after power-on with an opened program.
 #[track_caller]
 pub fn with_program(setup: Setup, text: &str) -> Simulation {
     let mut simulation = Simulation::new(setup);

@@ -1,6 +1,6 @@
-//! A computer that was away for longer than the lookahead (stopped, asleep), and reports
-//! that come late: a line board that stands is sent nothing before it has reported where,
-//! and no report is compared with motion from after its question.
+//! A computer that was stopped or asleep for longer than the lookahead, and late reports. A
+//! line board at rest receives nothing before it has reported its position. No report is
+//! compared with motion from after its request.
 
 use core::time::Duration;
 
@@ -16,7 +16,7 @@ const MS: u64 = 1_000_000;
 const CUT: &str = "O1\nG50 X60 Z20\nG98 G01 X50 Z-180 F900\nM30\n";
 const DWELL: &str = "O1\nG50 X60 Z20\nM03 S500\nG04 X6\nG98 G01 X50 Z0 F900\nM30\n";
 
-/// What is under way.
+/// The current motion.
 #[derive(Clone, Copy, Debug)]
 enum Motion {
     Jog,
@@ -44,8 +44,8 @@ fn moving(ready: &Machine, motion: Motion, after: u32) -> Machine {
     machine
 }
 
-/// The axis stands where it came to stand, the control is there, too, and the operator
-/// goes on from there.
+/// The axis stays where it stopped, the control shows the same position, and the operator
+/// continues from there.
 fn stands_and_goes_on(mut machine: Machine, place: &str) {
     let stood = machine.twin.pulses();
     machine.pass(2000);
@@ -64,7 +64,7 @@ fn after_an_absence_nothing_but_a_question_is_sent_before_the_board_has_answered
     for variant in LINES {
         let ready = Machine::referenced(variant);
         for motion in [Motion::Jog, Motion::Rapid, Motion::Cut] {
-            // Away at any moment between two reports, and in the run-up.
+            // The pause begins at any moment between two reports, and in the run-up.
             for (after, pause) in [(40, 3000), (603, 400), (611, 3000), (617, 60_000)] {
                 let place = format!("{variant:?} {motion:?} {after} ms, away {pause} ms");
                 let mut machine = moving(&ready, motion, after);
@@ -83,7 +83,7 @@ fn after_an_absence_nothing_but_a_question_is_sent_before_the_board_has_answered
 fn a_line_that_was_cut_off_by_the_absence_is_never_completed() {
     for variant in LINES {
         let mut machine = moving(&Machine::referenced(variant), Motion::Cut, 600);
-        // The port takes half of what waits, then the computer sleeps.
+        // The port accepts half of the queue, then the computer sleeps.
         machine.takes_at_most = Some(7);
         machine.pass(20);
         machine.takes_at_most = None;
@@ -98,7 +98,7 @@ fn a_sleep_that_only_the_clock_on_the_wall_shows_is_an_absence() {
     for motion in [Motion::Jog, Motion::Rapid, Motion::Cut] {
         let mut machine = moving(&Machine::referenced(Variant::Grbl), motion, 600);
         machine.linked.judge_absence(slept);
-        // What the board holds it makes.
+        // The board executes what it holds.
         machine.pass(300);
         stands_and_goes_on(machine, &format!("{motion:?}"));
     }
@@ -128,8 +128,7 @@ fn a_program_in_a_dwell_does_not_go_on_after_a_sleep() {
     }
 }
 
-/// The board is gone in the middle of a motion: what is said is that, and not that it takes
-/// no motion.
+/// A board lost during motion is reported as lost, and not as refusing motion.
 #[test]
 fn a_board_that_falls_silent_in_motion_is_lost_and_not_late() {
     for variant in LINES {
@@ -143,7 +142,7 @@ fn a_board_that_falls_silent_in_motion_is_lost_and_not_late() {
     }
 }
 
-/// The process that held the port is gone, and another one has stopped the board: its
+/// The process with the port has ended, and another one has stopped the board. The board's
 /// banner proves that the spindle is off, and the control shows that.
 #[test]
 fn a_board_that_another_holder_has_stopped_is_shown_without_its_spindle() {
@@ -168,7 +167,7 @@ fn a_board_that_another_holder_has_stopped_is_shown_without_its_spindle() {
     assert!(machine.simulation.cnc.spindle_switched() == 0.0);
 }
 
-/// The line to the host hangs: reports come late, the answers behind them, too.
+/// Delays the line to the host: reports come late, and the answers after them too.
 fn late(machine: &mut Machine<GrblTwin>, bytes: u64, ms: u64) {
     let byte = machine.twin.to_host.sent_count() + bytes;
     machine.twin.to_host.damage(byte, Damage::Stalled(ms * MS));

@@ -1,5 +1,5 @@
-//! The alarms of the link: how each comes about, that nothing runs before its cause is
-//! gone, and what it takes to go on.
+//! The alarms of the link: what raises each, that nothing runs while its cause remains, and
+//! how the operator continues.
 
 use gsk_core::cnc::Request;
 use gsk_link::LinkState;
@@ -21,7 +21,7 @@ fn working<T: Board>(ready: &Machine<T>) -> Machine<T> {
     machine
 }
 
-/// The alarm stands, nothing runs, RESET alone brings back no program.
+/// The alarm is active, nothing runs, RESET alone does not restart the program.
 fn stops<T: Board>(machine: &mut Machine<T>, number: u16) {
     assert!(
         machine.wait(6000, |machine| machine.alarms().contains(&number)),
@@ -34,7 +34,7 @@ fn stops<T: Board>(machine: &mut Machine<T>, number: u16) {
     assert!(machine.alarms().contains(&number), "{:?}", machine.alarms());
 }
 
-/// RESET and, where the place was lost, the reference return.
+/// RESET and, if the position was lost, the reference return.
 #[track_caller]
 fn goes_on<T: Board>(mut machine: Machine<T>) {
     machine.press(RESET);
@@ -91,7 +91,7 @@ fn common<T: Board>(opened: &Machine<T>, connected: &Machine<T>, ready: &Machine
     assert_eq!(machine.alarms(), [0_u16; 0], "there, and set as it must be");
     goes_on(machine);
 
-    // 604: what the board cannot do; another program goes.
+    // 604: the board cannot make the motion; another program works.
     let mut machine = ready.clone();
     machine.load("O1\nM03 S300\nG01 X50 F100\nG33 Z-5 F1\nM30\n", None);
     machine.starts_nothing();
@@ -130,14 +130,14 @@ fn common<T: Board>(opened: &Machine<T>, connected: &Machine<T>, ready: &Machine
     stops(&mut machine, 611);
     goes_on(machine);
 
-    // 612: the computer was busy, longer than the lookahead and not so long that the
-    // board stops by itself.
+    // 612: the computer was busy for longer than the lookahead, but too briefly for the board
+    // to stop automatically.
     let mut machine = working(ready);
     machine.pause(180);
     stops(&mut machine, 612);
     goes_on(machine);
 
-    // 622: the limit switch; off it by hand.
+    // 622: the limit switch; it is left manually.
     let mut machine = working(ready);
     machine.twin.press_limit(true);
     stops(&mut machine, 622);
@@ -180,7 +180,8 @@ fn alarms_of_a_board_of_timed_steps_and_what_it_takes_to_go_on() {
     );
 }
 
-/// What only the firmware of a line board says: each number is the alarm of the table.
+/// Faults that only the firmware of a line board reports: each number is the alarm of the
+/// table.
 #[test]
 fn alarms_of_the_firmware_are_those_of_the_table() {
     let ready = Machine::referenced(Variant::GrblHal);
@@ -216,7 +217,7 @@ fn tells(ready: &Machine<Timed>, breaks: impl Fn(&mut Timed), number: u16) {
     goes_on(machine);
 }
 
-/// And what only a board of timed steps does.
+/// And faults of a board of timed steps alone.
 #[test]
 fn a_board_of_timed_steps_tells_its_own_faults() {
     let ready = Machine::timed_referenced();
@@ -234,14 +235,14 @@ fn a_board_of_timed_steps_tells_its_own_faults() {
     );
 }
 
-/// A spindle that ran when the board was lost does not start again with the board.
+/// A spindle that was on when the board was lost does not start again with the board.
 #[test]
 fn the_spindle_does_not_come_back_with_the_board() {
     let mut machine = working(&Machine::referenced(Variant::Grbl));
     assert_eq!(machine.twin.outputs().0, 3);
     machine.cut_cable();
     assert!(machine.wait(3000, |machine| machine.linked.state() == LinkState::Lost));
-    // As by the button of the link page: nobody has pressed RESET.
+    // Like the button of the link page, without RESET.
     machine.mend_cable();
     machine.reconnect();
     for _ in 0..6000 {
@@ -263,7 +264,7 @@ fn the_spindle_does_not_come_back_with_the_board() {
     );
 }
 
-/// What the board has dropped by itself the panel does not show as if it ran on.
+/// The panel does not show outputs as on after the board has dropped them.
 #[test]
 fn what_a_board_dropped_is_shown_as_off() {
     fn drops<T: Board>(ready: &Machine<T>, breaks: impl Fn(&mut Machine<T>), number: u16) {
@@ -283,7 +284,7 @@ fn what_a_board_dropped_is_shown_as_off() {
         assert!(matches!(cnc.modal().m, Some(5 | 9)), "{:?}", cnc.modal().m);
         let speed = cnc.spindle_actual();
         assert!(speed < 1.0, "{number}: S {speed}");
-        // And it does not come back by itself.
+        // And it does not restart automatically.
         machine.press(RESET);
         machine.pass(3000);
         assert_eq!(lamps(&machine), [false; 4], "{number}");
@@ -296,11 +297,11 @@ fn what_a_board_dropped_is_shown_as_off() {
     drops(&timed, |machine| machine.twin.fail(), 608);
 }
 
-/// Nothing is driven through a board that comes back with other settings.
+/// Nothing moves through a board that returns with other settings.
 #[test]
 fn a_board_that_restarts_with_other_settings_is_603() {
     let mut machine = working(&Machine::referenced(Variant::Grbl));
-    // X turns the other way.
+    // X turns in the other direction.
     machine.twin.settings_mut().set(3, 1.0).unwrap();
     machine.twin.press_reset();
     stops(&mut machine, 606);
@@ -315,7 +316,7 @@ fn a_board_that_restarts_with_other_settings_is_603() {
     goes_on(machine);
 }
 
-/// Gears and rates of the control are those that the board was set up for.
+/// The gears and rates of the control must be those that the board was set up for.
 #[test]
 fn parameters_of_the_drives_that_were_changed_are_603() {
     fn changed<T: Board>(mut machine: Machine<T>, number: u16, value: i32) -> Machine<T> {
@@ -336,7 +337,7 @@ fn parameters_of_the_drives_that_were_changed_are_603() {
         machine
     }
     let line = Machine::referenced(Variant::Grbl);
-    // Rapid of X, which $110 has to let pass.
+    // Rapid of X, which $110 must allow.
     let mut machine = changed(line, 22, 4100);
     machine.reconnect();
     machine.wait(8000, |machine| machine.alarms() == [603]);

@@ -1,5 +1,5 @@
-//! When the board's count is compared with the commanded one: a board that has lost a
-//! pulse is found out at the next standstill, whatever brought it about.
+//! When the board's count is compared with the commanded one: a lost pulse is detected at the
+//! next standstill, whatever its cause.
 
 use gsk_core::linked::Note;
 use gsk_link::LinkState;
@@ -9,7 +9,7 @@ use super::SHORT;
 use crate::bench::board::{Board, Machine};
 use crate::bench::keys::{CYCLE_START, FEED_HOLD, RESET, SINGLE_BLOCK, X_PLUS, ZERO};
 
-/// A line of Z, then what makes the slides stand.
+/// A line of Z, then the words that stop the slides.
 fn program(behind: &str) -> String {
     format!("O1\nG50 X60 Z20\nG98 G01 Z10 F600\n{behind}G01 Z0\nM30\n")
 }
@@ -63,7 +63,7 @@ fn every_standstill<T: Board>(ready: &Machine<T>) {
     let mut machine = cutting(ready, &program(""));
     machine.press(FEED_HOLD);
     is_found_out(machine, 1500, "hold");
-    // Before it goes anywhere.
+    // Before any further motion.
     let mut machine = ready.clone();
     machine.twin.add_position_error([0, 1]);
     is_found_out(machine.clone(), 1500, "standing");
@@ -101,7 +101,7 @@ fn on_demand<T: Board>(ready: &Machine<T>) {
     machine.linked.check();
     machine.pass(300);
     assert_eq!(checks(&machine), [true]);
-    // As at the close of the port.
+    // As when the port is closed.
     machine.linked.check_last();
     machine.pass(5);
     assert_eq!(checks(&machine), [true, true]);
@@ -131,7 +131,7 @@ fn a_count_is_compared_on_demand() {
     on_demand(&Machine::timed_referenced());
 }
 
-/// The log tells of every stop of a program and of its end.
+/// The log contains every stop of a program and its end.
 fn is_logged<T: Board>(ready: &Machine<T>) {
     let mut machine = ready.clone();
     machine.notes.clear();

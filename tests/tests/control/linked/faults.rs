@@ -1,4 +1,4 @@
-//! What breaks: cables, boards, bytes, power, and what lies in the way.
+//! Faults of cables, boards, bytes and power, and obstacles.
 
 use gsk_core::operation::RunState;
 use gsk_link::LinkState;
@@ -27,7 +27,7 @@ fn a_limit_of_the_board_is_left_by_hand() {
         machine.hold(Z_MINUS, 3000);
         machine.pass(1000);
         if variant == Variant::Grbl {
-            // Letting the switch go is an edge too.
+            // Releasing the switch is an edge too.
             assert!(machine.alarms().contains(&622));
             machine.press(RESET);
             machine.pass(500);
@@ -68,8 +68,8 @@ fn a_cable_out_or_a_reset_at_any_time_is_a_defined_stop() {
     }
 }
 
-/// Whatever happens to a byte: the part is made to the pulse, or the machine stands
-/// with an alarm and nothing moves any more.
+/// With any damage to a byte, the part is made to the pulse, or the machine stops with an
+/// alarm and nothing moves any more.
 #[test]
 fn a_damaged_byte_at_any_place_ends_known_or_stopped() {
     let ready = Machine::referenced(Variant::Grbl);

@@ -1,5 +1,5 @@
-//! A limit switch that is operated: farther into it no key leads, whatever happened
-//! since, and where nobody knows on which end it lies the axis goes in short pieces.
+//! An operated limit switch: no key leads farther into it, whatever happened since. If its end
+//! is unknown, the axis moves in short pieces.
 
 use gsk_core::plc::address::BitAddress;
 use gsk_link::{LinkConfig, LinkState};
@@ -8,10 +8,10 @@ use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 use crate::bench::board::{Board, Machine};
 use crate::bench::keys::{JOG, RESET, X_PLUS, Z_MINUS, Z_PLUS, ZERO};
 
-/// A millimetre of Z.
+/// A millimetre of Z, pulses.
 const MM: i64 = 200;
 
-/// Z- was jogged into its limit switch, which stays operated; the key is up.
+/// Z- was jogged into its limit switch, which stays operated; the key is released.
 fn tripped<T: Board>(ready: &Machine<T>) -> Machine<T> {
     let mut machine = ready.clone();
     machine.press(JOG);
@@ -26,7 +26,7 @@ fn tripped<T: Board>(ready: &Machine<T>) -> Machine<T> {
     machine
 }
 
-/// RESET until it is over.
+/// Presses RESET until the alarm is cleared.
 fn cleared<T: Board>(machine: &mut Machine<T>) {
     for _ in 0..2 {
         machine.press(RESET);
@@ -36,7 +36,7 @@ fn cleared<T: Board>(machine: &mut Machine<T>) {
     assert_eq!(machine.alarms(), [0_u16; 0]);
 }
 
-/// Pulses of Z that a key makes in so many ms.
+/// Pulses of Z that a key makes in a time, ms.
 fn goes<T: Board>(machine: &mut Machine<T>, key: BitAddress, ms: u32) -> i64 {
     let before = machine.twin.pulses()[1];
     machine.hold(key, ms);
@@ -93,7 +93,8 @@ fn nor_after_a_reset_of_the_board() {
     machine.pass(2500);
     cleared(&mut machine);
     leaves_one_way_only(&mut machine);
-    // A line board is silent while it starts; who connects it anew knows no end.
+    // A line board is silent while it starts, and after a new connection the end of the switch
+    // is unknown.
     let mut machine = tripped(&Machine::referenced(Variant::Grbl));
     machine.twin.press_reset();
     machine.pass(2500);
@@ -104,7 +105,7 @@ fn nor_after_a_reset_of_the_board() {
     assert_eq!(machine.alarms(), [622]);
 }
 
-/// Upon a switch since power-on: each RESET lets the axis go a millimetre, either way.
+/// On a switch since power-on: each RESET allows a millimetre, in either direction.
 #[test]
 fn upon_a_switch_of_an_unknown_end_it_goes_a_millimetre_at_a_time() {
     fn pieces<T: Board>(machine: &mut Machine<T>) {
@@ -121,7 +122,7 @@ fn upon_a_switch_of_an_unknown_end_it_goes_a_millimetre_at_a_time() {
         machine.pass(1000);
         assert!(machine.twin.pulses()[0] > x, "X has no switch to mind");
     }
-    // A switch that was held since before the power came on.
+    // A switch that was held since before power-on.
     let mut machine = Machine::new(Variant::Grbl, 10_000, 5);
     machine.twin.press_limit(true);
     pieces(&mut machine.open());
@@ -133,7 +134,7 @@ fn upon_a_switch_of_an_unknown_end_it_goes_a_millimetre_at_a_time() {
     pieces(&mut machine);
 }
 
-/// Off its switch the axis is stopped by the next one, also when it never stood since.
+/// Off its switch the axis is stopped by the next one, even if it did not stop in between.
 #[test]
 fn a_switch_that_was_left_behind_counts_again_in_motion() {
     let mut machine = Machine::timed_referenced();
@@ -155,7 +156,7 @@ fn a_switch_that_was_left_behind_counts_again_in_motion() {
     assert!((0..MM / 10).contains(&farther), "{farther}");
 }
 
-/// Grbl would take the switch of the far end for the one it seeks, and pull off it
+/// Grbl would mistake the switch of the far end for the one it seeks, and pull off it
 /// outwards.
 #[test]
 fn a_return_from_the_switch_of_the_other_end_is_refused() {
@@ -169,7 +170,7 @@ fn a_return_from_the_switch_of_the_other_end_is_refused() {
     assert_eq!(machine.twin.pulses(), stood);
 }
 
-/// Method A for X, a switch for Z: Grbl knows one order for both.
+/// Method A for X, a switch for Z: Grbl has one homing command for both.
 #[test]
 fn grbl_does_not_seek_a_switch_that_014_says_is_not_there() {
     let config = LinkConfig {
@@ -189,7 +190,7 @@ fn grbl_does_not_seek_a_switch_that_014_says_is_not_there() {
     assert_eq!(machine.twin.pulses(), stood);
 }
 
-/// A board that can seeks that of Z alone.
+/// A board that can home single axes seeks that of Z alone.
 #[test]
 fn a_board_that_seeks_single_switches_needs_that_of_its_axis_only() {
     let mut settings = GrblSettings::default();

@@ -1,5 +1,5 @@
-//! Lines and clocks as they are, and a computer that pauses, on a line board: what it
-//! has in its buffer covers them, or there is a defined stop.
+//! Real lines and clocks, and a computer that pauses, on a line board: the buffer of the board
+//! bridges them, or there is a defined stop.
 
 use gsk_core::operation::RunState;
 use gsk_link::LinkState;
@@ -12,7 +12,7 @@ use crate::bench::keys::RESET;
 
 const MS: u64 = 1_000_000;
 
-/// What a line does to the traffic that is to come.
+/// A disturbance of the future traffic.
 type Trouble = fn(&mut GrblTwin);
 
 fn again_and_again(wire: &mut Wire, every: u64, damage: Damage) {
@@ -27,9 +27,8 @@ fn once(wire: &mut Wire, damage: Damage) {
     wire.damage(byte, damage);
 }
 
-/// Name, the computer's clock against the board's, what the line does, and whether
-/// nobody may notice; nothing on this wire is said twice, so that what is damaged is a
-/// stop.
+/// Name, the computer's clock relative to the board's, the disturbance, and whether it must
+/// remain unnoticed. The link repeats nothing on this wire, so damage leads to a stop.
 const LINES: [(&str, f64, Trouble, bool); 11] = [
     ("whole", 1.0, |_| {}, true),
     ("the board's clock is fast", 1.0 - 100e-6, |_| {}, true),
@@ -108,7 +107,7 @@ fn lines_as_they_are_are_survived_or_stop_the_board() {
             if whole_ms == 0 {
                 whole_ms = took;
             }
-            // On a line that stays slow the buffer of the board is the bound.
+            // On a line that stays slow the buffer of the board is the limit.
             assert!(took <= 2 * whole_ms, "{name}: {took} ms");
             continue;
         }
@@ -123,8 +122,8 @@ fn lines_as_they_are_are_survived_or_stop_the_board() {
     }
 }
 
-/// Up to 90 ms nobody notices; what is longer than the lookahead is 612, and the count
-/// is proved.
+/// Pauses up to 90 ms are unnoticed. A pause longer than the lookahead is 612, and the count
+/// is compared.
 #[test]
 fn a_computer_that_pauses_is_not_noticed_or_stops_the_slides() {
     let ready = Machine::referenced(Variant::Grbl);

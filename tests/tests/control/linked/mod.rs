@@ -1,5 +1,5 @@
-//! The whole control with a board in place of its simulated slides, in virtual time:
-//! what the kernel commands is what the board makes, and every stop is a defined one.
+//! The whole control with a board in place of its simulated slides, in virtual time: the board
+//! makes what the kernel commands, and every stop is a defined one.
 
 mod absence;
 mod alarms;

@@ -1,4 +1,4 @@
-//! What the operator does while a board moves the slides.
+//! Operator actions while a board moves the slides.
 
 use core::time::Duration;
 
@@ -15,7 +15,7 @@ use crate::bench::keys::{AUTO, CYCLE_START, FEED_HOLD, JOG, MDI, RAPID, RESET, S
 
 const CUT: &str = "O1\nG50 X60 Z20\nG98 G01 Z-100 F600\nM30\n";
 
-/// Pulses of Z in so many ms.
+/// Pulses of Z in a time, ms.
 fn speed<T: Board>(machine: &mut Machine<T>, ms: u32) -> i64 {
     let [_, from] = machine.made();
     machine.pass(ms);
@@ -43,14 +43,14 @@ fn overrides_act<T: Board>(ready: &Machine<T>) {
     assert_together(&machine);
 }
 
-/// Feed override is the control's, and acts behind what is handed over.
+/// Feed override belongs to the control, and acts after the motion that was already sent.
 #[test]
 fn the_feed_override_slows_the_board_down() {
     overrides_act(&Machine::referenced(Variant::Grbl));
     overrides_act(&Machine::timed_referenced());
 }
 
-/// CINP, F212.3: 1 while the board has still to make what a program has commanded.
+/// CINP, F212.3: 1 while the board has not made all commanded motion.
 #[test]
 fn the_ladder_is_told_while_the_board_is_behind() {
     const CINP: BitAddress = BitAddress::new(Area::F, 212, 3);
@@ -116,7 +116,7 @@ fn an_mdi_block_ends_on_the_pulse() {
     mdi_and_hold(&Machine::timed_referenced());
 }
 
-/// As long as nobody knows where the slides stand they go no faster than No.033.
+/// While the position of the slides is unknown, they move no faster than No.033.
 fn is_slow<T: Board>(connected: &Machine<T>) {
     let mut machine = connected.clone();
     machine.press(JOG);
@@ -141,7 +141,7 @@ fn unknown_slides_are_jogged_slowly() {
     is_slow(&Machine::timed_connected());
 }
 
-/// At rest no motion goes out, and the lookahead bounds what is handed over.
+/// At rest no motion is sent, and the lookahead limits the motion sent ahead.
 fn is_bounded<T: Board>(ready: &Machine<T>, most: Duration) {
     let mut machine = ready.clone();
     machine.pass(500);
@@ -162,7 +162,7 @@ fn is_bounded<T: Board>(ready: &Machine<T>, most: Duration) {
 
 #[test]
 fn the_control_is_ahead_by_no_more_than_the_lookahead() {
-    // A segment lasts two periods when its first has no pulse.
+    // A segment takes two periods if its first one has no pulse.
     is_bounded(
         &Machine::referenced(Variant::Grbl),
         // Its reports come every 20 ms only.
@@ -171,8 +171,8 @@ fn the_control_is_ahead_by_no_more_than_the_lookahead() {
     is_bounded(&Machine::timed_referenced(), Duration::from_millis(140));
 }
 
-/// A line board acts at once on some characters wherever they stand: none but these
-/// ever goes out, whatever the operator does.
+/// A line board acts at once on some characters anywhere in a line. The link sends none but
+/// these, whatever the operator does.
 #[test]
 fn only_harmless_characters_go_to_a_line_board() {
     let mut machine = Machine::referenced(Variant::Grbl);

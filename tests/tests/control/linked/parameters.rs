@@ -1,5 +1,4 @@
-//! Parameters that change behind the check at the opening, and boards that change behind
-//! it.
+//! Parameters that change after the check at the opening, and boards that change after it.
 
 use gsk_link::LinkState;
 use gsk_twins::grbl::Variant;
@@ -7,7 +6,7 @@ use gsk_twins::grbl::Variant;
 use crate::bench::board::{Board, Machine};
 use crate::bench::keys::{JOG, RESET, Z_MINUS, Z_PLUS, ZERO};
 
-/// 603 names the parameter, and nothing moves.
+/// Alarm 603 names the parameter, and nothing moves.
 #[track_caller]
 fn is_refused<T: Board>(machine: &mut Machine<T>, number: &str) {
     let expected =
@@ -20,7 +19,7 @@ fn is_refused<T: Board>(machine: &mut Machine<T>, number: &str) {
     assert_eq!(machine.alarms(), [0_u16; 0]);
 }
 
-/// However motion begins.
+/// No start of motion works.
 fn nothing_begins<T: Board>(ready: &Machine<T>, number: u16, value: i32) {
     let mut machine = ready.clone();
     machine.press(JOG);
@@ -65,19 +64,19 @@ fn a_line_board_is_checked_again_for_what_is_faster_than_it_allows() {
     for (number, value) in [(22, 9000), (23, 9000), (24, 10), (25, 10), (27, 9000)] {
         nothing_begins(&ready, number, value);
     }
-    // A board that may be faster than the control does no harm.
+    // A board with higher limits than the control is no problem.
     let mut machine = ready;
     for (number, value) in [(22, 1000), (23, 1000), (27, 2000), (24, 200)] {
         machine.set(number, value);
     }
     machine.works();
-    // A board of timed steps has no rates of its own.
+    // A board of timed steps has no rate limits.
     let mut machine = Machine::timed_referenced();
     machine.set(24, 10);
     machine.works();
 }
 
-/// Connected again the board is compared with the new gear.
+/// After a new connection the board is compared with the new gear.
 #[test]
 fn the_board_connected_again_is_asked_for_its_settings() {
     let mut machine = Machine::referenced(Variant::Grbl);
@@ -93,7 +92,7 @@ fn the_board_connected_again_is_asked_for_its_settings() {
     machine.works();
 }
 
-/// A board that restarted may be another one, or set otherwise: RESET asks it again.
+/// A board that restarted may be another one, or have other settings: RESET reads them again.
 #[test]
 fn a_line_board_that_was_reset_is_asked_again() {
     let mut machine = Machine::referenced(Variant::Grbl);
@@ -117,7 +116,7 @@ fn a_line_board_that_was_reset_is_asked_again() {
     machine.works();
 }
 
-/// Reset while its settings differ it is asked again, too.
+/// A reset while its settings differ reads them again too.
 #[test]
 fn a_reset_beside_603_is_no_dead_end() {
     let mut machine = Machine::new(Variant::Grbl, 10_000, 5);
@@ -136,8 +135,8 @@ fn a_reset_beside_603_is_no_dead_end() {
     machine.works();
 }
 
-/// A lost board that is heard again is not taken for the one that it was: only the
-/// operator brings it back, and then it is asked who it is and how it is set.
+/// A lost board that answers again is not accepted as the same one. Only the operator brings
+/// it back, and then its identity and settings are read.
 fn stays_lost<T: Board>(ready: &Machine<T>) {
     let mut machine = ready.clone();
     machine.cut_cable();

@@ -1,4 +1,4 @@
-//! Threads that the board cuts behind its own spindle, one pass after the other.
+//! Threads that the board synchronizes to its own spindle, one pass after the other.
 
 use gsk_core::linked::Note;
 use gsk_core::operation::RunState;
@@ -43,9 +43,9 @@ fn run(machine: &mut Machine, text: &str) {
     machine.run_to_end(600_000);
 }
 
-/// Turn of the spindle at which Z (mm from machine zero) was passed in each pass.
+/// Spindle turns at which Z (mm from machine zero) was passed in each pass.
 fn turns_at(machine: &Machine, z: f64) -> Vec<f64> {
-    // The count at the pins runs from where the slides stood at the beginning.
+    // The count at the pins starts at the initial position of the slides.
     let shift = machine.twin.pulses()[1] - machine.made()[1] + machine.home_pulses()[1];
     let place = (z * 200.0).round() as i64 + shift;
     let mut turns = Vec::new();
@@ -98,7 +98,7 @@ fn the_passes_of_a_cycle_meet_one_groove_and_end_on_the_pulse() {
         assert!((to - from - 8.0).abs() < 0.004, "{from} {to}");
     }
     machine.pass(500);
-    // The count was compared behind each pass, and at the end.
+    // The count was compared after each pass, and at the end.
     let agreed = |note: &&Note| matches!(note, Note::Checked { agrees: true, .. });
     assert!(machine.notes.iter().any(|note| agreed(&note)));
 }
@@ -121,7 +121,7 @@ fn a_taper_has_its_lead_along_z_and_a_face_thread_along_x() {
     assert_together(&machine);
     let pass = &machine.twin.passes()[0].0;
     let (first, last) = (pass[0], *pass.last().unwrap());
-    // 15 mm of radius; coming to the speed and standing take a little longer.
+    // 15 mm of radius; acceleration and stop take a little longer.
     assert_eq!((first.0[0] - last.0[0]).abs() / 100, 15 * 400 / 100);
     assert!((last.1 - first.1 - 15.0).abs() < 0.05);
 }
@@ -175,7 +175,7 @@ fn what_is_lacking_is_named_before_anything_moves() {
     }
 }
 
-/// The board counts the end of a pass from the work offset that it has.
+/// The board counts the end of a pass from its work offset.
 #[test]
 fn no_pass_with_a_work_offset_in_the_board() {
     let mut machine = Machine::threading(proved(), tuned(), &[]);
@@ -257,13 +257,13 @@ fn the_pages_follow_the_board_and_a_hold_comes_behind_the_pass() {
             break;
         }
     }
-    // 10 mm/s; the board is asked every 50 ms, and shown one answer later.
+    // 10 mm/s; the board is polled every 50 ms, and its position is shown one answer later.
     assert!(worst < 1.5, "{worst} mm behind");
     machine.pass(5000);
     assert_eq!(machine.simulation.cnc.run_state(), RunState::Hold);
     assert_eq!(machine.twin.passes().len(), 1);
     assert_together(&machine);
-    // Behind the thread the first move is still made: X is out of it.
+    // After the thread the first move is still made: X is out of it.
     let x = machine.simulation.cnc.position_absolute().x;
     assert!((x - 15.0).abs() < 0.01, "{x}");
     machine.press(CYCLE_START);
@@ -294,7 +294,7 @@ fn single_block_stands_behind_each_move_of_the_cycle() {
     assert_eq!(machine.twin.passes().len(), 3);
 }
 
-/// The machine some time after a pass was handed over.
+/// The machine some time after a pass was sent.
 fn in_pass(ready: &Machine, ms: u32) -> Machine {
     let mut machine = ready.clone();
     machine.load(CYCLE, None);
@@ -307,7 +307,7 @@ fn in_pass(ready: &Machine, ms: u32) -> Machine {
 #[test]
 fn reset_and_emergency_stop_act_in_the_pass_and_the_place_is_unknown() {
     let ready = ready();
-    // Waiting for the one-turn signal, and cutting; an order that is lost is given again.
+    // Waiting for the one-turn signal, and cutting. A lost command is sent again.
     for (ms, emergency, lost) in [
         (20, false, false),
         (1000, false, false),
@@ -319,7 +319,7 @@ fn reset_and_emergency_stop_act_in_the_pass_and_the_place_is_unknown() {
         let mut machine = in_pass(&ready, ms);
         let next = machine.twin.to_board.sent_count();
         for byte in next..next + 2 * u64::from(lost) {
-            // A question, perhaps, and the order.
+            // A status request, perhaps, and the command.
             machine.twin.to_board.damage(byte, Damage::Lost);
         }
         if emergency {
@@ -361,7 +361,7 @@ fn a_cable_out_or_a_reset_of_the_board_in_the_pass_is_a_defined_stop() {
         }
         machine.pass(12_000);
         let stood = machine.made();
-        // A board that starts anew is silent first.
+        // A board that restarts is silent first.
         let alarms = machine.alarms();
         let named = if wire {
             alarms == [605]
@@ -396,7 +396,7 @@ fn a_spindle_that_does_not_turn_is_an_alarm_and_nothing_hangs() {
     assert_together(&machine);
     assert_eq!(machine.simulation.cnc.alarms()[0].source.unwrap().line, 5);
 
-    // Too slow for the board's patience.
+    // Too slow for the time limit of the board.
     let mut machine = ready();
     machine.twin.spindle_mut().full_speed_rpm = 500.0;
     machine.load(CYCLE, None);
@@ -422,8 +422,8 @@ fn a_spindle_that_stops_behind_the_order_is_alarm_14_of_the_board() {
     assert_eq!(machine.linked.state(), LinkState::Locked);
     assert_eq!(machine.made(), stood);
 
-    // Standing in the cut is seen by nobody there: the pass goes on at the speed it
-    // was begun with, and the control sees it come to its end.
+    // The board does not detect a spindle that stops in the cut: the pass continues at its
+    // initial speed, and the control sees it end.
     let mut machine = in_pass(&ready(), 1000);
     machine.twin.spindle_mut().blocked = true;
     machine.wait(20_000, |machine| machine.twin.state() != GrblState::Run);
@@ -450,8 +450,8 @@ fn a_busy_computer_does_not_disturb_a_pass() {
 const ONE: &str = "O1\nG50 X60 Z20\nG98 G97 S300 M03\nG00 X30 Z5\nG92 X19.4 Z-20 F2 J0\n\
     G00 X60 Z20\nM30\n";
 
-/// The machine with its program, and the bytes on both wires before the pass, when
-/// its order was given, and behind it.
+/// The machine with its program, and the number of bytes on both wires before the pass, at its
+/// command, and after it.
 fn wires_of_a_pass(ready: &Machine) -> ([u64; 2], [u64; 2]) {
     let mut machine = ready.clone();
     machine.load(ONE, None);
@@ -466,8 +466,8 @@ fn wires_of_a_pass(ready: &Machine) -> ([u64; 2], [u64; 2]) {
     (begun, given(&machine))
 }
 
-/// Whatever happens to a byte: the thread is cut with its lead, or the machine stands
-/// with an alarm and nothing moves any more.
+/// With any damage to a byte, the thread is cut with its lead, or the machine stops with an
+/// alarm and nothing moves any more.
 #[test]
 fn a_damaged_byte_around_a_pass_ends_known_or_stopped() {
     let ready = ready();
@@ -483,7 +483,7 @@ fn a_damaged_byte_around_a_pass_ends_known_or_stopped() {
             Damage::Cut,
         ][dice.below(4) as usize];
         let wire = dice.below(2) as usize;
-        // The order itself, and what is said until the end.
+        // The command itself, and the traffic until the end.
         let from = begun[wire] - if wire == 0 { 30 } else { 0 };
         let byte = from + u64::from(dice.below((over[wire] - from) as u32));
         let twin = &mut machine.twin;
@@ -517,12 +517,12 @@ fn a_damaged_byte_around_a_pass_ends_known_or_stopped() {
     assert!(made > 0 && stopped > 0, "{made} {stopped}");
 }
 
-/// The lead of the order is not what was asked for: seen by the speed, and stopped.
+/// A lead that differs from the command is detected by its speed, and stopped.
 #[test]
 fn a_lead_that_was_damaged_on_its_way_is_seen_in_the_cut() {
     let ready = ready();
     let (begun, _) = wires_of_a_pass(&ready);
-    // "K2.000000" and a line end: the 2 becomes a 3; the answers to `?` come behind.
+    // "K2.000000" and a line end: the 2 becomes a 3; the answers to `?` follow.
     let mut stopped = 0;
     for back in 8..14 {
         let mut machine = ready.clone();

@@ -1,4 +1,4 @@
-//! Where the slides stand after a fault: what the pages show, and what the alarms say.
+//! The position of the slides after a fault, on the pages and in the alarms.
 
 use gsk_core::linked::Stamp;
 use gsk_link::LinkState;
@@ -21,7 +21,7 @@ fn cutting<T: Board>(ready: &Machine<T>, text: &str) -> Machine<T> {
     machine
 }
 
-/// Pulses of Z that the pages show, made sure that X and the coordinates fit them.
+/// Pulses of Z on the pages. X and the coordinates must be consistent with them.
 #[track_caller]
 fn shown<T: Board>(machine: &Machine<T>) -> i64 {
     let cnc = &machine.simulation.cnc;
@@ -32,7 +32,7 @@ fn shown<T: Board>(machine: &Machine<T>) -> i64 {
     pulses.z.0
 }
 
-/// The end of the alarm's detail names the place that is shown.
+/// The end of the alarm's detail gives the displayed position.
 #[track_caller]
 fn says<T: Board>(machine: &Machine<T>, number: u16, sure: &str) {
     let alarms = machine.simulation.cnc.alarms();
@@ -51,7 +51,7 @@ fn says<T: Board>(machine: &Machine<T>, number: u16, sure: &str) {
     assert!(detail.ends_with(&place), "{detail}\n{place}");
 }
 
-/// A fault in the cut: where the board was then, and the stamp of a picture from before.
+/// A fault in the cut. Returns the board's position then, and the stamp of an earlier picture.
 fn broken<T: Board>(
     ready: &Machine<T>,
     breaks: impl Fn(&mut Machine<T>),
@@ -64,7 +64,7 @@ fn broken<T: Board>(
     (machine, z, stamp)
 }
 
-/// After a stop dead: the pulses that were made, but for `off`, are those shown.
+/// After a dead stop the pages show the made pulses, with the difference `off`.
 fn shows_the_made<T: Board>(
     ready: &Machine<T>,
     breaks: impl Fn(&mut Machine<T>),
@@ -104,18 +104,18 @@ fn a_stopped_line_board_is_shown_where_it_stands() {
     shows_the_made(&ready, breaks, (607, 0, DEAD));
     let breaks = |machine: &mut Machine| machine.simulation.lathe.set_emergency_button(true);
     shows_the_made(&ready, breaks, (207, 0, DEAD));
-    // Nobody has read it since its last report.
+    // The host has not read it since its last report.
     let breaks = |machine: &mut Machine| machine.twin.press_reset();
     shows_the_made(&ready, breaks, (606, 140, UNHEARD));
-    // By its reset line it is back at once.
+    // Through its reset line it is back at once.
     let breaks = |machine: &mut Machine| {
-        // Too short for a report, or the control would see it, too.
+        // Too short for a report, or the control would see it too.
         machine.twin.press_emergency(true);
         machine.twin.advance(1000);
         machine.twin.press_emergency(false);
     };
     shows_the_made(&ready, breaks, (606, 140, DEAD));
-    // A line that the board does not understand: stopped, and read.
+    // A line that the board does not understand: it is stopped, and its position is read.
     let breaks = |machine: &mut Machine| {
         machine.twin.write(b"G99Q\n");
         machine.pass(60);
@@ -124,7 +124,8 @@ fn a_stopped_line_board_is_shown_where_it_stands() {
     shows_the_made(&ready, breaks, (608, 0, sure));
 }
 
-/// FluidNC goes on for a tenth of a second behind its reset: it is asked until it stands.
+/// FluidNC continues for a tenth of a second after its reset: the link polls it until it
+/// stops.
 #[test]
 fn a_board_that_goes_on_behind_its_reset_is_shown_where_it_stands() {
     let ready = Machine::referenced(Variant::FluidNc);
@@ -142,7 +143,7 @@ fn a_board_that_goes_on_behind_its_reset_is_shown_where_it_stands() {
     says(&machine, 611, OFF_PATH);
 }
 
-/// What was on its way when the board shut down it never made.
+/// The board never makes motion that was on its way when it shut down.
 #[test]
 fn a_board_that_was_told_too_late_is_shown_no_farther_than_it_was_told() {
     let ready = Machine::timed_referenced();
@@ -167,7 +168,7 @@ fn a_stopped_board_of_timed_steps_is_shown_where_it_stands() {
     let ready = Machine::timed_referenced();
     let breaks = |machine: &mut Machine<Timed>| machine.twin.press_limit(true);
     shows_the_made(&ready, breaks, (622, 0, "certain"));
-    // The board says when it shut down; the computer's clock is its own to 1 ms.
+    // The board reports when it shut down; the computer's clock agrees to 1 ms.
     let breaks = |machine: &mut Machine<Timed>| machine.twin.fail();
     shows_the_made(&ready, breaks, (608, 4, DOWN));
     let breaks = |machine: &mut Machine<Timed>| machine.simulation.lathe.set_emergency_button(true);
@@ -176,8 +177,8 @@ fn a_stopped_board_of_timed_steps_is_shown_where_it_stands() {
     shows_the_made(&ready, breaks, (606, 140, RESTARTED));
 }
 
-/// What a board that is not heard any more makes nobody knows: shown is what it had made
-/// by then, and not what it was never told.
+/// The motion of a board after the link was lost is unknown. The pages show what it had made
+/// by then, without motion that was never sent.
 fn is_shown_as_last_heard<T: Board>(ready: &Machine<T>) {
     let (mut machine, heard, stamp) = broken(ready, Machine::cut_cable);
     assert_eq!(machine.alarms(), [605], "and nothing about late motion");
@@ -187,7 +188,7 @@ fn is_shown_as_last_heard<T: Board>(ready: &Machine<T>) {
     assert!(shown >= made, "{shown}, made {made}: Z goes down");
     assert!(machine.linked.is_void(stamp));
     says(&machine, 605, UNHEARD);
-    // RESET, which cannot end it, does not take the place away.
+    // RESET, which cannot clear it, does not remove the position.
     machine.press(RESET);
     machine.pass(300);
     says(&machine, 605, UNHEARD);
@@ -199,7 +200,7 @@ fn a_lost_board_is_shown_where_it_was_heard_last() {
     is_shown_as_last_heard(&Machine::timed_referenced());
 }
 
-/// After a stop by the control itself, too, what was not made is not shown.
+/// Motion that was not made is not shown after a stop by the control either.
 fn reset_shows_the_made<T: Board>(ready: &Machine<T>) {
     let (machine, _, stamp) = broken(ready, |machine| machine.press(RESET));
     assert_eq!(machine.linked.state(), LinkState::Ready);
@@ -213,7 +214,7 @@ fn behind_reset_no_picture_shows_more_than_was_made() {
     reset_shows_the_made(&Machine::timed_referenced());
 }
 
-/// Counts that differ: the board's is the place.
+/// If the counts differ, the board's count gives the position.
 fn differs<T: Board>(ready: &Machine<T>) {
     let mut machine = ready.clone();
     machine.twin.add_position_error([0, 7]);
@@ -231,7 +232,7 @@ fn counts_that_differ_are_shown_as_the_board_counts() {
     differs(&Machine::timed_referenced());
 }
 
-/// The computer was away: what it had handed over was made, and compared.
+/// The computer was away: the motion sent before was made, and compared.
 #[test]
 fn late_motion_of_a_line_board_leaves_a_certain_place() {
     let (machine, ..) = broken(&Machine::referenced(Variant::Grbl), |machine| {
@@ -242,7 +243,7 @@ fn late_motion_of_a_line_board_leaves_a_certain_place() {
     says(&machine, 612, "certain");
 }
 
-/// Without a reference return the figures are there all the same.
+/// Without a reference return the numbers are shown all the same.
 fn jogged<T: Board>(connected: &Machine<T>) {
     let mut machine = connected.clone();
     machine.press(JOG);
@@ -263,7 +264,7 @@ fn a_fault_without_a_reference_says_so() {
     jogged(&Machine::timed_connected());
 }
 
-/// Before a board was there is nothing to say of the slides.
+/// Before a board is identified the alarm names no position.
 fn nothing_said<T: Board>(opened: &Machine<T>) {
     let mut machine = opened.clone();
     machine.cut_cable();
@@ -279,7 +280,7 @@ fn a_board_that_never_answered_says_nothing_of_a_place() {
     nothing_said(&Machine::timed(10_000));
 }
 
-/// A board counts anew from its switches; when they do not come there is no count.
+/// A board counts from its switches. If they do not come, there is no count.
 #[test]
 fn behind_a_return_that_failed_nobody_knows_the_place() {
     for variant in super::LINES {
@@ -299,7 +300,7 @@ fn behind_a_return_that_failed_nobody_knows_the_place() {
     }
 }
 
-/// The emergency stop of a machine at rest: the chain has cut its drives.
+/// The emergency stop of a machine at rest: the safety chain has cut its drives.
 fn is_stopped_at_rest<T: Board>(ready: &Machine<T>) {
     let mut machine = ready.clone();
     let stood = shown(&machine);
@@ -308,7 +309,7 @@ fn is_stopped_at_rest<T: Board>(ready: &Machine<T>) {
     assert_eq!(machine.alarms(), [207]);
     assert_eq!(shown(&machine), stood);
     says(&machine, 207, "uncertain: the drives were without power");
-    // And once more when it is pressed again.
+    // And again when it is pressed again.
     for pressed in [false, true] {
         machine.simulation.lathe.set_emergency_button(pressed);
         machine.pass(1500);
@@ -338,7 +339,7 @@ fn is_stopped_by_its_contact<T: Board>(ready: &Machine<T>, off: i64, sure: &str)
 fn an_emergency_stop_by_the_contact_of_the_board_says_so_once() {
     let powerless = "uncertain: the drives were without power";
     is_stopped_by_its_contact(&Machine::timed_referenced(), 0, powerless);
-    // Its contact resets a line board: nobody has read it since its last report.
+    // Its contact resets a line board: the host has not read it since its last report.
     for variant in super::LINES {
         is_stopped_by_its_contact(&Machine::referenced(variant), 140, DEAD);
     }
@@ -373,7 +374,7 @@ fn is_told<T: Board>(mut machine: Machine<T>, sure: &str) {
 fn a_reference_dropped_by_reset_is_told() {
     is_told(Machine::with(Variant::Grbl, 300), TOO_FAST);
     is_told(Machine::timed_with(300), TOO_FAST);
-    // Nobody knows whether the play is made up for where the slides were stopped.
+    // Whether the backlash is made up for at the stop position is unknown.
     let mut machine = Machine::referenced(Variant::Grbl);
     machine.set(35, 20);
     let play = "uncertain: the play of the screws (034, 035) may not be made up for there";

@@ -1,4 +1,4 @@
-//! Programs on a board: to the pulse, or refused before anything moves.
+//! Programs on a board end on the pulse, or are refused before anything moves.
 
 use gsk_core::linked::Note;
 use gsk_core::operation::RunState;
@@ -152,8 +152,8 @@ fn a_board_too_slow_for_the_rapids_is_named_before_the_start() {
     );
 }
 
-/// The first block whose cut needs more pulses than the board makes is named before
-/// anything moves, wherever its feed comes from.
+/// The first block whose cut needs more pulses than the board makes is named before anything
+/// moves, whatever the source of its feed.
 #[test]
 fn a_cut_too_fast_for_the_board_is_named_before_the_start() {
     // 400 pulses/mm of X, 200 of Z, 30 000 pulses/s: 4500 and 9000 mm/min.
@@ -193,7 +193,7 @@ fn a_cut_too_fast_for_the_board_is_named_before_the_start() {
     }
 }
 
-/// What lies too far behind to be looked at before the start is refused at its block.
+/// A block that is too far ahead for the check at the start is refused when it is reached.
 #[test]
 fn a_cut_too_fast_far_behind_is_refused_at_its_block() {
     let mut text = "O1\nG50 X60 Z20\nG98 G01 X59.9 F100\n".to_owned();

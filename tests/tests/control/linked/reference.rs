@@ -1,4 +1,4 @@
-//! Nothing runs before the reference return, which the board makes by itself.
+//! Nothing runs before the reference return, which the board makes itself.
 
 use gsk_link::{LinkConfig, LinkState};
 use gsk_twins::grbl::{GrblSettings, Variant};
@@ -55,7 +55,7 @@ fn reset_ends_a_reference_return() {
         );
         machine.pass(2000);
         assert_eq!(machine.made(), stood);
-        // And once more from there.
+        // And again from there.
         machine.press(RESET);
         machine.pass(500);
         machine.pass(1500);
@@ -63,8 +63,8 @@ fn reset_ends_a_reference_return() {
     }
 }
 
-/// The larger boards may seek one switch alone (grblHAL with bit 1 of $22): the other axis
-/// has its own key.
+/// The larger boards may seek one switch alone (grblHAL with bit 1 of $22): the other axis has
+/// its own key.
 #[test]
 fn a_board_that_can_returns_each_axis_by_its_key() {
     let mut machine = Machine::connected(Variant::GrblHal);
@@ -78,8 +78,8 @@ fn a_board_that_can_returns_each_axis_by_its_key() {
     return_one_by_one(Machine::connected(Variant::FluidNc));
 }
 
-/// FluidNC stays locked until all its axes are home, which the control does not ask for,
-/// and answers `ok` to a return that it has not made.
+/// FluidNC stays locked until all its axes are homed, which the control does not request. It
+/// also answers `ok` to a return that it has not made.
 #[test]
 fn fluidnc_returns_when_it_says_so() {
     let mut machine = Machine::connected(Variant::FluidNc);
@@ -89,7 +89,7 @@ fn fluidnc_returns_when_it_says_so() {
     machine.wait(6000, |machine| machine.alarms() == [603]);
     machine.linked.write_settings();
     machine.wait(3000, |machine| machine.linked.state() == LinkState::Locked);
-    // Not unlocked by RESET: X is home, Z is not, and X is to be moved by hand.
+    // RESET does not unlock it: X is homed, Z is not, and X is to be moved by hand.
     machine.press(ZERO);
     machine.press(X_PLUS);
     assert!(machine.wait(40_000, |machine| machine.simulation.cnc.referenced().x));
@@ -99,7 +99,7 @@ fn fluidnc_returns_when_it_says_so() {
     machine.hold(X_MINUS, 1000);
     machine.pass(500);
     assert!(machine.twin.pulses()[0] < x);
-    // The place is set, nothing moves.
+    // The position is set, nothing moves.
     machine
         .twin
         .set_config_item("axes/z/homing/cycle", "-1")
@@ -125,8 +125,8 @@ fn return_one_by_one(mut machine: Machine) {
     assert!(referenced.x && referenced.z);
 }
 
-/// However a return of both axes ends, neither stands where it did; one that moves a
-/// single axis and breaks off leaves a board that proves nothing.
+/// However a return of both axes ends, neither axis is where it was. A board that moves a
+/// single axis and stops early proves nothing.
 #[test]
 fn a_return_that_breaks_off_leaves_no_reference() {
     type End = fn(&mut Machine);
@@ -174,7 +174,7 @@ fn a_return_that_breaks_off_leaves_no_reference() {
     }
 }
 
-/// While it is under way neither lamp is lit: both axes move.
+/// Neither lamp is on during the return: both axes move.
 #[test]
 fn a_return_of_both_axes_takes_both_references_at_once() {
     let mut machine = Machine::referenced(Variant::Grbl);

@@ -1,4 +1,4 @@
-//! Hours at the machine on a computer that has other things to do.
+//! Hours of production on a computer with other load.
 
 use gsk_core::operation::RunState;
 
@@ -12,8 +12,8 @@ fn minutes() -> u64 {
     wanted.and_then(|text| text.parse().ok()).unwrap_or(2)
 }
 
-/// Part after part, with pauses of the computer that the lookahead covers. Two
-/// minutes of machine time; more with `MINUTES=480` in the environment.
+/// Part after part, with pauses of the computer that the lookahead covers. Two minutes of
+/// machine time; more with `MINUTES=480` in the environment.
 #[test]
 fn a_shift_of_parts_loses_no_pulse() {
     for variant in super::LINES {

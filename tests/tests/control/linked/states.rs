@@ -1,5 +1,5 @@
-//! What may happen in every state of the link: the cable comes out and goes back in,
-//! the board gets a reset, the computer is away for two seconds.
+//! Faults in every state of the link: the cable is unplugged and plugged in again, the board
+//! is reset, the computer is away for two seconds.
 
 use gsk_link::LinkState;
 use gsk_twins::grbl::Variant;
@@ -8,14 +8,14 @@ use super::{SHORT, assert_together};
 use crate::bench::board::{Board, Machine};
 use crate::bench::keys::{JOG, RESET, X_PLUS, Z_MINUS, ZERO};
 
-/// A state, and for some how it came about.
+/// A state, and for some states their cause.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum When {
     Opening,
     Identify,
     Configure,
     Locked,
-    /// By hand, the place unknown.
+    /// Manual motion with an unknown position.
     Jogging,
     Homing,
     Ready,
@@ -127,7 +127,7 @@ impl<T: Board> Machines<T> {
     }
 }
 
-/// It stands, and goes on standing, with an alarm.
+/// It is stopped, and stays stopped, with an alarm.
 fn stands<T: Board>(machine: &mut Machine<T>, place: &str) {
     machine.wait(130_000, |machine| {
         machine.linked.state() != LinkState::Homing
@@ -138,8 +138,7 @@ fn stands<T: Board>(machine: &mut Machine<T>, place: &str) {
     assert_eq!(machine.twin.pulses(), stood, "{place}: it moves on");
 }
 
-/// Without power and with it again the board is another one, and the port must be
-/// opened again.
+/// After a power cycle the board counts as another one, and the port must be opened again.
 fn plug_in_anew<T: Board>(machine: &mut Machine<T>) {
     machine.mend_cable();
     machine.twin.press_reset();
@@ -164,11 +163,11 @@ fn is_lost_and_found<T: Board>(machines: &Machines<T>, kind: &str) {
         let state = machine.linked.state();
         assert_ne!(state, LinkState::Ready, "{place}");
         assert!(early || !machine.alarms().is_empty(), "{place}");
-        // Nobody has asked for it: the cable alone brings nothing back.
+        // The cable alone brings nothing back without a request.
         machine.mend_cable();
         stands(&mut machine, &place);
         assert_ne!(machine.linked.state(), LinkState::Ready, "{place}");
-        // A board that has its own USB port is not reset when that is opened.
+        // Opening the port does not reset a board with its own USB port.
         let mut same = machine.clone();
         let stood = same.twin.pulses();
         same.reconnect();
@@ -213,7 +212,7 @@ fn is_reset<T: Board>(machines: &Machines<T>, kind: &str) {
         assert!(!machine.linked.knows_position(), "{place}");
         let early = matches!(when, When::Opening | When::Identify | When::Configure);
         assert!(early || !machine.alarms().is_empty(), "{place}");
-        // Where it has given up already, or was asked to restart, it is no news.
+        // If it has already shut down, or a restart was requested, no event is expected.
         let told = matches!(when, When::Fault | When::Tripped | When::Verify);
         if !early && !told && when != When::Lost {
             assert!(
@@ -239,7 +238,7 @@ fn is_left_alone<T: Board>(machines: &Machines<T>, kind: &str) {
         machine.pause(2000);
         let moved = matches!(when, When::Jogging | When::Moving | When::Verify);
         if when != When::Homing {
-            // What was handed over has been made; a key that is still held starts nothing.
+            // The motion sent before was made; a key that is still held starts nothing.
             let stood = machine.twin.pulses();
             machine.pass(1000);
             assert_eq!(machine.twin.pulses(), stood, "{place}: it moves on");
@@ -273,8 +272,8 @@ fn a_computer_away_for_two_seconds_in_every_state() {
     is_left_alone(&timed(), "timed");
 }
 
-/// What the operator asks of a board that is not known yet it does not do later: a jog
-/// key has to be let go and pressed, a return asked for again.
+/// A request that the operator makes before the board is identified is not executed later. A
+/// jog key must be released and pressed again, a return requested again.
 fn is_asked_too_early<T: Board>(opened: &Machine<T>) {
     for (mode, key) in [(JOG, Z_MINUS), (ZERO, X_PLUS)] {
         for held in [true, false] {

@@ -1,4 +1,4 @@
-//! Stops that somebody asked for, or a busy computer made.
+//! Stops that the operator requests, or that a busy computer causes.
 
 use gsk_link::LinkState;
 use gsk_twins::grbl::Variant;
@@ -137,7 +137,7 @@ fn a_busy_computer_is_not_noticed_or_is_alarm_612() {
             if noticed {
                 machine.pass(2000);
                 assert_eq!(machine.alarms(), [612], "{pause} ms at {at}");
-                // What was handed over was made, and the count says so.
+                // The motion sent before was made, and the count confirms it.
                 assert_eq!(machine.linked.state(), LinkState::Ready);
                 assert_together(&machine);
             } else {
@@ -149,8 +149,7 @@ fn a_busy_computer_is_not_noticed_or_is_alarm_612() {
     }
 }
 
-/// Jog is a lease: when the computer falls silent the board stands after what it
-/// holds.
+/// Jog is a lease: if the computer falls silent, the board stops after the motion it holds.
 #[test]
 fn a_silent_computer_lets_the_axis_stand_within_the_lookahead() {
     let mut machine = Machine::referenced(Variant::Grbl);

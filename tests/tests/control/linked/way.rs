@@ -1,4 +1,5 @@
-//! The board's way and time beside the kernel's, and what the pages may show of it.
+//! Compares the board's path and time with those of the kernel, and checks what the pages may
+//! show of it.
 
 use core::time::Duration;
 use std::collections::VecDeque;
@@ -11,11 +12,11 @@ use super::{GROOVE, PIN, SHAFT, assert_together};
 use crate::bench::board::{APART, Board, Machine};
 use crate::bench::keys::{AUTO, CYCLE_START};
 
-/// Lengths that differ by less are the same, mm.
+/// Lengths that differ by less are equal, mm.
 const SAME: f64 = 1e-9;
 
-/// At most a pulse and 2 µm beside the commanded way, within 1 % of its time; and no
-/// picture shows more than was made.
+/// The board is at most a pulse and 2 µm off the commanded path, within 1 % of its time, and
+/// no picture shows more than was made.
 #[test]
 fn the_board_goes_the_kernels_way_in_the_kernels_time() {
     follow(Machine::referenced(Variant::Grbl), SHAFT, None);
@@ -54,7 +55,8 @@ fn follow<T: Board>(mut machine: Machine<T>, main: &str, sub: Option<&str>) {
     );
 }
 
-/// Neither a board faster than the computer runs dry, nor does a slower one fill up.
+/// A board with a faster clock than the computer does not run dry, and one with a slower clock
+/// does not fill up.
 #[test]
 fn clocks_that_differ_are_no_matter() {
     for rate in [0.995, 1.005] {
@@ -77,20 +79,20 @@ fn clocks_that_differ_are_no_matter() {
     }
 }
 
-/// Looks how far the board is beside the recorded way.
+/// Measures the distance of the board from the recorded path.
 #[derive(Default)]
 struct Follower {
-    /// The stretch of the way the board is on, and how far on it, mm.
+    /// The current segment of the path, and the distance along it, mm.
     at: usize,
     on: f64,
     off: f64,
-    /// Time between two pulses that belong together, ms.
+    /// Greatest time between two pulses of one motion, ms.
     moving: u64,
     last_pulse: ([i64; 2], u64),
-    /// Pictures that wait: the moment of their motion, their place on the way, and
-    /// when they were taken.
+    /// Pending pictures: the moment of their motion, their position on the path, and when they
+    /// were taken.
     pictures: VecDeque<(Stamp, usize, Duration)>,
-    /// The longest that a picture has waited.
+    /// The longest time a picture was pending.
     behind: Duration,
 }
 
@@ -118,8 +120,9 @@ impl Follower {
         }
     }
 
-    /// The board has come to a place. Where the way turns back on itself, of places that
-    /// are equally near that one counts which is as far along the way as the board went.
+    /// The board has reached a position. Where the path turns back on itself, several
+    /// positions are equally near. Then the one counts that is as far along the path as the
+    /// board has moved.
     fn go_on(&mut self, way: &[[i64; 2]], here: [f64; 2], went: f64) {
         let expected = self.on + went;
         let mut best = (f64::INFINITY, f64::INFINITY, self.at, self.on);
@@ -150,7 +153,7 @@ fn distance(from: [f64; 2], to: [f64; 2]) -> f64 {
     libm::hypot(to[0] - from[0], to[1] - from[1])
 }
 
-/// How far a place is beside a stretch, and where along it.
+/// Distance of a position from a segment, and the position along it.
 fn beside(at: [f64; 2], from: [f64; 2], to: [f64; 2]) -> (f64, f64) {
     let length = distance(from, to);
     let [ax, az] = [0, 1].map(|axis| (to[axis] - from[axis]) / length);

@@ -1,4 +1,4 @@
-//! A link and a board, wired, in virtual time.
+//! A link and a board of timed steps, connected, in virtual time.
 
 use core::time::Duration;
 
@@ -9,7 +9,7 @@ use gsk_link::step_queue::StepLink;
 use gsk_link::{Backend, FINE, LinkConfig, LinkEvent, LinkState, MotionRefused, RunTime, Sample};
 use gsk_twins::klipper::{KlipperHardware, KlipperTwin};
 
-/// One millisecond of both.
+/// One millisecond, ns.
 pub const MS: u64 = 1_000_000;
 
 pub const WIRED: &str = r#"(
@@ -44,7 +44,7 @@ pub fn parameters() -> Parameters {
 }
 
 impl Bench {
-    /// A board that has just got power, on a control with electronic gear 1/5.
+    /// A board after power-on, on a control with electronic gear 1/5.
     pub fn new(make: KlipperHardware) -> Self {
         Self::wired(config(), make)
     }
@@ -77,7 +77,7 @@ impl Bench {
         bench
     }
 
-    /// The port is closed and opened again, without a word to the board.
+    /// Closes and opens the port again, without a message to the board.
     pub fn open_again(&mut self) {
         let now = Duration::from_nanos(self.twin.now());
         self.link = StepLink::open(config(), &drives(&parameters()), now);
@@ -99,7 +99,7 @@ impl Bench {
         self.host();
     }
 
-    /// The host does its work; between two calls it sleeps.
+    /// Runs the host once; between two calls it sleeps.
     pub fn host(&mut self) {
         let now = Duration::from_nanos(self.twin.now());
         let bytes = self.twin.read();
@@ -135,7 +135,7 @@ impl Bench {
         self.wait(limit_ms, |bench| bench.link.state() == state)
     }
 
-    /// Hands over one tick of motion, waiting for room; false when refused.
+    /// Sends one tick of motion when there is space for it. Returns false if it is refused.
     pub fn sample(&mut self, x: f64, z: f64) -> bool {
         for _ in 0..3000 {
             if !self.link.state().takes_motion() {
@@ -165,8 +165,8 @@ impl Bench {
         result
     }
 
-    /// There and back in both axes with ramps and a reversal, and 100 pulses of Z
-    /// farther; false when it broke off.
+    /// Moves both axes there and back with ramps and a reversal, and Z 100 pulses farther.
+    /// Returns false if the motion is interrupted.
     pub fn job(&mut self) -> bool {
         let (x0, z0) = self.at;
         for k in 1..=1000_i64 {
@@ -180,7 +180,8 @@ impl Bench {
         self.link.finish().is_ok()
     }
 
-    /// Along a path, tick by tick from where it stands; false when it broke off.
+    /// Follows a path, tick by tick from the current position. Returns false if the motion is
+    /// interrupted.
     pub fn follow(&mut self, ms: u32, path: impl Fn(f64) -> (f64, f64)) -> bool {
         let (x, z) = self.at;
         (1..=ms).all(|tick| {
@@ -189,7 +190,7 @@ impl Bench {
         })
     }
 
-    /// Z at a speed, pulses a ms, for some ms.
+    /// Moves Z at a speed, pulses a ms, for some ms.
     pub fn feed(&mut self, speed: f64, ms: u32) -> bool {
         (0..ms).all(|_| self.sample(self.at.0, self.at.1 + speed))
     }
@@ -202,7 +203,7 @@ impl Bench {
         self.events.iter().filter_map(number).collect()
     }
 
-    /// Dictionaries that were read.
+    /// The dictionaries that were read.
     pub fn learned(&self) -> Vec<(String, Vec<u8>)> {
         let learned = |event: &LinkEvent| match event {
             LinkEvent::Learned { name, packed } => Some((name.clone(), packed.clone())),
@@ -220,7 +221,7 @@ impl Bench {
         (x, z)
     }
 
-    /// Nothing moves any more, whatever the operator does not do.
+    /// Checks that nothing moves any more, even without the operator.
     pub fn stands(&mut self, ms: u32) {
         let stood = self.twin.pulses();
         self.pass(ms);

@@ -1,4 +1,4 @@
-//! How the board becomes known, and what else hangs on it.
+//! Identification and set-up of the board, and functions that depend on them.
 
 use core::time::Duration;
 
@@ -41,7 +41,7 @@ fn a_board_keeps_its_configuration_over_a_new_port_and_not_over_another_machine_
     bench.link = StepLink::open(config(), &drives(&parameters()), now);
     assert!(bench.gets(LinkState::Locked, 3000), "{:?}", bench.events);
     assert_eq!(bench.twin.state(), KlipperState::Running);
-    // The deceleration switch of Z was moved: the board is reset and set up anew.
+    // The deceleration switch of Z was moved: the board is reset and set up again.
     let mut other = config();
     other.z.dec = "PC7".to_owned();
     let now = Duration::from_nanos(bench.twin.now());
@@ -52,7 +52,7 @@ fn a_board_keeps_its_configuration_over_a_new_port_and_not_over_another_machine_
     assert_eq!(bench.alarms(), [0_u16; 0]);
 }
 
-/// Connected with these wires; what is told of it.
+/// The alarms after a connection with these wires.
 fn refused(change: impl Fn(&mut LinkConfig)) -> Vec<(u16, String)> {
     let mut wrong = config();
     change(&mut wrong);

@@ -1,4 +1,4 @@
-//! What goes wrong.
+//! Faults of host, board and wire.
 
 use core::time::Duration;
 
@@ -11,11 +11,11 @@ use gsk_twins::wire::Damage;
 
 use super::bench::{Bench, MS, config, parameters};
 
-/// The host dies: nobody renews anything any more.
+/// The host dies: nothing renews the heartbeat any more.
 #[test]
 fn a_dead_host_stops_the_axes_within_250_ms() {
     let mut bench = Bench::ready();
-    // Motion for longer than the heartbeat lasts lies in the board.
+    // The board holds motion for longer than the heartbeat is valid.
     let mut long = config();
     long.lookahead_ms = Some(400);
     bench.link = StepLink::open(
@@ -35,7 +35,7 @@ fn a_dead_host_stops_the_axes_within_250_ms() {
         matches!(bench.twin.state(), KlipperState::Shutdown(text) if text.starts_with("Missed"))
     );
     let made = bench.made();
-    // It comes back and finds all it needs to know.
+    // It returns and finds all it needs.
     bench.host();
     bench.pass(100);
     assert_eq!(bench.made(), made);
@@ -159,8 +159,8 @@ fn an_unplugged_cable_is_605() {
     bench.stands(2000);
 }
 
-/// The job with damage on the wire: it ends on the pulse with the count compared, or
-/// it stands with an alarm and says whether it knows where. Nothing third.
+/// Runs the job with damage on the wire. It ends on the pulse with the count compared, or it
+/// stops with an alarm that states whether the position is known. There is no third result.
 fn ends_defined(mut bench: Bench, place: &str) -> (bool, i64) {
     let whole = bench.job();
     bench.pass(1500);
@@ -182,10 +182,10 @@ fn ends_defined(mut bench: Bench, place: &str) -> (bool, i64) {
     (proved, bench.twin.statistics().min_lead_ns)
 }
 
-/// A fault at every byte of a short job, either way.
+/// A fault at every byte of a short job, in each direction.
 #[test]
 fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
-    // EVERY_BYTE=1 leaves none out, and does everything to each.
+    // EVERY_BYTE=1 omits none, and tries every fault on each.
     let every = std::env::var_os("EVERY_BYTE").is_some();
     let step = if every { 1 } else { 149 };
     let damages = [
@@ -205,7 +205,7 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
         )
     };
     let (mut proved, mut stopped) = (0, 0);
-    // Jobs on a line that becomes slow at this byte, and those that broke off.
+    // Jobs on a line that becomes slow at this byte, and interrupted ones.
     let (mut slow, mut too_slow) = (0, 0);
     for (to_board, first, last) in [
         (true, ready.twin.to_board.sent_count(), clean.0),
@@ -275,7 +275,7 @@ fn a_reset_at_any_moment_of_a_job_is_606() {
     }
 }
 
-/// A line on which every so many bytes one is lost: what comes through is whole.
+/// On a line that loses bytes at a regular distance, complete messages still arrive.
 #[test]
 fn a_bad_line_is_survived() {
     let mut bench = Bench::ready();
@@ -302,8 +302,8 @@ fn a_bad_line_is_survived() {
     );
 }
 
-/// The PC is away for longer than the heartbeat lasts, not for as long as the drives
-/// keep their enable: standing slides lose neither drives nor count.
+/// The PC is away for longer than the heartbeat is valid, but not for as long as the drives
+/// keep their enable. Slides at rest lose neither drives nor count.
 #[test]
 fn a_heartbeat_lost_at_rest_leaves_the_board_running() {
     for lookahead in [100, 400] {

@@ -1,4 +1,4 @@
-//! A machine whose spindle the board drives and sees.
+//! A machine whose spindle the board drives and measures.
 
 use gsk_core::setup::Setup;
 use gsk_link::LinkConfig;
@@ -7,7 +7,7 @@ use gsk_twins::klipper::{KlipperHardware, SpindleWiring};
 use super::bench::WIRED;
 use super::machine::Machine;
 
-/// The wires of a machine file; without its index.
+/// The wires of a machine file, optionally without its index.
 fn wires(index: bool) -> LinkConfig {
     let wired = if index { ", index: \"PC3\"" } else { "" };
     let text = WIRED.replace(", index: \"PC3\"", "").replace(
@@ -19,7 +19,7 @@ fn wires(index: bool) -> LinkConfig {
     config
 }
 
-/// Referenced; gear 1/5: a pulse of Z is 5 µm. Its steps are recorded.
+/// Referenced, with gear 1/5: a pulse of Z is 5 µm. Its steps are recorded.
 pub fn turning(index: bool, parameters: &[(u16, i32)]) -> Machine {
     turning_with(KlipperHardware::default(), index, parameters)
 }

@@ -1,5 +1,4 @@
-//! Lines and clocks as they are: slow, lossy, drifting; and motion that is much to be
-//! told.
+//! Real lines and clocks: slow, lossy, drifting; and motion that needs many messages.
 
 use core::f64::consts::TAU;
 use core::time::Duration;
@@ -10,7 +9,7 @@ use gsk_twins::wire::{Damage, Wire};
 
 use super::bench::{Bench, MS};
 
-/// What a line does to the traffic that is to come.
+/// A disturbance of the future traffic.
 type Trouble = fn(&mut KlipperTwin);
 
 fn again_and_again(wire: &mut Wire, every: u64, damage: Damage) {
@@ -66,7 +65,7 @@ const LINES: [(&str, i32, Trouble); 13] = [
     }),
 ];
 
-/// No pulse is lost, none comes late, and nobody sees anything of it.
+/// No pulse is lost, none comes late, and the operator sees nothing of it.
 #[test]
 fn lines_as_they_are_are_survived() {
     for (name, ppm, trouble) in LINES {
@@ -109,7 +108,7 @@ fn lines_as_they_are_are_survived() {
     }
 }
 
-/// A circle of so many pulses, once in so many ms, begun slowly.
+/// A circle with a radius in pulses and a period in ms, with a slow start.
 fn circle(radius: f64, around: f64) -> impl Fn(f64) -> (f64, f64) {
     move |tick| {
         let turned = if tick < 200.0 {
@@ -122,7 +121,7 @@ fn circle(radius: f64, around: f64) -> impl Fn(f64) -> (f64, f64) {
     }
 }
 
-/// To and fro in both axes.
+/// Oscillates both axes.
 fn shaking(amplitude: f64, every: f64) -> impl Fn(f64) -> (f64, f64) {
     move |tick| {
         let (sin, cos) = libm::sincos(tick / every * TAU);
@@ -130,8 +129,8 @@ fn shaking(amplitude: f64, every: f64) -> impl Fn(f64) -> (f64, f64) {
     }
 }
 
-/// The board never hears more than 700 messages in a second: what turns more often is
-/// made slower, and what turns much more often is refused. No step is late.
+/// The board never receives more than 700 messages in a second. Motion with more reversals is
+/// slowed down, and with far more it is refused. No step is late.
 #[test]
 fn the_board_is_told_no_more_than_it_can_hear() {
     let (whole, slower, refused) = ((true, false), (true, true), (false, false));

@@ -1,4 +1,4 @@
-//! The whole control with such a board in place of its simulated slides.
+//! The whole control with a board of timed steps in place of its simulated slides.
 
 use gsk_core::cnc::Request;
 use gsk_core::operation::RunState;
@@ -13,7 +13,7 @@ const GROOVE: &str = include_str!("../../../../assets/programs/O1031.CNC");
 
 #[test]
 fn reference_return_and_the_samples_end_on_the_pulse_of_the_kernel() {
-    // EVERY_SAMPLE=1 runs the long one too.
+    // EVERY_SAMPLE=1 also runs the long one.
     let every = std::env::var_os("EVERY_SAMPLE").is_some();
     let samples = [(PIN, Some(GROOVE)), (SHAFT, None)];
     for (main, sub) in samples.into_iter().take(if every { 2 } else { 1 }) {

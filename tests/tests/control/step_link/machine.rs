@@ -16,7 +16,7 @@ use gsk_twins::klipper::{KlipperHardware, KlipperTwin, TravelSwitch};
 use super::bench::{MS, config};
 use crate::bench::keys::{AUTO, CYCLE_START, RESET, X_PLUS, Z_PLUS, ZERO};
 
-/// A step of Z and the turns of the spindle at that moment.
+/// A step of Z, and the spindle turns at that moment.
 #[derive(Clone, Copy, Debug)]
 pub struct Cut {
     pub place: i64,
@@ -32,15 +32,15 @@ pub struct Machine {
     pub twin: KlipperTwin,
     /// Board pulses minus the kernel's.
     origin: [i64; 2],
-    /// The steps since the last start, when they are recorded.
+    /// The steps since the last start, if they are recorded.
     pub cuts: Vec<Cut>,
-    /// The host sleeps so many ms between two looks.
+    /// Sleep of the host between two calls, ms.
     pub sleep: u64,
     pub worst_queue: usize,
 }
 
 impl Machine {
-    /// Electronic gear 1/5, one switch for each axis 2 mm beyond where the slides stand.
+    /// Electronic gear 1/5, one switch for each axis 2 mm beyond the initial position.
     pub fn new() -> Self {
         Self::with(config(), &[])
     }
@@ -100,7 +100,7 @@ impl Machine {
         }
     }
 
-    /// The host does nothing for some ms.
+    /// Pauses the host for some ms.
     pub fn be_away(&mut self, ms: u32) {
         for _ in 0..ms {
             self.board_ms();
@@ -160,13 +160,13 @@ impl Machine {
         }
     }
 
-    /// Both axes return to their machine zero.
+    /// Returns both axes to their machine zero.
     pub fn return_axes(&mut self) {
         assert!(self.wait(3000, |machine| machine.linked.state() == LinkState::Locked));
         self.press(RESET);
         self.press(ZERO);
         for (key, axis) in [(X_PLUS, Axis::X), (Z_PLUS, Axis::Z)] {
-            // 011.2 ZNIK is off: the key has to be held.
+            // 011.2 ZNIK is off: the key must be held.
             self.simulation.cnc.set_panel_key(key, true);
             self.wait(60_000, |machine| {
                 *machine.simulation.cnc.referenced().get(axis)
@@ -197,7 +197,7 @@ impl Machine {
         self.press(CYCLE_START);
     }
 
-    /// Until nothing runs and moves any more.
+    /// Runs until nothing runs and moves any more.
     pub fn finish(&mut self, limit_ms: u32) {
         let over = self.wait(limit_ms, |machine| {
             let stands = !machine.linked.is_behind() && !machine.simulation.cnc.is_moving();
@@ -207,7 +207,7 @@ impl Machine {
         self.pass(300);
     }
 
-    /// The board has made what the kernel has commanded.
+    /// Checks that the board has made what the kernel has commanded.
     #[track_caller]
     pub fn agrees(&self) {
         let kernel = self.simulation.cnc.pulses();
@@ -216,7 +216,7 @@ impl Machine {
         assert_eq!(made, [kernel.x.0, kernel.z.0]);
     }
 
-    /// Program coordinates at a count, X as radius: at rest.
+    /// Program coordinates at a count of zero, X as radius. Call it at rest.
     pub fn offset(&self) -> (f64, f64) {
         let (at, kernel) = (
             self.simulation.cnc.position_absolute(),

@@ -1,5 +1,5 @@
-//! The link with a board of timed steps against the board's twin, in virtual time:
-//! nothing moves by itself, every stop is known, the counts agree to the pulse.
+//! Tests the link with a board of timed steps against the board's twin, in virtual time:
+//! nothing moves without a command, every stop is known, the counts agree to the pulse.
 
 mod bench;
 mod dialogue;

@@ -44,7 +44,7 @@ fn motion_keeps_the_time_of_the_kernel_and_the_lookahead() {
     let took = (bench.twin.now() - from) as f64 * 1e-9;
     assert!((took - 2.0).abs() < 0.01, "{took}");
     bench.link.finish().unwrap();
-    // Shown is what has been executed, never more.
+    // The executed motion is shown, never more.
     let behind = bench.run - bench.link.executed();
     assert!(
         (Duration::from_millis(90)..Duration::from_millis(135)).contains(&behind),
@@ -93,8 +93,8 @@ fn a_dwell_takes_its_time_and_a_pause_at_rest_is_none() {
     assert_eq!(bench.made(), (0, -200));
 }
 
-/// `!` before the pin of a direction counts as it does before every other: it turns the
-/// axis over, and `invert_direction` turns it back.
+/// `!` before the pin of a direction acts as before every other pin: it inverts the axis, and
+/// `invert_direction` inverts it back.
 #[test]
 fn a_direction_is_turned_over_by_its_pin_or_by_its_axis() {
     for (sign, invert, way) in [
@@ -119,9 +119,9 @@ fn a_direction_is_turned_over_by_its_pin_or_by_its_axis() {
     }
 }
 
-/// Both axes at 25 000 pulses a second, 40 µs apart: the times the board is told lie no
-/// farther from their own than a quarter of the way; those it makes are later by the steps of
-/// the other axis, and no later.
+/// Both axes at 25 000 pulses a second, 40 µs apart. The times sent to the board differ from
+/// the exact ones by a quarter of the interval at most. The times it makes are later by the
+/// steps of the other axis, and no later.
 #[test]
 fn steps_of_two_fast_axes_keep_their_times() {
     const TOP: f64 = 25.0;

@@ -10,14 +10,14 @@ use super::machine::Machine;
 use crate::bench::dice::{Dice, rounds};
 use crate::bench::keys::{FEED_HOLD, JOG, RESET, X_MINUS, X_PLUS, Z_MINUS, Z_PLUS, ZERO};
 
-/// Switches of the lathe: X closes at -6000 and lets go at -4000 (5 mm at 400
-/// pulses/mm), Z at -3000 and -2000; the motors turn once in 1600 and 1000 pulses. When
-/// the switch of Z lets go its zero signal stands.
+/// Switches of the lathe: X closes at -6000 and opens at -4000 (5 mm at 400
+/// pulses/mm), Z at -3000 and -2000. The motors turn once in 1600 and 1000 pulses. When
+/// the switch of Z opens its zero signal is on.
 const DOG_X: TravelSwitch = travel(0, -6000, -4000, None);
 const DOG_Z: TravelSwitch = travel(1, -3000, -2000, None);
 const ZERO_X: TravelSwitch = travel(0, 0, 31, Some(1600));
 const ZERO_Z: TravelSwitch = travel(1, 0, 19, Some(1000));
-/// First edges behind the dogs; their own far edges.
+/// First edges after the dogs; the far edges of the dogs.
 const PLACE_B: [i64; 2] = [-3200, -1980];
 const PLACE_C: [i64; 2] = [-4000, -2000];
 
@@ -96,7 +96,7 @@ fn returned(machine: &mut Machine) -> [i64; 2] {
     machine.twin.pulses()
 }
 
-/// Wherever the slides start, whenever the keys are pressed: the same pulse.
+/// From any start position and with any timing of the keys, the return ends on the same pulse.
 #[test]
 fn all_starts_end_on_the_same_pulse() {
     let mut dice = Dice(5);
@@ -134,7 +134,7 @@ fn both_axes_at_once_return_to_the_first_edge_behind_the_switch() {
     let now = machine.twin.pulses();
     assert!(now[0] > before[0] && now[1] > before[1], "both move");
     assert_eq!(returned(&mut machine), PLACE_B);
-    // The lamps, and once more: it stands on its zero.
+    // The lamps, and again: it is on its zero.
     for bit in [5, 7] {
         let lamp = BitAddress::new(Area::Y, 4, bit);
         assert!(machine.simulation.cnc.plc().memory().bit(lamp));
@@ -144,7 +144,7 @@ fn both_axes_at_once_return_to_the_first_edge_behind_the_switch() {
     assert_eq!(machine.twin.pulses(), PLACE_B);
 }
 
-/// What the return is doing, as far as it can be seen from outside.
+/// The phase of the return, as far as it is visible from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
     Approach,
@@ -187,7 +187,7 @@ fn some_phases() -> impl Iterator<Item = (Phase, u32)> {
         .step_by(if rounds(6) > 6 { 1 } else { 3 })
 }
 
-/// Off the switch by hand, and back to the mode of the return.
+/// Moves manually off the switch, and back to the mode of the return.
 #[track_caller]
 fn off_the_switch(machine: &mut Machine, key: BitAddress, axis: usize, below: i64) {
     machine.press(JOG);
@@ -223,7 +223,7 @@ fn reset_ends_the_return_in_every_phase_and_another_one_ends_at_the_zero() {
     }
 }
 
-/// With 011.2 ZNIK = 0 the axis goes only while its key is held.
+/// With 011.2 ZNIK = 0 the axis moves only while its key is held.
 #[test]
 fn a_key_let_go_stops_the_axis_and_pressed_again_it_goes_on() {
     for one in [false, true] {
@@ -244,7 +244,7 @@ fn a_key_let_go_stops_the_axis_and_pressed_again_it_goes_on() {
             machine.pass(1000);
             assert_eq!(machine.twin.pulses(), stood);
             assert!(machine.simulation.cnc.referenced().x, "X keeps its own");
-            // It may have braked on to the switch.
+            // It may have braked onto the switch.
             if wanted != Phase::Approach || stood[1] > -3500 {
                 off_the_switch(&mut machine, Z_MINUS, 1, -3500);
             }
@@ -371,14 +371,14 @@ fn without_another_switch_the_limit_switch_is_the_reference() {
     assert!(machine.wait(120_000, |machine| machine.linked.state()
         == LinkState::Ready));
     machine.pass(500);
-    // A millimetre off the place where it lets go.
+    // A millimetre off the position where it opens.
     assert_eq!(machine.twin.pulses(), [7999 - 400, 7999 - 200]);
     assert_eq!(machine.alarms(), Vec::<String>::new());
     let at = machine.simulation.cnc.position_machine();
     assert_eq!((at.x, at.z), (2.0, 4.0));
 }
 
-/// A broken switch is an alarm before the slide meets the end of its bed.
+/// A broken switch is an alarm before the slide reaches the end of its bed.
 #[test]
 fn a_switch_that_does_not_come_within_the_length_of_the_slide_is_alarm_609() {
     for (key, axis, name, most) in [

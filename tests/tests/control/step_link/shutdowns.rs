@@ -1,11 +1,11 @@
-//! Boards that give up, that are found shut down, or set up for somebody else.
+//! Boards that shut down, that are found shut down, or that are configured for another host.
 
 use gsk_link::{Backend, LinkEvent, LinkState};
 use gsk_twins::klipper::{KlipperHardware, KlipperState};
 
 use super::bench::Bench;
 
-/// What the firmware says, the alarm, and a word of what the operator is told to do.
+/// The message of the firmware, the alarm, and a word of the advice to the operator.
 const TEXTS: [(&str, u16, &str); 12] = [
     ("Timer too close", 612, "less load"),
     ("Stepper too far in past", 612, "less load"),
@@ -41,7 +41,7 @@ const TEXTS: [(&str, u16, &str); 12] = [
     ),
 ];
 
-/// A board that resets itself, and one that only forgets.
+/// A board that resets itself, and one that only forgets its configuration.
 fn makes() -> [KlipperHardware; 2] {
     [true, false].map(|resets| KlipperHardware {
         has_reset_command: resets,
@@ -73,7 +73,7 @@ fn every_reason_has_its_alarm_and_its_way_out() {
             assert!(bench.events.iter().any(told), "{place}");
             assert_eq!(bench.link.position(), None, "{place}");
             bench.stands(300);
-            // What it is told to do helps.
+            // The advice helps.
             bench.link.reset();
             assert!(bench.gets(LinkState::Locked, 3000), "{place}");
             assert_eq!(bench.twin.state(), KlipperState::Running, "{place}");
@@ -111,7 +111,7 @@ fn a_board_found_shut_down_is_set_up_anew() {
     }
 }
 
-/// With another configuration, running or shut down, and whichever way it forgets.
+/// With another configuration, running or shut down, and with either way of forgetting it.
 #[test]
 fn a_board_set_up_for_somebody_else_forgets_that() {
     for make in makes() {
@@ -135,7 +135,7 @@ fn a_board_set_up_for_somebody_else_forgets_that() {
     }
 }
 
-/// Reconfigured behind our back: it is not the board that was checked.
+/// Reconfigured without this link: it is not the board that was checked.
 #[test]
 fn a_configuration_that_changes_under_way_is_606() {
     let mut bench = Bench::ready();
@@ -169,7 +169,7 @@ fn a_board_met_before_is_not_asked_for_its_dictionary() {
     for (known, fewest, most) in [
         (vec![right.clone()], 2, 2),
         (vec![other.clone(), right], 2, 3),
-        // Another firmware, and a damaged file: read once more.
+        // Another firmware, and a damaged file: the dictionary is read again.
         (vec![other], 91, 92),
         (vec![damaged], 91, 91),
     ] {

@@ -19,7 +19,7 @@ fn analog(pwm: bool) -> Machine {
     machine
 }
 
-/// Runs on to the end, looking every millisecond.
+/// Runs to the end and calls `look` every millisecond.
 fn run(machine: &mut Machine, mut look: impl FnMut(&Machine)) {
     for _ in 0..3_600_000 {
         machine.ms();
@@ -59,7 +59,7 @@ fn the_speed_follows_the_slide_and_not_the_kernel() {
         }
     });
     assert!(seen > 500, "{seen}");
-    // A step of the output, and what the speed changes in 20 ms.
+    // A step of the output, and the change of the speed in 20 ms.
     assert!(worst < 2.5, "{worst}");
     // 50 a second, and the enable of the drives every 100 ms.
     let seconds = (machine.twin.now() - since) as f64 * 1e-9;
@@ -67,8 +67,8 @@ fn the_speed_follows_the_slide_and_not_the_kernel() {
     assert!(orders < 61.0 * seconds + 10.0, "{orders} in {seconds} s");
 }
 
-/// M08 in the middle of the way: neither the kernel waits for the slides, nor is it
-/// switched before they are there.
+/// M08 in the middle of the path: the kernel does not wait for the slides, and the coolant
+/// does not switch before they are there.
 #[test]
 fn coolant_switches_at_its_place_without_waiting_for_the_slides() {
     let mut machine = analog(true);
@@ -77,7 +77,7 @@ fn coolant_switches_at_its_place_without_waiting_for_the_slides() {
     let (mut on, mut off, mut waits) = (None, None, [0, 0]);
     run(&mut machine, |machine| {
         let z = machine.twin.pulses()[1];
-        // Turned over.
+        // Inverted.
         let flows = machine.twin.output("PB7") == Some(0);
         if flows && on.is_none() {
             on = Some(z - start_at);
@@ -93,7 +93,7 @@ fn coolant_switches_at_its_place_without_waiting_for_the_slides() {
     assert_eq!(machine.alarms(), Vec::<String>::new());
     // At the ends of the cuts, 10 mm of 200 pulses.
     assert_eq!((on, off), (Some(-2000), Some(-4000)));
-    // As long as the ladder takes for an M (081 = 500 ms); until the slides stand it is
+    // As long as the ladder takes for an M (081 = 500 ms); waiting for the slides would take
     // 200 ms more.
     assert!(waits.iter().all(|wait| *wait < 600), "{waits:?}");
 }
@@ -112,7 +112,7 @@ fn without_the_output_the_setting_is_named() {
     assert_eq!(machine.twin.pulses(), stood);
 }
 
-/// The sample as it is: feed per revolution behind the index of the real spindle.
+/// The unchanged sample: feed per revolution follows the index of the real spindle.
 #[test]
 fn the_bushing_as_it_is_ends_on_the_pulse_of_the_kernel() {
     let mut lathe = turning(true, &[]);

@@ -1,4 +1,4 @@
-//! What stops the axes, and where they stand then.
+//! Stops of the axes, and their position after each.
 
 use gsk_core::units::{Axis, PerAxis, Pulses};
 use gsk_link::{
@@ -32,7 +32,7 @@ fn a_flush_keeps_the_count_and_when_it_was_slow_the_position() {
             );
             bench.stands(300);
             assert_eq!(bench.link.position().is_some(), wanted == LinkState::Ready);
-            // And it goes on from there.
+            // And it continues from there.
             bench.at = (x as f64, z as f64);
             if wanted == LinkState::Locked {
                 bench.set_position();
@@ -178,7 +178,7 @@ fn inputs_end_a_move_where_the_board_saw_them() {
         (bench.alarms(), bench.link.position()),
         (vec![], Some(there))
     );
-    // Off the switch again: the same the other way round.
+    // Off the switch again: the same with inverted level.
     bench.at = (x as f64, z as f64);
     bench.events.clear();
     bench
@@ -207,14 +207,14 @@ fn inputs_end_a_move_where_the_board_saw_them() {
     assert_eq!(bench.alarms(), [622]);
 }
 
-/// Whatever was written last, and wherever it was broken off: the bytes for whoever holds
-/// the port when the program is gone stop the board.
+/// The last message may be anything, and may be cut off anywhere. The stop bytes, which the
+/// port guard sends after the main process has ended, stop the board.
 #[test]
 fn the_bytes_that_stop_the_board_do_so_behind_any_broken_block() {
     let mut begun = Bench::ready();
     assert!(begun.feed(-4.0, 300));
     for cut in 0..40 {
-        // Each time another number is awaited.
+        // The expected sequence number differs each time.
         assert!(begun.feed(-4.0, 1));
         let mut bench = begun.clone();
         let mut broken = [0; 40];

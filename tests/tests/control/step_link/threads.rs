@@ -1,5 +1,5 @@
-//! Threads behind the index of a real spindle: every pass in the same groove, and
-//! none cut by a spindle that does not keep its speed.
+//! Threads that follow the index of a real spindle: every pass cuts the same groove, and none
+//! is cut while the spindle does not keep its speed.
 
 use gsk_link::LinkState;
 use gsk_twins::klipper::KlipperHardware;
@@ -11,15 +11,15 @@ use crate::bench::keys::{CYCLE_START, FEED_HOLD, RESET};
 /// A pulse of Z, mm.
 const PULSE: f64 = 0.005;
 
-/// Where the groove of a pass lies, mm beside the first pulse of the first pass: the
-/// least and the greatest of its pulses.
+/// Position of the groove of a pass, mm from the first pulse of the first pass: the least and
+/// the greatest of its pulses.
 #[derive(Clone, Copy, Debug)]
 struct Groove {
     least: f64,
     most: f64,
 }
 
-/// The passes of a lathe between two places, `way` being the direction of its spindle.
+/// The passes of a lathe between two positions; `way` is the direction of its spindle.
 fn grooves(lathe: &Machine, lead: f64, between: (f64, f64), way: f64) -> Vec<Groove> {
     let (_, offset) = lathe.offset();
     let mut passes: Vec<Vec<f64>> = Vec::new();
@@ -27,7 +27,7 @@ fn grooves(lathe: &Machine, lead: f64, between: (f64, f64), way: f64) -> Vec<Gro
     let mut last = i64::MAX;
     for cut in &lathe.cuts {
         let down = cut.place < last;
-        // A step down has just passed the half above its place.
+        // A step down has just passed the half above its position.
         let z = (cut.place as f64 + 0.5) * PULSE + offset;
         last = cut.place;
         let inside = down && z > between.0 && z < between.1;
@@ -57,7 +57,7 @@ fn grooves(lathe: &Machine, lead: f64, between: (f64, f64), way: f64) -> Vec<Gro
         .collect()
 }
 
-/// The farthest two of the pulses of all passes.
+/// The greatest distance of two pulses of all passes.
 fn spread(grooves: &[Groove]) -> f64 {
     let most = grooves.iter().map(|groove| groove.most);
     let least = grooves.iter().map(|groove| groove.least);
@@ -72,9 +72,9 @@ fn head(spindle: &str) -> String {
 const FIVE: &str = "G92 X29 Z-25 F2\nX28.6\nX28.3\nX28.1\nX28\nG00 X40 Z5\nM30\n";
 const LONG: &str = "G92 X29 Z-80 F2\nX28.6\nG00 X40 Z5\nM30\n";
 
-/// A pulse, and a tenth of a micrometre. Measured: 0.05 µm at 196 r/min, 2.7 µm at 596
-/// and 4.1 µm at 996; what is more than 0.1 µm comes from the board's looks at the
-/// index every 0.1 ms.
+/// A pulse, and a tenth of a micrometre. Measured: 0.05 µm at 196 r/min, 2.7 µm at 596 and 4.1
+/// µm at 996. The error above 0.1 µm comes from the board's sampling of the index every 0.1
+/// ms.
 const SAME: f64 = PULSE + 0.000_1;
 
 #[test]
@@ -98,7 +98,7 @@ fn five_passes_of_g92_meet_in_one_groove() {
     }
 }
 
-/// Two starts half a turn apart, passes that begin whenever it happens.
+/// Two starts half a turn apart, and passes that begin at arbitrary times.
 #[test]
 fn starts_and_passes_lie_where_they_belong() {
     let mut lathe = turning(true, &[]);
@@ -208,8 +208,8 @@ fn a_spindle_that_begins_to_waver_spoils_one_pass_only() {
     lathe.agrees();
 }
 
-/// How fast the speed may change while a thread is cut: an index then comes beside the angle
-/// that was foreseen from the turns before it.
+/// How fast the speed may change during a thread: an index then comes off the angle that was
+/// predicted from the turns before it.
 #[test]
 fn a_speed_that_drifts_is_followed_or_spoils_the_thread() {
     /// Slow enough for a change at a steady rate within a pass, 1/s.
@@ -348,11 +348,11 @@ fn what_needs_an_index_names_its_setting() {
     );
 }
 
-/// The computer is busy for up to 80 ms now and then, the clock of the board is off. A
-/// pause may fall on the begin of a pass.
+/// The computer is busy for up to 80 ms now and then, and the clock of the board is off. A
+/// pause may coincide with the start of a pass.
 #[test]
 fn a_busy_computer_and_a_fast_board_cut_the_same_groove() {
-    // BEGINS=N tries as many moments, 7 ms apart.
+    // BEGINS=N tries N moments, 7 ms apart.
     let begins = std::env::var("BEGINS").map_or(2, |begins| begins.parse().unwrap());
     for begin in 0..begins {
         busy_and_fast(7 * begin);
@@ -381,12 +381,12 @@ fn busy_and_fast(begin: u32) {
     lathe.agrees();
     let grooves = grooves(&lathe, 2.0, (-24.0, -5.0), 1.0);
     assert_eq!(grooves.len(), 5);
-    // What the spindle does between two looks at its index is learned anew.
+    // The speed changes of the spindle between two samples of its index are learned again.
     let poll = 600.0 / 60.0 * 0.0001 * 2.0;
     assert!(spread(&grooves) <= SAME + poll, "{begin}: {grooves:#?}");
 }
 
-/// A spark on the wire of the index in a pass: that pass is spoilt, no later one.
+/// A spark on the wire of the index during a pass: that pass is spoilt, no later one.
 #[test]
 fn a_spark_on_the_index_is_found() {
     let mut lathe = turning(true, &[]);
@@ -404,8 +404,8 @@ fn a_spark_on_the_index_is_found() {
     assert!((at.z + 80.0).abs() < 1e-9 && at.x > 14.9, "{at:?}");
 }
 
-/// A thread that waits for its index can be given up, and the axes go on from where they
-/// stand.
+/// A thread that waits for its index can be cancelled, and the axes continue from their
+/// position.
 #[test]
 fn reset_while_a_thread_waits_for_its_index() {
     let mut lathe = turning(true, &[]);

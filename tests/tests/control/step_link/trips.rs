@@ -1,4 +1,4 @@
-//! A limit switch that was hit: the board proves the place, so the reference stays.
+//! A limit switch that was hit: the board proves the position, so the reference remains.
 
 use gsk_core::operation::RunState;
 use gsk_link::LinkState;
@@ -39,7 +39,7 @@ fn a_slow_trip_keeps_the_reference() {
     let stood = machine.twin.pulses();
     machine.pass(1000);
     assert_eq!(machine.twin.pulses(), stood);
-    // Farther it does not go, the other way it does; RESET may come before or after.
+    // Farther is refused, the other direction is allowed; RESET may come before or after.
     machine.press(JOG);
     machine.press(Z_MINUS);
     machine.pass(500);

@@ -1,4 +1,4 @@
-//! What a thread asks of the spindle: alarms 091, 092, 094 and 098.
+//! What a thread requires of the spindle: alarms 091, 092, 094 and 098.
 
 use gsk_core::cnc::Request;
 use gsk_core::machine::Fault;
@@ -43,7 +43,7 @@ fn a_run_out_that_is_too_fast_is_refused_before_the_thread() {
         detail.contains("X would need 20000 mm/min at 500 r/min, 3800 are allowed (022)"),
         "{detail}"
     );
-    // With a speed of its own X leaves slowly enough.
+    // With a separate speed X retracts slowly enough.
     let mut run = Run::started(text, &[(107, 3000)]);
     run.finish();
     assert_eq!(run.alarm(), None);
@@ -114,7 +114,7 @@ fn a_spindle_that_changes_its_speed_or_stops_is_noticed() {
         };
         assert_eq!(run.state(), state);
     }
-    // A cut per minute would go on; it too stops with 098.
+    // A cut per minute would continue; it too stops with 098.
     let text = "O0001\nM03 S500\nG04 X1\nG00 X40 Z5\nG98 G01 Z-90 F300\nM30\n";
     let mut run = Run::started(text, &[(175, 0b100)]);
     run.until_z(-5.0);

@@ -1,4 +1,4 @@
-//! Where the groove lies: phase of passes and starts, lead-in and tail.
+//! Position of the groove: phase of passes and starts, lead-in and tail.
 
 use gsk_core::machine::Fault;
 use gsk_core::operation::RunState;
@@ -15,7 +15,7 @@ const OVERRIDES: [BitAddress; 2] = [
     BitAddress::new(Area::X, 24, 3),
 ];
 
-/// Distance of two parts of a turn.
+/// Distance of two angles, turns.
 fn apart(one: f64, other: f64) -> f64 {
     let apart = (one - other).abs().fract();
     apart.min(1.0 - apart)
@@ -51,7 +51,7 @@ fn passes_meet_the_same_groove_at_every_speed_and_start() {
             if run.state() != RunState::Run {
                 break;
             }
-            // Somebody plays with the feed override all the time.
+            // The operator changes the feed override all the time.
             let key = OVERRIDES[tick as usize / 1600 % 2];
             let down = tick % 200 < 100;
             run.simulation.cnc.set_panel_key(key, down);
@@ -80,13 +80,13 @@ fn passes_meet_the_same_groove_at_every_speed_and_start() {
     }
 }
 
-/// The greatest way by which the tool is off its groove between two Z, mm: as to
-/// the angle that the control has sampled, a tick before it moves the tool.
+/// The greatest distance of the tool from its groove between two Z, mm. It refers to the angle
+/// that the control has sampled, a tick before it moves the tool.
 fn off_the_groove(run: &mut Run, lead: f64, from: f64, to: f64) -> f64 {
     run.until_z(from);
     let first = run.simulation.lathe.spindle_degrees();
     run.tick();
-    // What the control saw in this tick is the zero of the turns.
+    // The angle that the control sampled in this tick is the zero of the turns.
     let begun = run.z();
     let mut before = run.simulation.lathe.spindle_degrees();
     let mut turns = (before - first).rem_euclid(360.0) / 360.0;
@@ -104,8 +104,7 @@ fn off_the_groove(run: &mut Run, lead: f64, from: f64, to: f64) -> f64 {
 
 #[test]
 fn a_thread_keeps_its_groove_while_the_spindle_changes_its_speed() {
-    // G96 acts in threads: along the taper the spindle comes down from 800 to 400
-    // r/min.
+    // G96 acts in threads: along the taper the spindle slows down from 800 to 400 r/min.
     let text = "O0001\nM03 S800\nG50 S800\nG96 S100\nG00 X40 Z5\nG04 X1\n\
                 G32 X80 Z-95 F2\nG97 S400\nG00 X100\nM30\n";
     let mut run = Run::started(text, &[]);
@@ -128,7 +127,7 @@ fn a_thread_follows_a_spindle_that_runs_out_and_starts_again() {
     run.wait(500);
     assert!(run.simulation.lathe.spindle_rpm() < 1.0 && run.z() > -20.0);
     run.simulation.lathe.set_fault(Fault::SpindleBlocked, false);
-    // Braked and accelerated, measured over the whole of it.
+    // Braked and accelerated, measured over the whole thread.
     let off = off_the_groove(&mut run, 2.0, -10.0, -90.0);
     assert!(off <= 2.0 * PULSE, "{off} mm");
 }

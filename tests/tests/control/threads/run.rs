@@ -1,4 +1,4 @@
-//! A program on the simulated lathe, and what happened.
+//! A program on the simulated lathe, with a record of its events.
 
 use gsk_core::cnc::Event;
 use gsk_core::command::ExecutedMove;
@@ -31,7 +31,7 @@ pub fn setup(changes: &[(u16, i32)]) -> Setup {
     setup
 }
 
-/// A simulation with what happened in it.
+/// A simulation with a record of its events.
 pub struct Run {
     pub simulation: Simulation,
     pub moves: Vec<ExecutedMove>,
@@ -79,7 +79,7 @@ impl Run {
         }
     }
 
-    /// Ticks until the condition holds.
+    /// Runs until the condition holds.
     #[track_caller]
     pub fn until(&mut self, what: &str, mut reached: impl FnMut(&Simulation) -> bool) {
         let come = (0..5 * MINUTE).any(|_| {

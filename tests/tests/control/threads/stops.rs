@@ -152,7 +152,7 @@ fn single_block_stops_after_each_move_of_a_thread_cycle() {
         run.finish();
         let at = run.simulation.cnc.position_absolute();
         stops.push((at.diameter().0, at.z));
-        // A further key would start the program again.
+        // Another key press would start the program again.
         if run.state() == RunState::Reset {
             break;
         }

@@ -1,8 +1,8 @@
-//! Lead-in and run-out distances of the manual (I-3.2.4.6, tables 3-10 and 3-11)
-//! from the positions that a G32 program executes.
+//! Measures the lead-in and run-out distances of the manual (I-3.2.4.6, tables 3-10 and
+//! 3-11) from the positions that a G32 program executes.
 //!
 //! ```text
-//!  way behind     .---------- lag ----------.          `--nocapture` prints the table
+//! lag to         .---------- lag ----------.          `--nocapture` prints the table
 //!  the spindle  .'                           '.
 //!              '                               '       the ramps are parabolas:
 //!             b   c                         c   b      b - c = c - full speed
@@ -11,18 +11,18 @@
 use super::run::Run;
 
 const RPM: f64 = 500.0;
-/// Where the thread begins and how long it is, mm.
+/// Start and length of the thread, mm.
 const START: f64 = 5.0;
 const LENGTH: f64 = 40.0;
 
-/// Lead-in and tail are the same ramp, and yet the manual's tails are shorter, in
-/// both tables by the same way in a row: 4 to 8 ms at the speed that the lead-in of
-/// the row shows, 5.5 ms in the middle. So long the speed had been falling when the
-/// tails were read.
+/// Lead-in and tail are the same ramp, and yet the manual's tails are shorter. In both tables
+/// a row is shorter by the same distance: 4 to 8 ms at the speed that the lead-in of the row
+/// shows, 5.5 ms on average. That is how long the speed had been falling when the tails were
+/// read.
 const TAIL_READ_MS: f64 = 5.5;
 
-/// The tables of manual I-3.2.4.6: speed, then lead-in and tail with 029 = 50 ms
-/// and with 100 ms.
+/// The tables of manual I-3.2.4.6: speed, then lead-in and tail with 029 = 50 ms and with 100
+/// ms.
 const TABLES: [[f64; 5]; 20] = [
     [500.0, 0.217, 0.150, 0.434, 0.361],
     [600.0, 0.257, 0.213, 0.513, 0.464],
@@ -46,13 +46,13 @@ const TABLES: [[f64; 5]; 20] = [
     [6000.0, 2.597, 1.923, 5.194, 4.502],
 ];
 
-/// A tick of the thread: way made, and way that it is behind the spindle, mm.
+/// A tick of the thread: distance, and lag to the spindle, mm.
 struct Tick {
     way: f64,
     behind: f64,
 }
 
-/// The executed positions of a thread against the spindle.
+/// The executed positions of a thread relative to the spindle.
 fn executed(lead: f64, time: i32) -> Vec<Tick> {
     let end = START - LENGTH;
     let text =
@@ -79,7 +79,7 @@ fn executed(lead: f64, time: i32) -> Vec<Tick> {
     ticks
 }
 
-/// Ticks and parts of one at which a value is passed.
+/// Fraction of a tick at which a value is passed.
 fn passed(from: f64, to: f64, wanted: f64) -> f64 {
     (wanted - from) / (to - from)
 }
@@ -90,9 +90,9 @@ fn way_at(ticks: &[Tick], at: f64) -> f64 {
     one.way + (other.way - one.way) * (at - index)
 }
 
-/// Where the rate of the ramps is three quarters and a half: 1/16 and 1/4 of the
-/// lag that a ramp of `lag` from standstill makes. Searched from the middle of the
-/// thread with `step` 1 or -1; the extrapolated end of the ramp, ticks.
+/// Where the rate of the ramps is three quarters and a half: 1/16 and 1/4 of the lag that a
+/// ramp of `lag` from standstill makes. The search starts in the middle of the thread with
+/// `step` 1 or -1. Returns the extrapolated end of the ramp, ticks.
 fn end_of_ramp(ticks: &[Tick], lag: f64, step: isize) -> f64 {
     let middle = ticks.partition_point(|tick| tick.way < LENGTH / 2.0);
     let in_phase = &ticks[middle - 100..middle + 100];
