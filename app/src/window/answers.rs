@@ -1,4 +1,4 @@
-//! What was chosen in the bar, and what of it can be chosen now.
+//! Carries out requests of the top bar, and finds out which control models can be chosen.
 
 use egui::Ui;
 use gsk_core::operation::RunState;
@@ -10,7 +10,7 @@ use crate::kernel::{Command, LessonOrder};
 use crate::platform;
 
 impl Window {
-    /// The models to choose from, and why not now.
+    /// The control models to choose from, and why they cannot be chosen now.
     pub(super) fn model_choice(&self) -> top_bar::ModelChoice {
         let run = self.picture.as_ref().map(|picture| picture.run);
         let why_not = if self.board().is_some() {
@@ -29,7 +29,7 @@ impl Window {
         }
     }
 
-    /// Does what was chosen.
+    /// Carries out a request of the top bar.
     pub(super) fn answer(&mut self, asked: top_bar::Asked, ui: &Ui) {
         match asked {
             top_bar::Asked::Choose => {
@@ -37,7 +37,7 @@ impl Window {
             }
             top_bar::Asked::Open(path) => self.open(ui.ctx(), path),
             top_bar::Asked::Sample(sample) => self.opener.open_sample(sample, ui.ctx()),
-            // A page has no folders, and need not have what reads them.
+            // A page in a browser has no folders, and may lack the code that reads them.
             top_bar::Asked::Project(_) if !platform::has_folders() => {}
             top_bar::Asked::Project(command) => {
                 let language = self.settings.language;
