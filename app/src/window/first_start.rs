@@ -1,4 +1,4 @@
-//! The first start: asks three questions in place of the panel and opens the layout for the
+//! The first start: asks three questions instead of the panel and opens the layout for the
 //! answers (WINDOW-16).
 
 use std::path::PathBuf;
@@ -309,7 +309,7 @@ fn option(ui: &mut Ui, chosen: bool, name: &str, width: f32) -> egui::Response {
 }
 
 impl Window {
-    /// Opens the questions of the first start in place of the panel.
+    /// Opens the questions of the first start instead of the panel.
     pub fn ask_first(&mut self) {
         let (model, machine) = (self.models.shown, self.settings.machine.clone());
         self.first_start = Some(FirstStart::new(model, machine, self.models.changeable));

@@ -70,7 +70,7 @@ impl Held<Key> {
 }
 
 /// Whether a right click may latch this key. Keys that move or start something must be pressed
-/// by hand, and the emergency stop latches by itself.
+/// by hand, and the emergency stop latches mechanically.
 pub const fn may_be_kept(key: Key) -> bool {
     !matches!(
         key,

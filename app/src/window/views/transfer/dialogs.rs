@@ -39,7 +39,7 @@ pub enum Dialog {
     Delete(Vec<RemotePath>),
     /// Confirm that a backup is restored to the control.
     Restore(PathBuf),
-    /// Ask whether to save a file that the control has sent by itself.
+    /// Ask whether to save a file that the control has sent without a request.
     Keep(TransferFile),
 }
 

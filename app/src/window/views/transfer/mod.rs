@@ -57,7 +57,7 @@ enum Chosen {
     BackUp(PathBuf),
     /// The folder of a backup to restore.
     Restore(PathBuf),
-    /// The path for a file that the control has sent by itself.
+    /// The path for a file that the control has sent without a request.
     Keep(PathBuf, TransferFile),
 }
 
@@ -84,7 +84,8 @@ pub struct TransferView {
     lengths: BTreeMap<PathBuf, Option<u64>>,
     job: Option<Job>,
     dialog: Option<Dialog>,
-    /// Files that the control has sent by itself, until the operator decides about them.
+    /// Files that the control has sent without a request, until the operator decides about
+    /// them.
     pushed: VecDeque<TransferFile>,
     /// The last message, and whether it is an error.
     said: Option<(Message, bool)>,
