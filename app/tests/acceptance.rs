@@ -1,5 +1,5 @@
-//! The operating example of the manual (chapter III-11) in the window, with the mouse: what
-//! the script of the case `operate-acceptance` expects is seen.
+//! The operating example of the manual (chapter III-11) in the window, with the mouse. The
+//! window shows everything that the script of the case `operate-acceptance` expects.
 
 use std::path::Path;
 

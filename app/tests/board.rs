@@ -1,7 +1,7 @@
-//! The control and a board in two processes, wired by a pseudo terminal, in real time.
+//! The control and a board in two processes, connected by a pseudo terminal, in real time.
 //!
-//! Nothing here depends on how fast the computer is: a computer that was too busy is an
-//! alarm of the control, and what the operator does then the tests do, too.
+//! No test depends on the speed of the computer. A computer that is too busy raises an alarm
+//! of the control; the tests recover from it as the operator does.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -37,7 +37,8 @@ const TIMED: &str = r#"(
     io: (enable: "PL0", coolant: "PB7"),
     line: (home: (seek: 3000, locate: 200)),
 )"#;
-/// So often a computer may be too busy, and so long anything may take.
+/// Attempts of a test that may fail because the computer is too busy, and the time limit of
+/// each wait.
 const ATTEMPTS: u32 = 20;
 const LONGEST: Duration = Duration::from_secs(120);
 
@@ -47,10 +48,9 @@ struct Lathe {
     console: Console,
     state: LinkState,
     differs: bool,
-    /// The longest that the computer was away, as the link page shows it.
+    /// The longest gap between two polls of the port, as the link page shows it.
     away: Duration,
-    /// The most questions for what the board understands that one view of the link
-    /// has shown.
+    /// The greatest count of dictionary queries that one view of the link has shown.
     asked: usize,
     log: PathBuf,
 }
@@ -60,13 +60,13 @@ impl Lathe {
         Self::with_boards(port, config, None)
     }
 
-    /// `boards`: the folder with what boards met before said they understand.
+    /// `boards`: the folder with the stored dictionaries of known boards.
     fn with_boards(port: &str, config: &str, boards: Option<PathBuf>) -> Self {
         let mut setup = Setup::delivered();
         for number in [17, 18] {
             setup.memory.parameters.set(number, 5).unwrap();
         }
-        // A press of the axis key is enough for the whole return.
+        // One press of the axis key is enough for the whole return.
         setup.memory.parameters.set_bit(11, 2, true).unwrap();
         let config = LinkConfig {
             port: port.to_owned(),
@@ -83,7 +83,7 @@ impl Lathe {
         let (mut kernel, console) = Kernel::new(Emulator::new(setup));
         kernel.run(4000);
         console.send(Command::WatchLink(true));
-        // There is no display to be asked.
+        // There is no display to query.
         console.watch.trust_window();
         kernel.connect(Connection {
             config,
@@ -111,7 +111,7 @@ impl Lathe {
         std::fs::read_to_string(&self.log).unwrap_or_default()
     }
 
-    /// Lets time pass until something is so; whether it came to be.
+    /// Runs the control until a condition is met. Returns false after the time limit.
     fn until(&mut self, longest: Duration, so: impl Fn(&Self) -> bool) -> bool {
         let begun = Instant::now();
         while begun.elapsed() < longest {
@@ -144,7 +144,8 @@ impl Lathe {
         });
     }
 
-    /// Connected, settings as they must be.
+    /// Connects and writes the settings. Returns whether the board is ready for the reference
+    /// return.
     fn opens(&mut self) -> bool {
         let known = |lathe: &Self| {
             matches!(
@@ -188,7 +189,7 @@ impl Lathe {
         self.tap(Key::CycleStart);
     }
 
-    /// The program to its end, and its check in the log.
+    /// Runs the program to its end and waits for the comparison of the pulses in the log.
     fn works(&mut self) -> bool {
         self.starts();
         self.until(LONGEST, |lathe| {
@@ -200,7 +201,7 @@ impl Lathe {
         self.alarms().is_empty() && self.state == LinkState::Ready
     }
 
-    /// What the operator does after an alarm.
+    /// Recovers from an alarm as the operator does.
     fn begins_again(&mut self) {
         eprintln!("busy: {:?} {:?}", self.alarms(), self.state);
         self.console.send(Command::Link(LinkOrder::Reconnect));
@@ -209,7 +210,8 @@ impl Lathe {
     }
 }
 
-/// Connect, reference return, a part, its check; then the plug is pulled in motion.
+/// Connects, returns to the reference, makes a part and checks it; then unplugs the board in
+/// motion.
 fn works_and_is_unplugged(firmware: &str, config: &str) {
     let mut twin = Twin::play(&["--firmware", firmware]);
     let mut lathe = Lathe::at(&twin.port, config);
@@ -236,7 +238,7 @@ fn works_and_is_unplugged(firmware: &str, config: &str) {
     assert!(lathe.alarms().contains(&605), "{:?}", lathe.alarms());
     let cnc = &lathe.kernel.emulator().simulation.cnc;
     assert!(!cnc.referenced().x && !cnc.is_moving());
-    // RESET asks for the port again: it is not there, and says so.
+    // RESET opens the port again: it is missing, and the alarm names it.
     lathe.tap(Key::Reset);
     lathe.until(Duration::from_secs(1), |_| false);
     let alarms = lathe.kernel.emulator().simulation.cnc.alarms();
@@ -257,7 +259,7 @@ pub fn a_board_of_timed_steps_in_another_process_makes_a_part_and_is_unplugged()
     works_and_is_unplugged("klipper", TIMED);
 }
 
-/// The simulated slides and spindle beside a board are not the ones that move.
+/// The simulated slides and spindle are not the real ones: the scope shows no value for them.
 pub fn the_scope_shows_what_is_known_of_the_real_lathe() {
     let mut lathe = Lathe::at("/nowhere/at/all", TIMED);
     let queue = Arc::new(ArrayQueue::new(10));
@@ -271,7 +273,7 @@ pub fn the_scope_shows_what_is_known_of_the_real_lathe() {
     assert_eq!((sample.following, sample.spindle), (None, None));
 }
 
-/// A computer that did something else is shown, before it does harm.
+/// A gap in polling the port is shown before it can do harm.
 pub fn the_link_page_is_told_how_long_the_computer_was_away() {
     const AWAY: Duration = Duration::from_millis(150);
     let twin = Twin::play(&[]);
@@ -289,7 +291,7 @@ pub fn the_link_page_is_told_how_long_the_computer_was_away() {
     let _ = std::fs::remove_file(&lathe.log);
 }
 
-/// One client has the board: the next one is told, whoever it is.
+/// One client has the port: any other client gets an error with the name of the port.
 pub fn a_port_in_use_is_refused_with_its_name() {
     let twin = Twin::play(&[]);
     let config = LinkConfig {
@@ -313,7 +315,7 @@ pub fn a_port_in_use_is_refused_with_its_name() {
         said.contains(&twin.port) && said.contains("another program"),
         "{said}"
     );
-    // The panel says it, too.
+    // The control raises the alarm, too.
     let mut lathe = Lathe::at(&twin.port, LINE);
     assert!(lathe.until(LONGEST, |lathe| lathe.state == LinkState::Lost
         && !lathe.alarms().is_empty()));
@@ -322,7 +324,7 @@ pub fn a_port_in_use_is_refused_with_its_name() {
     assert!(Carrier::open(&config, Path::new(PROGRAM_FILE)).is_ok());
 }
 
-/// What another board says it understands.
+/// The dictionary of another board.
 fn foreign() -> Vec<u8> {
     let mut twin = KlipperTwin::new(KlipperHardware {
         has_reset_command: false,
@@ -347,7 +349,7 @@ fn foreign() -> Vec<u8> {
     panic!("the board says nothing");
 }
 
-/// A connection with these files in the folder of the boards: how much was asked, and
+/// Connects with these files in the folder of dictionaries. Returns the count of queries, and
 /// the files afterwards.
 fn meets(port: &str, files: &[(&str, &[u8])]) -> (usize, Vec<(String, Vec<u8>)>) {
     let folder = std::env::temp_dir().join(format!("gsk980td-boards-{}", std::process::id()));
@@ -377,7 +379,7 @@ fn meets(port: &str, files: &[(&str, &[u8])]) -> (usize, Vec<(String, Vec<u8>)>)
     panic!("the board is never set up");
 }
 
-/// Whatever lies in the folder: the board understands what it says it does.
+/// The dictionary that the board sends is used, whatever the stored files contain.
 pub fn a_board_met_before_is_asked_little_and_no_file_is_trusted() {
     const FEW: usize = 3;
     let twin = Twin::play(&["--firmware", "klipper"]);
@@ -398,7 +400,7 @@ pub fn a_board_met_before_is_asked_little_and_no_file_is_trusted() {
     let foreign = foreign();
     assert!(foreign != *good);
     for (what, content) in [
-        // It begins and ends as the right one.
+        // It begins and ends like the right one.
         ("a flipped bit", &damaged[..]),
         ("half of it", &good[..good.len() / 2]),
         ("more than it", &long),
@@ -406,12 +408,12 @@ pub fn a_board_met_before_is_asked_little_and_no_file_is_trusted() {
         ("another file", b"(protocol: StepQueue)"),
         ("that of another board", &foreign),
     ] {
-        // Asked anew, and right from then on.
+        // The dictionary is queried again, and stored correctly.
         let (asked, files) = meets(&twin.port, &[(name, content)]);
         assert!(asked > FEW, "{what}: {asked}");
         assert_eq!(files, [(name.clone(), good.clone())], "{what}");
     }
-    // Beside others the right one is found.
+    // The right file is found among others.
     let (asked, _) = meets(&twin.port, &[("a.dictionary", &foreign), (name, good)]);
     assert!((1..=FEW + 1).contains(&asked), "{asked}");
 }

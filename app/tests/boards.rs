@@ -1,5 +1,5 @@
-//! The program with virtual boards in processes of their own, at the pace of the wall
-//! clock. They mostly wait: two for each processor wait at a time.
+//! Runs the program with virtual boards in separate processes, in real time. The tests mostly
+//! wait: two run per processor.
 
 #![allow(
     clippy::expect_used,
@@ -24,8 +24,8 @@ use std::thread::available_parallelism;
 
 use libtest_mimic::{Arguments, Trial, run};
 
-/// The trials of modules, by their functions. One that is not listed is dead code, which
-/// the lints refuse.
+/// The tests of the modules, by their functions. A function that is not listed is dead code,
+/// which the lints refuse.
 macro_rules! trials {
     ($($module:ident { $($test:ident,)* })*) => {
         vec![$($(

@@ -1,6 +1,7 @@
-//! The command line as its users call it: outputs, messages, exit codes.
+//! The command line as its users call it: output, messages, exit codes.
 
-// A file that cannot be written or a program that cannot be started ends the test.
+// Helpers panic when a file cannot be written or the program cannot be started: the test
+// fails.
 mod lessons;
 mod looks;
 mod mill;
@@ -25,7 +26,7 @@ fn gsk980td(arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-/// Exit code, standard output, standard error.
+/// Runs the program. Returns exit code, standard output and standard error.
 fn said(arguments: &[&str]) -> (i32, String, String) {
     let output = gsk980td(arguments);
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -36,7 +37,7 @@ fn said(arguments: &[&str]) -> (i32, String, String) {
     )
 }
 
-/// A file with this content, gone at the end of the test.
+/// A temporary file. It is removed when it is dropped.
 struct Scratch(PathBuf);
 
 impl Scratch {
@@ -205,7 +206,7 @@ fn explain_gives_the_formula_of_a_pass() {
     assert!(out.contains("X1 = 62.400 -8.000·1 = 54.400"), "{out}");
 }
 
-/// `run` with these options; exit code and the report.
+/// Calls `run` with these options. Returns exit code and report.
 fn run_json(program: &Scratch, options: &[&str]) -> (i32, serde_json::Value) {
     let mut arguments = vec!["run", program.path(), "--json"];
     arguments.extend(options);
@@ -411,7 +412,7 @@ fn help_knows_commands_and_symbols() {
     assert!(error.contains("no help about \"xyzzy\""), "{error}");
 }
 
-/// A data directory with a parameter and a program in it.
+/// A data directory that contains a parameter and a program.
 fn data_directory(name: &str) -> Scratch {
     let script = "press EDIT\npress PRG\ntype O7\npress EOB\ntype G0X17\npress EOB\n";
     let script = Scratch::new(&format!("{name}.txt"), script.as_bytes());
@@ -439,7 +440,7 @@ fn what_one_file_refuses_no_other_loses() {
     assert_eq!(code, 2, "{err}");
     assert!(err.contains("transfer cannot be written"), "{err}");
     assert!(data.0.join("programs/O0008.CNC").is_file());
-    // What cannot be opened is said before the script begins.
+    // A file that cannot be opened is reported before the script starts.
     std::fs::remove_file(data.0.join("programs/O0008.CNC")).unwrap();
     let record = data.0.join("missing/record.txt");
     let (code, _, err) = said(&[&arguments[..], &["--record", record.to_str().unwrap()]].concat());

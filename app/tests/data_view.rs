@@ -1,5 +1,5 @@
-//! The view of parameters, offsets and variables: it writes what the control takes, says
-//! why not, and takes it back.
+//! The data view: it writes the values that the control accepts, shows why it refuses others,
+//! and undoes changes.
 
 use egui_kittest::kittest::Queryable as _;
 use gsk_app::kernel::Command;
@@ -10,7 +10,7 @@ use gsk_core::units::Axis;
 
 use crate::common::Bench;
 
-/// A control with the parameters of the manufacturer (disk N0), with the view open.
+/// Opens the view of a control with the manufacturer's parameters (disk N0).
 fn opened() -> Bench {
     opened_with(Setup::delivered())
 }
@@ -32,7 +32,7 @@ fn settle(bench: &mut Bench) {
     bench.run(100);
 }
 
-/// What parameters need: the switch, and MDI.
+/// Allows parameters to be written: the switch, and MDI.
 fn may_write(bench: &mut Bench) {
     ask(bench, Request::SetParameterSwitch(true));
     let control = egui::Modifiers::CTRL;
@@ -41,7 +41,7 @@ fn may_write(bench: &mut Bench) {
     settle(bench);
 }
 
-/// In automatic mode, where neither parameters nor variables are taken.
+/// Selects automatic mode, in which neither parameters nor variables can be written.
 fn automatic(bench: &mut Bench) {
     let control = egui::Modifiers::CTRL;
     bench.harness.key_press_modifiers(control, egui::Key::Num1);
@@ -58,21 +58,21 @@ fn cnc(bench: &Bench) -> &Cnc {
     &bench.kernel.emulator().simulation.cnc
 }
 
-/// Clicks what is called so, and nothing else.
+/// Clicks the widget with exactly this name.
 #[track_caller]
 fn press(bench: &mut Bench, name: &str) {
     bench.harness.get_by_label(name).click();
     settle(bench);
 }
 
-/// Clicks a row or a box by a part of its name.
+/// Clicks a row or a check box by a part of its name.
 #[track_caller]
 fn choose(bench: &mut Bench, part: &str) {
     bench.harness.get_by_label_contains(part).click();
     settle(bench);
 }
 
-/// Types into a field in place of what stands there, and leaves it.
+/// Replaces the text of a field and leaves it.
 #[track_caller]
 fn fill(bench: &mut Bench, field: &str, text: &str) {
     bench.harness.get_by_label(field).focus();
@@ -101,7 +101,7 @@ fn a_box_changes_its_bit_and_the_value_and_both_are_written_and_taken_back() {
     choose(&mut bench, "001.4 1 spindle speed by analog");
     let value = bench.harness.get_by_label("Value of 001").value();
     assert_eq!(value.as_deref(), Some("00010000"));
-    // Nothing is written without the rights.
+    // Without the rights no value is written.
     assert!(says(&bench, "cannot be written now: "));
     press(&mut bench, "Write 1");
     assert_eq!(cnc(&bench).parameters().byte(1), 0);
@@ -141,13 +141,13 @@ fn parameters_are_found_by_words_and_by_function_and_kept_in_their_range() {
         all.count()
     };
     assert_eq!(complaints(&bench), 2, "beside the field and in the bar");
-    // It goes as soon as the value is one.
+    // The error disappears as soon as the value is valid.
     fill(&mut bench, "Value of 022", "3000");
     assert_eq!(complaints(&bench), 0);
     press(&mut bench, "Write 1");
     assert_eq!(cnc(&bench).parameters().value(parameter::X_RAPID), 3000);
     assert!(says(&bench, "No.022 = 3000: 1 written"));
-    // It differs now, beside what the control itself keeps in parameters.
+    // The value differs now, as do those that the control itself stores in parameters.
     let factory = Parameters::default();
     let own = cnc(&bench).parameters().clone();
     let differ = own.iter().zip(factory.iter());
@@ -162,7 +162,7 @@ fn parameters_are_found_by_words_and_by_function_and_kept_in_their_range() {
     assert!(says(&bench, &format!("{} found", differ.len())));
     assert!(says(&bench, "022 RPDFX 3000 differs from delivery"));
     assert!(!says(&bench, "035 BKLZ"));
-    // What counts after power-on says so.
+    // A parameter that takes effect after power-on has a note.
     fill(&mut bench, "Search the parameters", "No. 005");
     press(&mut bench, "Only what differs from delivery");
     choose(&mut bench, "Spindle gear, M30");
@@ -173,7 +173,7 @@ fn parameters_are_found_by_words_and_by_function_and_kept_in_their_range() {
 fn offsets_are_values_and_wear_is_added_to_them_with_their_own_rights() {
     let mut bench = opened();
     press(&mut bench, "Tool offsets");
-    // They need neither MDI nor the parameter switch.
+    // Offsets need neither MDI nor the parameter switch.
     fill(&mut bench, "offset 001 X", "20");
     fill(&mut bench, "offset 001 Z", "-12,5");
     fill(&mut bench, "offset 001 T", "3");
@@ -185,7 +185,8 @@ fn offsets_are_values_and_wear_is_added_to_them_with_their_own_rights() {
     settle(&mut bench);
     assert_eq!(cnc(&bench).offsets().get(1).x, 19.98);
     assert!(bench.harness.query_by_label("Write 0").is_some());
-    // Measured offsets (012.5) are for the page of the control; here a value is a value.
+    // The mode for measured offsets (012.5) concerns the page of the control. The view always
+    // writes the value itself.
     may_write(&mut bench);
     let measured = Request::SetParameterBit {
         number: 12,
@@ -200,7 +201,7 @@ fn offsets_are_values_and_wear_is_added_to_them_with_their_own_rights() {
     press(&mut bench, "Write 1");
     assert_eq!(cnc(&bench).offsets().get(1).t, 3);
     press(&mut bench, "Discard");
-    // Logged off nothing may be changed, nor taken back.
+    // Without a log-on, no value can be changed or undone.
     ask(&mut bench, Request::LeaveLevel);
     assert!(says(&bench, "the operation level is too low"));
     fill(&mut bench, "offset 001 R", "0.4");
@@ -227,7 +228,7 @@ fn variables_are_written_in_mdi() {
     assert_eq!(cnc(&bench).variables().get(201), Some(0));
 }
 
-/// Macro B knows null, and what was null is null again.
+/// Macro B has null values. Undo restores null.
 #[test]
 fn a_null_variable_is_null_again_when_it_is_taken_back() {
     let mut setup = Setup::delivered();

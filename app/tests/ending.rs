@@ -1,5 +1,5 @@
-//! The program is ended from outside while a board is in its hands. A process of its
-//! own: the signal goes to all of it.
+//! A termination signal ends the program while a board moves. This test is a separate process:
+//! the signal reaches all of it.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
@@ -25,7 +25,7 @@ fn the_board_is_stopped_when_the_program_is_told_to_end() {
     let (mut kernel, console) = Kernel::new(Emulator::new(Setup::delivered()));
     kernel.run(4000);
     console.send(Command::WatchLink(true));
-    // There is no display to be asked.
+    // There is no display to query.
     console.watch.trust_window();
     kernel.connect(Connection {
         config: LinkConfig {
@@ -63,7 +63,7 @@ fn the_board_is_stopped_when_the_program_is_told_to_end() {
         key: Key::ZLeft,
         down,
     };
-    // Held keys are let go when nobody speaks for a while.
+    // The kernel releases held keys when it receives no message for a while.
     let moving = (0..100).any(|_| {
         console.send(down(false));
         console.send(down(true));
@@ -71,7 +71,7 @@ fn the_board_is_stopped_when_the_program_is_told_to_end() {
     });
     assert!(moving);
     signal("TERM", std::process::id());
-    // By Ctrl-X, moving or not.
+    // The link resets the board by Ctrl-X, moving or not.
     twin.says("reset", LONGEST).unwrap();
     assert!(ending.is_asked());
     thread.stop();

@@ -1,4 +1,4 @@
-//! The questions of the first start, answered with mouse, finger and keyboard.
+//! The questions of the first start, answered with mouse and keyboard.
 
 use crate::common::Bench;
 use egui::{Key, Modifiers};
@@ -109,7 +109,7 @@ fn keys_of_the_pc_answer_and_reach_no_panel() {
         bench.run(100);
     }
     assert_eq!(bench.lcd_of_kernel(), before, "no key of the panel");
-    // From the language to the first purpose, and to the button.
+    // From the language to the first purpose, and to its button.
     for _ in 0..2 {
         bench.harness.key_press(Key::Tab);
         bench.run(50);

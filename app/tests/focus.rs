@@ -1,5 +1,5 @@
-//! The keyboard alone: Tab through bar and views reaches everything once, in the order in
-//! which it is read, and shows where it is.
+//! The keyboard alone: Tab reaches each widget of the bars and views once, in reading order,
+//! and the focus is visible.
 
 use std::collections::HashSet;
 
@@ -11,13 +11,13 @@ use gsk_core::setup::Setup;
 
 use crate::common::Bench;
 
-/// Where the focus stands.
+/// A widget that has the focus.
 #[derive(Clone, Debug)]
 struct Stop {
     id: Id,
     name: String,
     place: Rect,
-    /// Where the stop before stands in the same picture.
+    /// Where the previous stop is in the same frame.
     before: Option<Rect>,
 }
 
@@ -36,7 +36,7 @@ fn stop(bench: &Bench) -> Option<Stop> {
     })
 }
 
-/// Lines that are drawn around or under a place, to see whether there are others.
+/// Descriptions of the lines that are drawn around or under a rectangle, to detect a change.
 fn lines(bench: &Bench, place: Rect) -> Vec<String> {
     fn of(shape: &Shape, place: Rect, found: &mut Vec<String>) {
         let around = place.expand(6.0);
@@ -65,15 +65,15 @@ fn lines(bench: &Bench, place: Rect) -> Vec<String> {
 
 fn tab(bench: &mut Bench, modifiers: Modifiers) -> Option<Stop> {
     bench.harness.key_press_modifiers(modifiers, Key::Tab);
-    // An edge of a panel is passed over in the next picture.
+    // The focus skips the edge of a panel in the next frame.
     for _ in 0..3 {
         bench.harness.step();
     }
     stop(bench)
 }
 
-/// The stops from the first to the one before it comes again. Each has a name, and the focus
-/// is seen there: without it something else is drawn.
+/// Collects the stops of Tab until the first one comes again. Each has a name and a visible
+/// focus: without the focus, the window draws something else.
 fn round(bench: &mut Bench, what: &str) -> Vec<Stop> {
     let mut stops: Vec<Stop> = Vec::new();
     let mut seen = Vec::new();
@@ -97,7 +97,7 @@ fn round(bench: &mut Bench, what: &str) -> Vec<Stop> {
     panic!("{what}: there is no end");
 }
 
-/// In a row the focus goes to the right, and it does not jump back to the left upwards.
+/// In a row the focus moves to the right, and it does not jump back to the upper left.
 fn read_in_order(stops: &[Stop], what: &str) {
     for stop in stops {
         let (Some(a), b) = (stop.before, stop.place) else {
@@ -110,7 +110,7 @@ fn read_in_order(stops: &[Stop], what: &str) {
     }
 }
 
-/// Where a stop stands now.
+/// The current rectangle of a stop.
 fn place_of(bench: &Bench, stop: &Stop) -> Option<Rect> {
     let response = bench.harness.ctx.read_response(stop.id)?;
     Some(response.rect)
@@ -130,7 +130,7 @@ fn opened(view: Option<View>, size: Vec2) -> Bench {
 
 #[test]
 fn tab_goes_through_every_view_as_it_is_read_and_is_seen() {
-    // Small, so that much is scrolled.
+    // A small window: much of the content is scrolled.
     let size = vec2(1024.0, 768.0);
     let views = VIEWS.iter().map(|it| Some(it.view));
     for view in std::iter::once(None).chain(views) {
@@ -138,7 +138,7 @@ fn tab_goes_through_every_view_as_it_is_read_and_is_seen() {
         let mut bench = opened(view, size);
         let forth = round(&mut bench, &what);
         read_in_order(&forth, &what);
-        // Back nothing holds it, either.
+        // Backwards, no widget holds the focus, either.
         let back = (0..12).map(|_| tab(&mut bench, Modifiers::SHIFT).map(|stop| stop.id));
         let back: HashSet<Option<Id>> = back.collect();
         assert_eq!(back.len(), forth.len().min(12), "{what}: no way back");
@@ -161,12 +161,12 @@ fn what_opens_within_a_view_is_reached_too() {
     }
 }
 
-/// The name of what the focus is on, as a screen reader has it.
+/// The name of the focused widget for a screen reader.
 fn focused(bench: &Bench) -> String {
     stop(bench).map_or_else(String::new, |stop| stop.name)
 }
 
-/// Tab until the focus is on what is called so.
+/// Presses Tab until the name of the focused widget contains `part`.
 #[track_caller]
 fn tab_to(bench: &mut Bench, part: &str) {
     for _ in 0..60 {
@@ -183,7 +183,7 @@ fn key(bench: &mut Bench, key: Key) {
     bench.run(30);
 }
 
-/// Presses a key with Ctrl and lets it go after so many ms.
+/// Holds a key with Ctrl for a time, then releases it.
 fn with_control(bench: &mut Bench, key: Key, milliseconds: u64) {
     bench.harness.key_down_modifiers(Modifiers::CTRL, key);
     bench.run(milliseconds);
@@ -210,7 +210,7 @@ fn a_list_is_one_stop_and_the_keys_of_the_cursor_move_in_it() {
         key(&mut bench, pressed);
         assert!(focused(&bench).starts_with(at), "{}", focused(&bench));
     }
-    // The one that the focus is on is chosen, and what is known of it stands beside it.
+    // Moving selects the row, and its details are shown beside the list.
     let _ = bench.harness.get_by_label("Value of 185");
     key(&mut bench, Key::PageUp);
     let page = focused(&bench);
@@ -219,7 +219,7 @@ fn a_list_is_one_stop_and_the_keys_of_the_cursor_move_in_it() {
         "{page}"
     );
     assert_eq!(bench.lcd(), lcd);
-    // The next stop is another thing.
+    // The next stop is outside of the list.
     let next = tab(&mut bench, Modifiers::NONE);
     assert!(next.is_some_and(|stop| !stop.name.starts_with(&page)));
 }
@@ -235,7 +235,7 @@ fn while_the_focus_is_in_a_list_no_axis_is_jogged_and_it_is_said() {
     assert_eq!(before, after);
     let said = "no axis key acts while the cursor keys move in a list";
     assert!(bench.harness.query_by_label_contains(said).is_some());
-    // It has left the list: the next one is the axis'.
+    // The focus has left the list: the next press jogs the axis.
     with_control(&mut bench, Key::ArrowLeft, 300);
     let after = bench.kernel.emulator().simulation.cnc.position_machine();
     assert_ne!(before, after);

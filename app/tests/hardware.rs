@@ -1,4 +1,5 @@
-//! A real board, its drives without current: `docs/real-lathe.md`, "First contact, motors off".
+//! Tests at a real board with unpowered drives: `docs/real-lathe.md`, "First contact, motors
+//! off".
 //!
 //! ```sh
 //! DRIVE_LINK_PORT=/dev/ttyACM0 cargo test -p gsk980td --test hardware -- --ignored hw_
@@ -6,8 +7,8 @@
 //!
 //! `DRIVE_LINK_MACHINE` names a machine file (pins, protocol, lookahead),
 //! `DRIVE_LINK_DIVIDE` the denominators of the electronic gear (5), `DRIVE_LINK_ASK=1`
-//! adds what needs a hand. What was found is appended to `DRIVE_LINK_REPORT`, or to
-//! `gsk980td-board.txt` in the folder of temporary files.
+//! adds the tests that need an operator. The results are appended to `DRIVE_LINK_REPORT`, or
+//! to `gsk980td-board.txt` in the folder of temporary files.
 
 #![allow(
     clippy::unwrap_used,
@@ -29,9 +30,9 @@ use gsk_core::memory::Parameters;
 use gsk_core::units::{Axis, PerAxis, Pulses};
 use gsk_link::{FINE, LinkConfig, LinkEvent, LinkState, RunTime, Sample, Stop};
 
-/// One board, one test at a time.
+/// One test at a time uses the board.
 static PORT: Mutex<()> = Mutex::new(());
-/// Fastest speed of the moves, pulses a ms, and the time to reach it.
+/// Greatest speed of the moves, pulses/ms, and the time to reach it.
 const SPEED: f64 = 8.0;
 const RAMP_MS: f64 = 100.0;
 
@@ -77,12 +78,13 @@ fn report(line: &str) {
     say(line);
 }
 
-/// Past what the test runner catches.
+/// Writes to standard error past the capture of the test runner.
 fn say(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 
-/// Asks for a hand; false: nobody is there.
+/// Asks the operator for a manual action and waits for Enter. Returns false when no operator
+/// is present.
 fn asks(what: &str) -> bool {
     if variable("DRIVE_LINK_ASK").is_none() {
         say("left out: needs a hand (DRIVE_LINK_ASK=1)");
@@ -126,7 +128,7 @@ impl Bench {
         bench
     }
 
-    /// Set up, and taken to stand at 0.
+    /// Opens the board, writes its settings, and sets its position to 0.
     fn ready() -> Self {
         let mut bench = Self::open();
         if bench.differs() {
@@ -169,7 +171,8 @@ impl Bench {
         PerAxis::new(x, z)
     }
 
-    /// A tick of motion, as soon as there is room; false when it broke off.
+    /// Sends a tick of motion as soon as the board accepts one. Returns false if the motion
+    /// has ended early.
     fn tick(&mut self) -> bool {
         while self.board.link.free_lookahead() == Duration::ZERO {
             let events = self.board.pump();
@@ -187,7 +190,7 @@ impl Bench {
         self.board.link.push(sample).is_ok()
     }
 
-    /// The axis toward a place with ramps, for so many ms at the most.
+    /// Moves an axis toward a position, with ramps, for at most `most_ms`.
     fn goes(&mut self, axis: Axis, place: f64, most_ms: u32) -> bool {
         let axis = usize::from(axis == Axis::Z);
         let step = SPEED / RAMP_MS;
@@ -198,7 +201,7 @@ impl Bench {
                 self.speed = 0.0;
                 return self.tick();
             }
-            // Braking from this speed takes so long a way.
+            // The speed from which the axis can still brake within the distance to go.
             let most = (2.0 * step * left.abs()).sqrt().clamp(step, SPEED);
             self.speed = (self.speed + step).min(most).min(left.abs());
             self.at[axis] += self.speed * left.signum();
@@ -209,7 +212,7 @@ impl Bench {
         true
     }
 
-    /// Brakes with the ramp to rest, and waits for it.
+    /// Brakes with the ramp, and waits until the axis stands.
     fn stands(&mut self, axis: Axis, way: f64) -> bool {
         let axis = usize::from(axis == Axis::Z);
         while self.speed > 0.0 {
@@ -227,7 +230,7 @@ impl Bench {
         self.board.link.finish().is_ok() && self.waits(5, |state| state != LinkState::Moving)
     }
 
-    /// The board stands where it was told to, by its own count.
+    /// Asserts that the board has counted the commanded pulses.
     #[track_caller]
     fn agrees(&self) {
         assert_eq!(self.state(), LinkState::Ready, "{:?}", self.events);
@@ -256,7 +259,7 @@ fn hw_1_identify() {
         "board {}, {} blocks, {} bytes",
         info.firmware, info.blocks, info.receive_bytes
     ));
-    // A board whose settings differ is not asked for reports.
+    // A board with different settings is not queried for reports.
     if let (Some(median), Some(worst)) = (trips.get(trips.len() / 2), trips.last()) {
         report(&format!("round trip {median:?}, worst {worst:?}"));
     }
@@ -352,8 +355,8 @@ fn hw_5_flush() {
     }
 }
 
-/// The program dies in motion: the board stops, and whoever comes next finds it
-/// standing, its place unknown.
+/// The program is killed in motion. The board stops, and the next client finds it standing
+/// with an unknown position.
 #[test]
 #[ignore = "moves a board: drives without current"]
 fn hw_6_heartbeat() {

@@ -1,5 +1,5 @@
-//! The process is killed while the panel is operated: what was on the disk before
-//! stays, what was being written is there as it was before or after.
+//! Kills the process while the panel is operated. Confirmed data stays on the disk; data that
+//! was being written has its old or its new content.
 //!
 //! `KILLS=500 cargo test -p gsk980td --test kill` kills more often.
 
@@ -19,11 +19,11 @@ use gsk_core::setup::Setup;
 use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
 
-/// Kills when nothing else is asked for.
+/// Default count of kills.
 const KILLS: u64 = 12;
-/// Operations of a child that nobody kills.
+/// Operations after which a child ends without a kill.
 const OPERATIONS: u64 = 400;
-/// The child waits at most so long between two operations, ms.
+/// Greatest delay of a kill, ms.
 const LONGEST: u64 = 400;
 
 struct Random(u64);
@@ -37,7 +37,7 @@ impl Random {
     }
 }
 
-/// The emulator as the data directory has it; the power has just been switched on.
+/// Creates the emulator from the data directory, directly after power-on.
 fn begin(data: &DataDir) -> (Emulator, Restored) {
     let mut setup = Setup::delivered();
     let restored = retained::load(data, &mut setup);
@@ -55,7 +55,7 @@ fn keys(emulator: &mut Emulator, keys: &[Key]) {
     }
 }
 
-/// What an operator does next.
+/// A random operation of the operator.
 fn operate(emulator: &mut Emulator, random: &mut Random) {
     match random.below(6) {
         0 => {
@@ -113,7 +113,7 @@ fn operate(emulator: &mut Emulator, random: &mut Random) {
     }
 }
 
-/// The child: operates, waits for the disk, says so.
+/// The child: operates, waits until the disk has the data, and confirms it.
 #[test]
 #[ignore = "the other test runs it in a process of its own"]
 fn operating() {
@@ -132,7 +132,7 @@ fn operating() {
     }
 }
 
-/// Runs the child, kills it, and tells how many operations it had confirmed.
+/// Runs the child and kills it. Returns the count of confirmed operations.
 fn run_and_kill(folder: &Path, seed: u64, random: &mut Random) -> u64 {
     let mut child = Command::new(std::env::current_exe().unwrap())
         .args(["operating", "--exact", "--ignored", "--nocapture"])
@@ -146,7 +146,7 @@ fn run_and_kill(folder: &Path, seed: u64, random: &mut Random) -> u64 {
     let (say, said) = std::sync::mpsc::channel();
     let reader = std::thread::spawn(move || {
         for line in lines.map_while(Result::ok) {
-            // libtest begins the line of the test without ending it.
+            // libtest prints the name of the test on the same line.
             let number = line.split("confirmed ").nth(1);
             if let Some(number) = number.and_then(|number| number.trim().parse::<u64>().ok()) {
                 let _ = say.send(number);
@@ -167,7 +167,7 @@ fn run_and_kill(folder: &Path, seed: u64, random: &mut Random) -> u64 {
     said.try_iter().last().unwrap_or(confirmed)
 }
 
-/// What the power brings back from the disk is, part by part, what one of the two emulators has.
+/// Asserts that each part of the data on the disk equals that of one of the two emulators.
 fn compare(found: &Emulator, before: &Emulator, after: &Emulator, place: &str) {
     let [found, before, after] = [found, before, after].map(|emulator| &emulator.simulation.cnc);
     macro_rules! same {

@@ -49,7 +49,7 @@ fn a_key_chooses_a_layout_whose_panes_stand_beside_the_panel() {
     let lcd = bench.harness.get_by_label("LCD").rect();
     let scope = bench.harness.get_by_label("Scope picture").rect();
     assert!(!lcd.intersects(scope));
-    // Machine keys act as before.
+    // Machine keys work as before.
     bench.click("Automatic mode");
     bench.lcd_shows("自动方式");
     shift(&mut bench, egui::Key::F6);
@@ -74,7 +74,7 @@ fn a_dragged_splitter_stays_and_a_double_click_puts_it_back() {
     shift(&mut bench, egui::Key::F6);
     shift(&mut bench, egui::Key::F9);
     assert_eq!(bar(&bench), after);
-    // The next start.
+    // The next start restores it.
     let kept = layouts(&bench).clone();
     let again = Bench::sized(Setup::default(), kept, vec2(1280.0, 806.0));
     assert_eq!(bar(&again), after);
@@ -152,7 +152,7 @@ fn in_a_narrow_window_every_key_is_inside_and_can_be_clicked() {
         assert!(place.width() > 40.0, "{} is {} wide", row.id, place.width());
     }
     let lcd = bench.harness.get_by_label("LCD").rect();
-    // Keys come first (WINDOW-19): the LCD has at least a pixel a dot.
+    // The keys have priority (WINDOW-19): the LCD has at least one pixel per dot.
     assert!(lcd.width() > 340.0, "{lcd}");
     for (name, mode) in [("Jog mode", "手动方式"), ("Edit mode", "编辑方式")] {
         bench.click(name);
@@ -179,7 +179,7 @@ fn a_view_without_room_beside_the_panel_takes_its_turn_and_the_stops_stay() {
     bench.run(50);
     assert!(bench.harness.query_by_label("LCD").is_none());
     assert!(bench.harness.query_by_label("All parameters").is_some());
-    // At least as large as a finger.
+    // The stop keys are at least as large as a finger.
     let window = egui::Rect::from_min_size(Pos2::ZERO, size);
     for stop in ["Emergency stop", "Feed hold", "Reset"] {
         let place = bench.harness.get_by_label(stop).rect();
@@ -223,7 +223,7 @@ fn at_a_school_laptops_size_nothing_lies_beside_its_view() {
         });
         let beside = operated.filter(|node| {
             let place = node.rect();
-            // Below the bar and above the line of messages, which run across.
+            // The bar and the message line extend over the whole width.
             let in_views = place.top() > 28.0 && place.bottom() < 740.0;
             let crosses = in_views && place.left() < splitter && place.right() > splitter;
             crosses || place.right() > size.x
@@ -237,7 +237,7 @@ fn at_a_school_laptops_size_nothing_lies_beside_its_view() {
 #[test]
 fn light_surroundings_are_chosen_in_the_menu_and_kept() {
     let mut bench = Bench::new();
-    // The bar is the first that is drawn.
+    // The bar is drawn first.
     let bar = |bench: &Bench| {
         let shapes = bench.harness.output().shapes.iter();
         let mut grounds = shapes.filter_map(|it| match &it.shape {

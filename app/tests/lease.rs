@@ -1,4 +1,4 @@
-//! A key of the window whose release never comes, or comes too late.
+//! Releases held keys when the release event of the window is lost or late.
 
 use std::time::{Duration, Instant};
 
@@ -16,14 +16,14 @@ use gsk_twins::grbl::Variant;
 use bench::board::{Board, Machine};
 use bench::keys::{INCREMENT_100, JOG, RAPID, STEP, WHEEL_Z, Z_MINUS};
 
-/// The control, its link and a board in virtual time.
+/// The control, its link and a board, in virtual time.
 #[path = "../../tests/tests/control/bench/mod.rs"]
 #[allow(dead_code, reason = "each test uses what it needs")]
 mod bench;
 
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// Whether a picture comes in which the key is down, or up.
+/// Waits for a snapshot in which the key is down, or up.
 fn is_seen(console: &Console, down: bool, longest: Duration) -> bool {
     let begun = Instant::now();
     while begun.elapsed() < longest {
@@ -37,7 +37,7 @@ fn is_seen(console: &Console, down: bool, longest: Duration) -> bool {
     false
 }
 
-/// A kernel in its thread, with a key held down.
+/// Starts a kernel in its thread and holds a key down. `alive` keeps it held.
 fn held(alive: impl Fn(&Console)) -> (gsk_app::kernel::KernelThread, Console) {
     let (mut kernel, console) = Kernel::new(Emulator::new(Setup::delivered()));
     kernel.run(4000);
@@ -48,7 +48,7 @@ fn held(alive: impl Fn(&Console)) -> (gsk_app::kernel::KernelThread, Console) {
         ending: Ending::heard().unwrap(),
     };
     let thread = start(kernel, &console, outside).unwrap();
-    // On a busy computer it may be up again before a picture was taken.
+    // On a busy computer the key may be up again before a snapshot is taken.
     let pressed = (0..100).any(|_| {
         let (key, down) = (Key::ZLeft, true);
         alive(&console);
@@ -67,7 +67,8 @@ fn a_key_comes_up_when_nobody_says_any_more_that_it_is_held() {
     thread.stop();
 }
 
-/// The window paints on, and the display proves nothing: it hangs, or shows the key up.
+/// The window still draws, but the display does not confirm it: the display hangs, or shows
+/// the key up.
 #[test]
 fn painted_pictures_do_not_hold_a_key() {
     for shown in [None, Some(0)] {
@@ -100,18 +101,18 @@ fn painted_pictures_do_not_hold_a_key() {
     }
 }
 
-/// What becomes of the display while the hand is at the machine.
+/// How the display fails while the operator moves the machine.
 #[derive(Clone, Copy, Debug)]
 enum Display {
-    /// It answers no more.
+    /// It stops replying.
     Freezes,
-    /// It answers after three seconds, all at once.
+    /// It replies after three seconds, all at once.
     Stalls,
-    /// The key comes up, and the window never hears it.
+    /// The key is released, and the window never receives the event.
     LosesRelease,
 }
 
-/// What the hand does.
+/// What the operator does.
 #[derive(Clone, Copy, Debug)]
 enum Hand {
     Jogs,
@@ -119,11 +120,11 @@ enum Hand {
     TurnsWheel,
 }
 
-/// The longest that an axis moves behind the moment at which the display fails.
+/// Greatest time for which an axis moves after the display has failed, ms.
 const ENDS_WITHIN: u64 = 600;
 
-/// A hand at a board, and a display that fails after some time: how long the axis moved
-/// on, ms.
+/// Moves a board by hand with a display that fails at `fails` ms. Returns for how long the
+/// axis continued to move, ms.
 fn moves_on<T: Board>(machine: &mut Machine<T>, hand: Hand, display: Display, fails: u64) -> u64 {
     let watch = InputWatch::default();
     let ms = Duration::from_millis;
@@ -131,7 +132,7 @@ fn moves_on<T: Board>(machine: &mut Machine<T>, hand: Hand, display: Display, fa
     if holds {
         machine.press(JOG);
     } else {
-        // 001.3: the key of the steps selects the handwheel.
+        // 001.3: the step key selects the handwheel.
         machine.set(1, 1 << 3);
         machine.press(STEP);
         machine.press(WHEEL_Z);
@@ -168,7 +169,7 @@ fn moves_on<T: Board>(machine: &mut Machine<T>, hand: Hand, display: Display, fa
         if matches!(hand, Hand::TurnsWheel) && at % 10 == 0 && at < fails {
             machine.simulation.lathe.turn_handwheel(-5);
         }
-        // As the kernel thread does.
+        // The kernel thread does the same.
         if held && watch.has_lapsed(Duration::ZERO, now) {
             held = false;
             machine.simulation.cnc.set_panel_key(Z_MINUS, false);
@@ -192,7 +193,7 @@ fn ends_in_time<T: Board>(ready: &Machine<T>, kind: &str) {
                 continue;
             }
             let mut longest = 0;
-            // At any moment between two questions.
+            // The display fails at different moments between two queries.
             for fails in [1007, 1008, 1041, 1077, 1106] {
                 let mut machine = ready.clone();
                 let stood = machine.twin.pulses();

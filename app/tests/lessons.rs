@@ -1,4 +1,4 @@
-//! Lessons in the window: begun from the list, done by hand, left again.
+//! Lessons in the window: starts them from the list, does their steps by hand, leaves them.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use gsk_panel::keys::Key;
 use gsk_panel::script::ScriptAction;
 use gsk_runner::lesson::{LESSONS, Lesson};
 
-/// Clicks something beside the panel.
+/// Clicks a widget outside of the panel.
 fn click(bench: &mut Bench, label: &str) {
     bench.harness.get_by_label(label).click();
     bench.run(50);
@@ -60,7 +60,7 @@ fn the_learners_own_machine_comes_back_as_it_stood() {
     assert_eq!(programs.count(), 0, "no program of his is in it");
     click(&mut bench, "Leave");
     assert_eq!(step(&bench), None);
-    // It has stood still; only the ticks after it count.
+    // The learner's machine has not run meanwhile. Only the ticks after the lesson count.
     let mut expected = own;
     let passed = bench.kernel.emulator().ticks() - expected.ticks();
     assert!(passed < 400, "{passed} ticks");
@@ -110,7 +110,7 @@ fn shown_back_again_and_a_key_that_takes_over() {
             .lesson
             .is_some_and(|it| !it.view.showing)
     );
-    // The position page came with the first key shown: that is the next step already.
+    // The first demonstrated key opened the position page: this completes the next step, too.
     assert_eq!(step(&bench), Some(2));
     for before in [1, 0] {
         click(&mut bench, "Back");
@@ -134,8 +134,8 @@ fn shown_back_again_and_a_key_that_takes_over() {
     assert_eq!(step(&bench), Some(0));
 }
 
-/// The ten, with the mouse on the panel alone; those that a click cannot do (a key held for
-/// seconds) are done by the runner's tests.
+/// Does the ten lessons with the mouse on the panel. Lessons that a click cannot do (a key
+/// held for seconds) are tested in the runner.
 #[test]
 fn lessons_are_done_with_the_mouse() {
     let (mut done, mut left) = (Vec::new(), Vec::new());
@@ -279,7 +279,7 @@ fn the_topic_of_an_alarm_says_when_it_came_and_leads_to_its_block() {
     assert!(bench.harness.query_by_label("Last occurrences").is_some());
     assert!(bench.harness.query_by_label("N20 G77 X1;").is_some());
     bench.harness.get_by_label("Go to the block").scroll_to_me();
-    // The list comes to a rest.
+    // The list scrolls until it rests.
     for _ in 0..30 {
         bench.run(10);
     }
@@ -291,7 +291,7 @@ fn the_topic_of_an_alarm_says_when_it_came_and_leads_to_its_block() {
         .layouts
         .is_open(View::Program);
     assert!(open, "the program view");
-    // A practice machine has a record of its own.
+    // A practice machine has a separate alarm history.
     let shown = gsk_runner::lesson::demonstration_named("shown/offset").expect("it is there");
     for (order, raised) in [
         (LessonOrder::Show(Arc::clone(&shown.lesson)), 0),

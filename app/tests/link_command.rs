@@ -1,4 +1,4 @@
-//! `gsk980td link` as its users call it, with a virtual board.
+//! The command `gsk980td link` with a virtual board.
 
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
@@ -7,7 +7,7 @@ use std::time::Duration;
 use crate::process::executable;
 use crate::twin::{Twin, signal};
 
-/// So long anything may take on a busy computer.
+/// Time limit of each wait, on a busy computer.
 const LONGEST: Duration = Duration::from_secs(120);
 const GEAR: [&str; 4] = ["--param", "17=5", "--param", "18=5"];
 
@@ -17,7 +17,7 @@ fn link(arguments: &[&str]) -> Command {
     command
 }
 
-/// Exit code, standard output, standard error.
+/// Runs `link`. Returns exit code, standard output and standard error.
 fn said(arguments: &[&str]) -> (i32, String, String) {
     let output = link(arguments).output().unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -28,13 +28,13 @@ fn said(arguments: &[&str]) -> (i32, String, String) {
     )
 }
 
-/// `link test` at a port with the gear 1/5, and more.
+/// Runs `link test` at a port with the gear 1/5 and more options.
 fn test(port: &str, more: &[&str]) -> (i32, String, String) {
     let arguments: Vec<&str> = ["test", port].into_iter().chain(GEAR).collect();
     said(&[&arguments, more].concat())
 }
 
-/// The machine file that the virtual board of timed steps prints for itself.
+/// The machine file that the virtual board with timed steps prints.
 struct MachineFile(std::path::PathBuf);
 
 impl MachineFile {
@@ -58,7 +58,7 @@ impl Drop for MachineFile {
     }
 }
 
-/// A process that runs on; ended with the test.
+/// A running process. It is killed when it is dropped.
 struct Running(Child);
 
 impl Running {
@@ -67,7 +67,7 @@ impl Running {
         Self(child.spawn().unwrap())
     }
 
-    /// The first line on standard error.
+    /// Reads the next line of standard error.
     fn complains(&mut self) -> String {
         let mut line = String::new();
         let mut said = BufReader::new(self.0.stderr.as_mut().unwrap());
@@ -78,7 +78,7 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // One that has ended cannot be ended again.
+        // The process may have ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
@@ -87,7 +87,7 @@ impl Drop for Running {
 pub fn a_board_at_a_network_address_is_tried_as_one_at_a_port() {
     let twin = Twin::play(&["--tcp", "127.0.0.1:0"]);
     assert!(twin.port.starts_with("tcp:127.0.0.1:"), "{}", twin.port);
-    // One after the other: the board takes the next partner when one has gone.
+    // One connection after the other: the board accepts the next one when the last has ended.
     let (code, text, error) = test(&twin.port, &["--write-settings"]);
     assert!(!error.contains("603"), "{error}");
     assert_eq!(code, 0, "{text}{error}");
@@ -158,7 +158,7 @@ pub fn a_board_that_was_never_known_is_no_board_in_order() {
     let (code, out, complaint) = test(&twin.port, &["--machine", machine.path()]);
     assert_eq!(code, 1, "{out}{complaint}");
     assert!(!out.contains("as they must be"), "{out}");
-    // Where the computer adds its own to the 300 ms, the link breaks before that.
+    // If the computer adds to the 300 ms, the link fails earlier.
     let unready = ["is not ready", "601: "];
     assert!(
         unready.iter().any(|word| complaint.contains(word)),
@@ -188,7 +188,7 @@ pub fn the_drill_goes_no_farther_than_it_was_sent() {
             rest.strip_suffix(" pulses")?.parse::<i64>().ok()
         })
         .min();
-    // 4 mm are 800 pulses; where it stands is printed, holds included.
+    // 4 mm are 800 pulses. The board prints its position, also at the holds.
     let farthest = farthest.unwrap();
     assert!((-800..=-700).contains(&farthest), "{farthest}: {complaint}");
 }
@@ -221,7 +221,7 @@ pub fn a_monitor_shows_what_stops_the_board_at_its_end() {
             let outward = outward.unwrap_or_else(|| panic!("{firmware}: {out}"));
             assert!(outward.contains(last), "{firmware}: {outward}");
         };
-        // Before the board has said who it is there is nothing to stop.
+        // Before the board has identified itself, no stop is needed.
         let asked = ["<Idle", "endstop_query_state"];
         let known = |out: &str| asked.iter().any(|word| out.matches(word).count() > 3);
         let by_itself = ["3", "10", "60"].iter().find_map(|seconds| {
@@ -248,7 +248,8 @@ pub fn a_test_that_is_ended_in_motion_stops_the_board() {
         ("klipper", &["--machine", machine.path()], "Command request"),
     ] {
         for name in ["INT", "TERM"] {
-            // On a busy computer the signal may come before the drill moves: once more then.
+            // On a busy computer the signal may come before the motion: then the run is
+            // repeated.
             let ended = || {
                 let twin = Twin::play(&["--firmware", firmware]);
                 let mut command = link(&["test", &twin.port, "--travel", "500", "--feed", "600"]);
@@ -256,7 +257,7 @@ pub fn a_test_that_is_ended_in_motion_stops_the_board() {
                 if firmware == "grbl" {
                     twin.says("Run", LONGEST).unwrap();
                 } else {
-                    // Such a board has no word for motion.
+                    // Such a board does not report motion.
                     std::thread::sleep(Duration::from_secs(12));
                 }
                 signal(name, test.0.id());
@@ -270,7 +271,7 @@ pub fn a_test_that_is_ended_in_motion_stops_the_board() {
             let (stopped, out) = (0..3).find_map(|_| ended()).expect("it never moves");
             assert!(out.contains("motion  "), "{firmware} {name}: {out}");
             assert!(out.contains("broke off"), "{firmware} {name}: {out}");
-            // 600 mm/min are 2000 pulses a second; a drill that broke off made no more.
+            // 600 mm/min are 2000 pulses/s. An interrupted motion has a lower average.
             let (rest, _) = out.split_once(" steps a second").unwrap();
             let rate: f64 = rest.rsplit(' ').next().unwrap().parse().unwrap();
             assert!(rate <= 2000.0, "{firmware} {name}: {out}");
@@ -284,7 +285,7 @@ pub fn a_test_that_is_ended_in_motion_stops_the_board() {
 pub fn a_switch_that_is_operated_is_named_before_anything_moves() {
     let machine = MachineFile::new("operated");
     let text = std::fs::read_to_string(machine.path()).unwrap();
-    // Nobody presses it: it is wired the other way round.
+    // The inverted pin makes the switch operated.
     std::fs::write(machine.path(), text.replace("^PC1", "^!PC1")).unwrap();
     let twin = Twin::play(&["--firmware", "klipper"]);
     let more = [

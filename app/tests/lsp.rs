@@ -1,4 +1,4 @@
-//! The language server as an editor uses it: the program is started, and spoken to on its
+//! The language server as an editor uses it: starts the program and exchanges messages on its
 //! streams.
 
 use std::io::{BufReader, Write};
@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use crate::process::executable;
 
-/// A stepped shaft with a profile, a loop of the profile's numbers and a subprogram.
+/// A stepped shaft with a profile, a cycle that names the profile's blocks, and a subprogram.
 const MAIN: &str = "O0001 (轴)\nN10 T0101 M03 S800\nN20 G00 X62 Z2\nN30 G71 U2 R1\n\
                     N40 G71 P50 Q70 U0.5 W0.1 F150\nN50 G00 X20\nN60 G01 Z-30\nN70 X60\n\
                     N80 M98 P31\nN90 G00 X100 Z100\nN100 M30\n";
@@ -23,12 +23,12 @@ struct Editor {
     output: BufReader<ChildStdout>,
     folder: PathBuf,
     last: i32,
-    /// What came besides answers.
+    /// Notifications that arrived while an answer was awaited.
     notes: Vec<Notification>,
 }
 
 impl Editor {
-    /// Starts a server in a folder of its own; the capabilities are those of the editor.
+    /// Starts a server with a temporary folder and the capabilities of the editor.
     fn start(name: &str, options: &[&str], capabilities: &Value) -> Self {
         let mut editor = Self::connect(name, options);
         let params = json!({ "processId": null, "rootUri": null, "capabilities": capabilities });
@@ -86,7 +86,7 @@ impl Editor {
         id
     }
 
-    /// The answer to a request: its result, or code and text of its error.
+    /// Waits for the answer to a request: its result, or code and text of its error.
     fn answer(&mut self, id: &RequestId) -> Result<Value, (i32, String)> {
         loop {
             match Message::read(&mut self.output)
@@ -117,7 +117,7 @@ impl Editor {
         self.tell("textDocument/didOpen", json!({ "textDocument": document }));
     }
 
-    /// The diagnostics of a version of a document.
+    /// Waits for the diagnostics of a version of a document.
     fn diagnostics(&mut self, name: &str, version: i32) -> Vec<Value> {
         let uri = self.uri(name);
         let is_it = |it: &Notification| {
@@ -150,7 +150,7 @@ impl Editor {
         })
     }
 
-    /// Ends as an editor does; the exit code.
+    /// Ends the server as an editor does. Returns the exit code.
     fn end(mut self) -> Option<i32> {
         self.ask("shutdown", Value::Null).expect("shutdown");
         self.tell("exit", Value::Null);
@@ -176,7 +176,7 @@ fn alarms_come_while_a_program_is_typed() {
     std::fs::write(editor.folder.join("O0031.CNC"), SUB).expect("subprogram");
     editor.open("main.CNC", MAIN);
     assert_eq!(editor.diagnostics("main.CNC", 1), Vec::<Value>::new());
-    // An arc that is too small, behind characters of three bytes in a comment.
+    // An arc that is too small, after characters of three bytes in a comment.
     let range = |line: u32, from: u32, to: u32| {
         let at = |character| json!({ "line": line, "character": character });
         json!({ "start": at(from), "end": at(to) })
@@ -207,7 +207,7 @@ fn alarms_come_while_a_program_is_typed() {
     );
     editor.tell("textDocument/didChange", taken_back);
     assert!(editor.diagnostics("main.CNC", 3).is_empty());
-    // A subprogram that is open counts before the one on the disk.
+    // The text of an open subprogram has priority over the file.
     editor.open("O0031.CNC", "O0031\nG02 X90 Z-1 R1\nM99\n");
     let found = editor.diagnostics("main.CNC", 3);
     assert_eq!(found[0]["range"]["start"]["line"], 8, "{found:?}");
@@ -436,7 +436,7 @@ fn an_editor_that_goes_away_ends_the_server() {
 #[test]
 fn answers_that_wait_are_given_up_with_their_text() {
     let mut editor = Editor::start("waiting", &["--lang", "en"], &json!({}));
-    // A loop without end keeps the looker busy.
+    // An endless loop keeps the preview busy.
     let endless = "M03 S500 T0101\nN1 G01 U1 F6000\nU-1\nG65 H80 P1\n";
     editor.open("endless.CNC", endless);
     let document = json!({ "textDocument": { "uri": editor.uri("endless.CNC") } });

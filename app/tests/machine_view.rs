@@ -1,4 +1,4 @@
-//! The machine view: path, part and what a click finds.
+//! The machine view: path, part, and clicks on the path.
 
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ use gsk_core::operation::RunState;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 
-/// The layout of panel and machine with a program whose path has been made.
+/// Opens a program with the layout of panel and machine, and waits for its path.
 fn opened(text: &str) -> Bench {
     let size = egui::vec2(1600.0, 900.0);
     let mut bench = Bench::sized(Setup::default(), Layouts::of(Layout::Machine), size);
@@ -31,12 +31,12 @@ fn opened(text: &str) -> Bench {
     bench
 }
 
-/// Runs until words are seen.
+/// Runs the window until a text is shown. Returns false after a time limit.
 fn comes(bench: &mut Bench, words: &str) -> bool {
     (0..500).any(|_| {
         std::thread::sleep(Duration::from_millis(10));
         bench.run(10);
-        // The line above a list names the list, too.
+        // The heading of a list has the same label as the list.
         let mut seen = bench.harness.query_all_by_label_contains(words);
         seen.next().is_some()
     })
@@ -45,12 +45,11 @@ fn comes(bench: &mut Bench, words: &str) -> bool {
 const TEXT: &str = "O0007\nG50 X100 Z100\nT0101 M03 S800\nG00 X42 Z2\n\
     G90 X36 Z-30 F300\nG00 X100 Z100\nM30\n";
 
-/// Clicks along a vertical line, where the path is met sooner or later, until a block is
-/// named.
+/// Clicks along a vertical line, which crosses the path, until a block is named.
 fn clicks_find(bench: &mut Bench, block: &str) -> bool {
     let picture = bench.harness.get_by_label("Machine picture").rect();
     (0..200).any(|step| {
-        // Far from the one before: two clicks side by side are a double click.
+        // Each click is far from the one before: two close clicks would be a double click.
         let share = (step as f32 * 0.618) % 1.0;
         let at = egui::pos2(
             picture.left() + picture.width() * 0.7,
@@ -59,7 +58,7 @@ fn clicks_find(bench: &mut Bench, block: &str) -> bool {
         for pressed in [true, false] {
             press(bench, at, egui::PointerButton::Primary, pressed);
         }
-        // What was clicked is said in the next picture.
+        // The clicked block is named in the next frame.
         bench.harness.step();
         bench.harness.query_by_label_contains(block).is_some()
     })
@@ -76,7 +75,7 @@ fn press(bench: &mut Bench, pos: egui::Pos2, button: egui::PointerButton, presse
     bench.harness.step();
 }
 
-/// What is read with the pointer at a place.
+/// The coordinates that are shown with the pointer at a position.
 fn read_at(bench: &mut Bench, at: egui::Pos2) -> String {
     bench.harness.event(egui::Event::PointerMoved(at));
     bench.harness.step();
@@ -95,7 +94,7 @@ fn a_click_on_the_path_says_its_block() {
 #[test]
 fn a_solid_is_turned_moved_and_fitted_again_and_its_path_can_be_clicked() {
     let mut bench = opened(TEXT);
-    // From now on the bars around the picture keep their height.
+    // The bars around the picture keep their height from now on.
     assert!(comes(&mut bench, " in all:"), "there are no times");
     bench.run(10);
     let middle = bench
@@ -115,7 +114,7 @@ fn a_solid_is_turned_moved_and_fitted_again_and_its_path_can_be_clicked() {
         bench.harness.event(egui::Event::PointerMoved(to));
         bench.harness.step();
         press(&mut bench, to, button, false);
-        // Turned about the middle, the middle stays; moved, it does not.
+        // A turn about the middle keeps the middle; a move does not.
         let turns = button == egui::PointerButton::Primary;
         assert_eq!(read_at(&mut bench, middle) == last, turns, "{button:?}");
         let beside = read_at(&mut bench, middle + egui::vec2(100.0, 0.0));
@@ -123,7 +122,7 @@ fn a_solid_is_turned_moved_and_fitted_again_and_its_path_can_be_clicked() {
         last = read_at(&mut bench, middle);
     }
     assert!(clicks_find(&mut bench, "5  G90 X36 Z-30"), "no click");
-    // What is said of the block takes room from the picture; beside the path it goes.
+    // The text about the block makes the picture smaller; a click beside the path removes it.
     let corner = bench
         .harness
         .get_by_label("Machine picture")
@@ -244,7 +243,7 @@ fn a_pass_of_a_cycle_says_why_it_lies_there_and_moves_with_its_words() {
         "no click on a pass"
     );
     assert!(bench.harness.query_by_label_contains("of 8").is_some());
-    // The bar below the picture has grown.
+    // The bar below the picture has become higher.
     bench.run(50);
     fill(&mut bench, "U", "6");
     assert!(comes(&mut bench, "Tried out"));

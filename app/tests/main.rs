@@ -1,4 +1,4 @@
-//! Window, kernel and command line, one binary: a test is `subject::name`.
+//! Tests of window, kernel and command line in one binary: a test is `subject::name`.
 
 #![allow(
     clippy::expect_used,

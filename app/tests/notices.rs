@@ -1,4 +1,4 @@
-//! The notices of a binary release name every package that the binary links, as it is.
+//! The notices of a binary release name every package that the binary links.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -15,7 +15,7 @@ fn read(name: &str) -> String {
     std::fs::read_to_string(root.join(name)).unwrap()
 }
 
-/// The rows of the table, with their licences; and the packages that the binaries do not
+/// The rows of the table with their licences, and the packages that the binaries do not
 /// contain.
 fn notices() -> (BTreeMap<Package, String>, BTreeSet<Package>) {
     let text = read("THIRD-PARTY.md");
@@ -49,7 +49,7 @@ fn locked() -> BTreeSet<Package> {
         .collect()
 }
 
-/// What cargo links into the binary on this platform.
+/// The packages that cargo links into the binary on this platform, with their licences.
 fn linked() -> BTreeMap<Package, String> {
     let output = Command::new(env!("CARGO"))
         .args(["tree", "--locked", "--offline", "-p", "gsk980td"])
@@ -63,7 +63,7 @@ fn linked() -> BTreeMap<Package, String> {
     let packages = text.lines().filter_map(|line| {
         let (package, licence) = line.trim_end_matches(" (*)").split_once('\t')?;
         let (name, version) = package.split_once(" v")?;
-        // Those of the workspace have a folder behind their version.
+        // A package of the workspace has its folder after the version.
         let package = (name.to_owned(), version.to_owned());
         (!version.contains(' ')).then(|| (package, licence.to_owned()))
     });
@@ -114,7 +114,7 @@ fn each_licence_taken_has_its_text() {
     for licence in taken {
         assert!(text.contains(words(licence)), "{licence}: {AGAIN}");
     }
-    // Of the fonts, which are no packages.
+    // The fonts are not packages.
     for words in ["SIL OPEN FONT LICENSE", "Copyright 2015 Google LLC"] {
         assert!(text.contains(words), "{words}: {AGAIN}");
     }

@@ -1,4 +1,4 @@
-//! `operate --link`: a script moves a board, without a window.
+//! `operate --link`: a script moves a board without a window.
 
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -66,7 +66,8 @@ pub fn ctrl_c_stops_the_board_in_motion_and_saves() {
             return false;
         }
         signal("INT", operate.id());
-        // By Ctrl-X, moving or not: the computer may have been too busy to go on.
+        // The link resets the board by Ctrl-X, moving or not. The computer may have been too
+        // busy to continue.
         let stopped = twin.says("reset", LONGEST);
         assert!(stopped.is_some(), "not stopped");
         assert_eq!(operate.wait().unwrap().code(), Some(130));

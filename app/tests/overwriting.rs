@@ -1,4 +1,4 @@
-//! Results never take the place of what a command reads.
+//! Output files never overwrite files that the command reads.
 
 use std::fs;
 use std::path::PathBuf;
@@ -23,7 +23,7 @@ impl Folder {
         fs::read(self.0.join(name)).ok()
     }
 
-    /// Exit code and standard error of a command in this folder.
+    /// Runs a command in this folder. Returns exit code and standard error.
     fn said(&self, command: &str) -> (Option<i32>, String) {
         let output = executable()
             .args(command.split_whitespace())
@@ -35,7 +35,7 @@ impl Folder {
         (output.status.code(), error)
     }
 
-    /// Refused with this sentence, and every file is as it was.
+    /// Asserts that the command fails with this code and message, and changes no file.
     #[track_caller]
     fn refuses(&self, command: &str, code: i32, sentence: &str) {
         let names = || {
@@ -91,7 +91,7 @@ fn subprograms_beside_the_program_stay() {
         let word = format!("{command} main.CNC --moves groove.txt");
         folder.refuses(&word, 2, "the subprogram O0005");
     }
-    // It is not there yet, and the next run would find it.
+    // The file does not exist yet, but the next run would read it.
     let new = "run main.CNC --positions O0007.nc";
     folder.refuses(new, 2, "the subprogram O0007");
     let (code, said) = folder.said("run main.CNC --moves moves.txt");

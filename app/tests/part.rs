@@ -1,4 +1,4 @@
-//! The part on the command line: cut, measured, drawn, hit.
+//! The part on the command line: cutting, measuring, drawing, collisions.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ fn samples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/programs")
 }
 
-/// Exit code, standard output, standard error.
+/// Runs the program. Returns exit code, standard output and standard error.
 fn said(arguments: &[&str]) -> (i32, String, String) {
     let output = executable()
         .args(arguments)
@@ -140,7 +140,7 @@ fn the_work_zero_of_a_job_says_where_the_machine_zero_lies() {
         code == 0 && out.contains("not checked for collisions"),
         "{out}"
     );
-    // The machine zero in the part: the way there goes through it.
+    // The machine zero is inside the part: the return move cuts through it.
     let job = folder.file(
         "zero.ron",
         "(stock: (form: Bar(diameter: 50), length: 110, overhang: 70), zero: (x: 0, z: 40), \
@@ -210,7 +210,7 @@ fn a_solid_is_drawn_as_pixels_of_the_size_that_is_asked_for() {
     ]);
     assert_eq!(code, 0, "{err}");
     let bytes = std::fs::read(picture).unwrap();
-    // Width and height stand in the first chunk of a PNG.
+    // The first chunk of a PNG contains width and height.
     let size = [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap()));
     assert_eq!(size, [640, 400]);
     let lines = folder.0.join("shaft.svg");

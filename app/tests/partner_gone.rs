@@ -1,7 +1,7 @@
-//! The program is gone without having said a word, with a board in motion: the process
-//! that holds its port stops the board.
+//! The program ends without a stop command while a board moves: the process that holds the
+//! port stops the board.
 //!
-//! `ROUNDS=20 cargo test -p gsk980td --test boards partner_gone` does each of it 20 times.
+//! `ROUNDS=20 cargo test -p gsk980td --test boards partner_gone` runs each test 20 times.
 
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::PathBuf;
@@ -13,20 +13,19 @@ use std::time::{Duration, Instant};
 use crate::process::executable;
 use crate::twin::{Twin, signal};
 
-/// So long anything may take on a busy computer, and so often it may be too busy for
-/// motion.
+/// Time limit of each wait on a busy computer, and attempts until a board moves.
 const LONGEST: Duration = Duration::from_secs(120);
 const ATTEMPTS: u32 = 20;
-/// By then the board has been told to stop.
+/// Time within which the board must receive the stop.
 const STOPPED_WITHIN: Duration = Duration::from_secs(10);
-/// So long it moves before anything happens.
+/// Time for which the board moves before the fault.
 const IN_MOTION: Duration = Duration::from_millis(500);
-/// Where the limit switch of Z stops the virtual board.
+/// Position of the limit switch of Z that would stop the virtual board.
 const LIMIT: &str = "Z 8000 ";
-/// The way under way takes so long without a stop, s.
+/// Travel of the motion, mm. Without a stop it takes 50 s at the feed of the tests.
 const WAY: &str = "500";
 
-/// One at a time: a computer that is busy with other boards stops a motion by itself.
+/// Runs one test at a time: on a computer that is busy with other boards a motion stops early.
 static ALONE: Mutex<()> = Mutex::new(());
 
 fn alone() -> MutexGuard<'static, ()> {
@@ -37,7 +36,7 @@ fn rounds() -> u32 {
     std::env::var("ROUNDS").map_or(1, |rounds| rounds.parse().unwrap())
 }
 
-/// A process that is ended with the test, whatever becomes of it.
+/// A process that is killed when it is dropped.
 struct Running(Child);
 
 impl Drop for Running {
@@ -47,7 +46,7 @@ impl Drop for Running {
     }
 }
 
-/// `link test` moves Z of a board; none when the computer was too busy.
+/// Starts `link test`, which moves Z of a board. `None` if the computer was too busy.
 fn moves(twin: &Twin, case: &Case) -> Option<Running> {
     let mut command = executable();
     command
@@ -60,7 +59,7 @@ fn moves(twin: &Twin, case: &Case) -> Option<Running> {
     let mut said = BufReader::new(running.0.stdout.take().unwrap()).lines();
     let answers = |line: &io::Result<String>| line.as_ref().is_ok_and(|it| it.contains("answers"));
     let _ = said.find(answers)?;
-    // After its answers the board is unlocked, half a second twice, and moves.
+    // After its answers the board is unlocked, with two pauses of half a second, and moves.
     match case.begins {
         Some(begins) => drop(twin.says(begins, LONGEST)?),
         None => {
@@ -70,11 +69,11 @@ fn moves(twin: &Twin, case: &Case) -> Option<Running> {
     }
     thread::sleep(IN_MOTION);
     let ended = running.0.try_wait().unwrap().is_some();
-    // A board that says something now moves no more.
+    // A board that has printed another line by now no longer moves.
     (!ended && twin.has_said().is_empty()).then_some(running)
 }
 
-/// The process that holds this port.
+/// Process id of the process that holds this port.
 fn holder(port: &str) -> Option<u32> {
     let processes = std::fs::read_dir("/proc").unwrap().flatten();
     processes
@@ -96,7 +95,7 @@ fn wait_until(longest: Duration, so: impl Fn() -> bool) -> bool {
     so()
 }
 
-/// The machine file that the virtual board of timed steps prints for itself.
+/// The machine file that the virtual board with timed steps prints.
 fn klipper_machine() -> PathBuf {
     let name = format!("gsk980td-{}-gone.ron", std::process::id());
     let path = std::env::temp_dir().join(name);
@@ -108,20 +107,20 @@ fn klipper_machine() -> PathBuf {
     path
 }
 
-/// A firmware, its options, and what its board prints.
+/// A firmware with its options and messages.
 struct Case<'a> {
     firmware: &'a str,
     options: &'a [&'a str],
-    /// Options of the board.
+    /// Options of the virtual board.
     twin: &'a [&'a str],
-    /// As soon as it moves, if it says so.
+    /// Printed when the board starts to move; `None` if it prints nothing.
     begins: Option<&'a str>,
-    /// When it was told to stop.
+    /// Printed when the board receives the stop.
     stops: &'a str,
 }
 
-/// The board moves; then something happens to the program, and the board is stopped
-/// long before its motion would have ended, nobody holds the port any more.
+/// Lets something happen to the program while the board moves. Asserts that the board is
+/// stopped long before the end of its motion, and that no process holds the port afterwards.
 fn is_stopped(case: &Case, what: &str, happens: impl Fn(&mut Child, u32)) {
     let _alone = alone();
     for round in 1..=rounds() {
@@ -137,7 +136,7 @@ fn is_stopped(case: &Case, what: &str, happens: impl Fn(&mut Child, u32)) {
         let begun = Instant::now();
         let stopped = twin.says(case.stops, STOPPED_WITHIN);
         assert!(stopped.is_some(), "{place}: not stopped");
-        // Not by its limit switch.
+        // The limit switch has not stopped it.
         let at_limit = stopped.as_ref().is_some_and(|line| line.contains(LIMIT));
         assert!(!at_limit, "{place}: {stopped:?}");
         eprintln!(
@@ -152,14 +151,15 @@ fn is_stopped(case: &Case, what: &str, happens: impl Fn(&mut Child, u32)) {
 
 const LINE_BOARDS: [&str; 3] = ["grbl", "grblhal", "fluidnc"];
 
-/// A board that takes lines.
+/// A board that executes lines.
 const fn line_case(firmware: &str) -> Case<'_> {
     Case {
         firmware,
         options: &["--write-settings"],
         twin: &[],
         begins: Some("Run"),
-        // Moving or not: on a busy computer the board may have run dry by now.
+        // The reset is sent in motion and at rest: on a busy computer the board may have run
+        // out of motion.
         stops: "reset",
     }
 }
@@ -170,7 +170,7 @@ fn line_board(firmware: &str, what: &str, happens: impl Fn(&mut Child, u32)) {
 
 fn ends_by(name: &'static str) -> impl Fn(&mut Child, u32) {
     move |program, _| {
-        // The first SIGSEGV that no bad access has caused is swallowed.
+        // The first SIGSEGV that no invalid access has caused is ignored.
         while program.try_wait().unwrap().is_none() {
             signal(name, program.id());
             thread::sleep(Duration::from_millis(20));
@@ -205,14 +205,14 @@ pub fn a_board_of_timed_steps_is_stopped_when_the_program_is_killed() {
         options: &["--machine", machine.to_str().unwrap()],
         twin: &[],
         begins: None,
-        // By command, not because nobody was heard for a quarter of a second.
+        // The stop command, not the timeout after a quarter of a second without messages.
         stops: "Command request",
     };
     is_stopped(&case, "kill -9", ends_by("KILL"));
     let _ = std::fs::remove_file(machine);
 }
 
-/// It is there, and does nothing any more: stopped, or waiting for a disk that is gone.
+/// The process exists but is suspended, as if it waited for a missing disk.
 pub fn a_line_board_is_stopped_when_the_program_stands_still() {
     for firmware in LINE_BOARDS {
         line_board(firmware, "stopped", |program, _| {
@@ -221,8 +221,7 @@ pub fn a_line_board_is_stopped_when_the_program_stands_still() {
     }
 }
 
-/// Signals of the session reach the holder, too: they do not end it before its work is
-/// done.
+/// Signals to the session reach the holder, too. They do not end it before its work is done.
 pub fn the_holder_outlives_the_signals_of_the_session() {
     line_board("grbl", "signals, then kill -9", |program, holder| {
         for name in ["INT", "TERM", "HUP", "QUIT", "PIPE"] {
@@ -232,7 +231,7 @@ pub fn the_holder_outlives_the_signals_of_the_session() {
     });
 }
 
-/// The program hears it, and another holder stops the board.
+/// The program detects it, and another holder stops the board.
 pub fn when_the_holder_is_killed_another_one_stops_the_board_and_the_program_says_it() {
     let _alone = alone();
     for _ in 0..rounds() {
@@ -259,7 +258,7 @@ pub fn when_the_holder_is_killed_another_one_stops_the_board_and_the_program_say
     }
 }
 
-/// A normal end leaves nobody behind, and nothing waits to be reaped.
+/// A normal end leaves no process, not even a zombie.
 pub fn a_normal_end_leaves_no_process_behind() {
     let _alone = alone();
     let twin = Twin::play(&[]);

@@ -1,5 +1,5 @@
-//! `pitch` and the view of commissioning: what is measured becomes parameters, with the
-//! control's rights.
+//! The command `pitch` and the commissioning view: measurements become parameters, with the
+//! rights of the control.
 
 use egui_kittest::kittest::Queryable as _;
 use gsk_core::cnc::Request;
@@ -10,13 +10,13 @@ use crate::common::Bench;
 use crate::common::folder::Folder;
 
 impl Folder {
-    /// Exit code, standard output, standard error of `pitch …` in this folder.
+    /// Runs `pitch …` in this folder. Returns exit code, standard output and standard error.
     fn pitch(&self, command: &str) -> (i32, String, String) {
         self.call(&format!("pitch {command}"))
     }
 }
 
-/// A screw that is 10 µm too long on 200 mm, with play of 12 µm.
+/// A screw that is 10 µm too long per 200 mm, with a backlash of 12 µm.
 const LASER: &str = "run,direction,target,deviation\n1,+,-200,-10\n1,+,-100,-5\n1,+,0,0\n\
                      1,-,0,12\n1,-,-100,7\n1,-,-200,2\n";
 
@@ -34,12 +34,12 @@ fn a_measurement_is_written_with_a_backup_and_shown_again() {
     assert!(shown.starts_with("Z: interval"), "{shown}");
     let (_, ren, _) = folder.pitch("show --axis z --data data --format ren");
     assert!(ren.contains("backlash: 12\n"), "{ren}");
-    // What it writes it reads: the same values over a cleared table change nothing.
+    // The exported file can be imported: with a cleared table the values stay the same.
     folder.write("z.ren", &ren);
     let (code, out, _) = folder.pitch("import z.ren --axis z --into data --clear");
     assert_eq!(code, 0);
     assert!(out.contains("the values stand there already"), "{out}");
-    // Added to those that stand there, they double.
+    // Added to the stored values, they double.
     let (code, out, _) = folder.pitch("import z.ren --axis z --into data --dry-run --json");
     assert_eq!(code, 0);
     assert!(out.contains("\"written\": false"), "{out}");
@@ -107,7 +107,7 @@ fn the_view_writes_as_the_control_lets_it_and_takes_it_back() {
     let control = egui::Modifiers::CTRL;
     bench.harness.key_press_modifiers(control, egui::Key::Num1);
     bench.run(300);
-    // Not in MDI: it says why not, and the button is dead.
+    // In automatic mode the view shows why it cannot write, and the button is disabled.
     let value = |bench: &Bench| {
         let cnc = &bench.kernel.emulator().simulation.cnc;
         (
@@ -131,7 +131,7 @@ fn the_view_writes_as_the_control_lets_it_and_takes_it_back() {
     bench.harness.get_by_label_contains("Write ").click();
     bench.run(100);
     assert_eq!(*bench.kernel.emulator().simulation.cnc.parameters(), before);
-    // In MDI it is written, and taken back.
+    // In MDI the value is written and undone.
     bench.harness.key_press_modifiers(control, egui::Key::Num3);
     bench.run(300);
     bench.run(100);

@@ -1,4 +1,4 @@
-//! The program view: typing, its alarms, files and the memory of the control.
+//! The program view: typing, alarms of the text, files, and the memory of the control.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -10,7 +10,7 @@ use gsk_app::kernel::Command;
 use gsk_core::cnc::Request;
 use gsk_core::command::ProgramId;
 
-/// A window with the view open beside it.
+/// A window with the program view.
 fn with_view() -> Bench {
     let mut bench = Bench::new();
     let shift = Modifiers::SHIFT;
@@ -23,7 +23,7 @@ fn says(bench: &Bench, words: &str) -> bool {
     bench.harness.query_all_by_label_contains(words).count() > 0
 }
 
-/// Waits for what a thread beside the window brings.
+/// Waits for the result of a thread.
 #[track_caller]
 fn wait_for(bench: &mut Bench, what: &str, mut holds: impl FnMut(&Bench) -> bool) {
     for _ in 0..1000 {
@@ -47,7 +47,7 @@ fn text(bench: &Bench) -> String {
     field.value().unwrap_or_default()
 }
 
-/// Sets the cursor into the text, at its end, and types.
+/// Types at the end of the text.
 fn type_at_end(bench: &mut Bench, words: &str) {
     bench.harness.get_by_label("Program text").focus();
     bench.run(1);
@@ -68,7 +68,7 @@ fn type_at_end(bench: &mut Bench, words: &str) {
     }
 }
 
-/// A file in a folder of its own, gone at the end of the test.
+/// A temporary file. It is removed when it is dropped.
 struct Scratch(PathBuf);
 
 impl Scratch {
@@ -112,7 +112,7 @@ fn alarms_stand_below_the_text_while_it_is_typed() {
 
 #[test]
 fn a_file_is_saved_in_its_own_encoding_with_its_own_line_ends() {
-    // (粗车) in GBK.
+    // The comment is (粗车) in GBK.
     let begin = b"O0008 (\xB4\xD6\xB3\xB5)\r\nG00 X20 Z2\r\n";
     let file = Scratch::new("gbk.CNC", &[&begin[..], b"M30\r\n"].concat());
     let mut bench = with_view();
@@ -227,7 +227,7 @@ fn the_pointer_says_what_a_word_means() {
     let mut bench = with_view();
     type_at_end(&mut bench, "G71 U2 R1\n");
     let field = bench.harness.get_by_label("Program text").rect();
-    // Beside three digits of the line number.
+    // Next to the line number with its three digits.
     let word = field.left_top() + egui::vec2(50.0, 12.0);
     bench.harness.hover_at(word);
     for _ in 0..60 {

@@ -1,4 +1,5 @@
-//! `project`: all that the control holds goes into a folder and comes back.
+//! The command `project` and the project view: the whole memory of a control is exported to a
+//! folder and imported again.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -16,7 +17,7 @@ use crate::common::Bench;
 use crate::common::folder::Folder;
 
 impl Folder {
-    /// Exit code, standard output, standard error of `project …` in this folder.
+    /// Runs `project …` in this folder. Returns exit code, standard output and standard error.
     fn project(&self, command: &str) -> (i32, String, String) {
         self.call(&format!("project {command}"))
     }
@@ -28,7 +29,7 @@ impl Folder {
         out
     }
 
-    /// Refused with this exit code and sentence, and every file is as it was.
+    /// Asserts that the command fails with this exit code and message, and changes no file.
     #[track_caller]
     fn refuses(&self, command: &str, code: i32, sentence: &str) {
         let before = self.files();
@@ -60,7 +61,7 @@ impl Folder {
         fs::write(path, text.replacen(from, to, 1)).unwrap();
     }
 
-    /// A data directory as a control leaves it.
+    /// Creates a data directory as a control leaves it.
     fn control(&self, name: &str, change: impl FnOnce(&mut Setup)) -> PathBuf {
         let path = self.0.join(name);
         let data = DataDir::open(&path).unwrap();
@@ -72,7 +73,7 @@ impl Folder {
     }
 }
 
-/// O0007 in Chinese as an old editor wrote it: GB18030, CR LF.
+/// O0007 with a Chinese comment from an old editor: GB18030, CR LF.
 fn old_text() -> Vec<u8> {
     let mut text = b"O0007 (".to_vec();
     text.extend([0xB3, 0xB5]);
@@ -125,7 +126,7 @@ fn a_control_is_exported_wiped_and_brought_back() {
             assert_eq!(fs::read(folder.0.join("again").join(name)).unwrap(), bytes);
         }
     }
-    // What was there before is a project itself.
+    // The backup of the previous state is a project, too.
     let (code, said, _) = folder.project("diff one/backups/before-import-0001 out");
     assert_eq!(code, 1, "{said}");
     assert!(said.contains("values that differ: 9"), "{said}");
@@ -196,7 +197,7 @@ fn parts_alone_are_taken_over() {
     assert_eq!(row["label_zh"], "No.022 X轴快速移动速度");
 }
 
-/// Manual III-2.5.1.
+/// Rights and passwords: manual III-2.5.1.
 #[test]
 fn the_rights_of_the_control_are_asked_and_a_password_opens_them() {
     let folder = Folder::new("project-rights");
@@ -270,7 +271,7 @@ fn folders_of_others_are_left_alone_and_half_a_project_is_none() {
     folder.refuses("export out --data nowhere", 2, "no data directory");
     folder.does("export out --data data");
     folder.refuses("new out", 2, "holds other files");
-    // What its owner keeps there stays.
+    // Other files of the owner in the folder stay.
     folder.write("out/README.md", b"mine");
     folder.write("out/.git/HEAD", b"ref");
     folder.write(
@@ -333,7 +334,7 @@ fn what_was_damaged_in_the_memory_is_said() {
     assert!(error.contains("offsets.ron"), "{error}");
 }
 
-/// A window with an operator logged on, who may not write parameters.
+/// A window whose operator is logged on but must not write parameters.
 fn window() -> Bench {
     let mut setup = Setup::delivered().with_chuck();
     setup.memory.authority.leave();
@@ -342,7 +343,7 @@ fn window() -> Bench {
     Bench::with(setup)
 }
 
-/// Draws until something is to be seen.
+/// Draws frames until a text is shown.
 #[track_caller]
 fn sees(bench: &mut Bench, words: &str) {
     let seen = (0..1000).any(|_| {
@@ -361,7 +362,7 @@ fn press(bench: &mut Bench, name: &str) {
     bench.run(20);
 }
 
-/// The view of the project: its tree, what differs from the control that is on, with ticks.
+/// The project view lists differences from the running control, with check boxes.
 #[test]
 fn the_view_lists_what_differs_and_takes_what_is_ticked() {
     let folder = Folder::new("project-window");
@@ -382,7 +383,7 @@ fn the_view_lists_what_differs_and_takes_what_is_ticked() {
         [
             "Project: part · 5",
             "CNC configuration · 3",
-            // And the station of the turret.
+            // One of them is the station of the turret.
             "Parameters · 2",
             "Tool offsets · 1",
             "Part programs · 2",
@@ -398,7 +399,7 @@ fn the_view_lists_what_differs_and_takes_what_is_ticked() {
     );
     press(&mut bench, "none");
     assert!(bench.harness.state_mut().take_chosen().is_none());
-    // A place of the tree lists its own alone, and what stands there.
+    // A node of the tree shows only its own differences and content.
     press(&mut bench, "Tool offsets · 1");
     assert!(bench.harness.query_by_label_contains("No.022").is_none());
     press(&mut bench, "Contents");
@@ -411,7 +412,7 @@ fn the_view_lists_what_differs_and_takes_what_is_ticked() {
     assert_eq!(chosen.folder, part);
     let labels: Vec<String> = chosen.differences.iter().map(|it| it.key.name()).collect();
     assert_eq!(labels, ["001.Z"]);
-    // As it is carried out while the control is off.
+    // The application does the same while the control is off.
     let data = folder.control("data", |setup| {
         *setup = core::mem::take(setup).with_chuck();
         setup.memory.authority.leave();
@@ -442,8 +443,8 @@ fn the_view_lists_what_differs_and_takes_what_is_ticked() {
     );
 }
 
-/// The other way: what the control or another project has goes into the open one, which is
-/// asked about before it is lost, and saved.
+/// The other direction: values of the control or of another project are taken over into the
+/// open project. The view asks before the project is lost, and saves it.
 #[test]
 fn the_view_takes_values_into_the_project_and_saves_it() {
     let folder = Folder::new("project-into");
@@ -469,7 +470,7 @@ fn the_view_takes_values_into_the_project_and_saves_it() {
     press(&mut bench, "O0005: added, 2 lines");
     press(&mut bench, "Take 1 into the project");
     sees(&mut bench, "not saved");
-    // The list is made anew beside the window.
+    // A thread repeats the comparison.
     let gone = (0..1000).any(|_| {
         std::thread::sleep(Duration::from_millis(10));
         bench.run(1);
@@ -477,20 +478,20 @@ fn the_view_takes_values_into_the_project_and_saves_it() {
         found.next().is_none()
     });
     assert!(gone, "what was taken in still differs");
-    // The control takes over what the folder holds, not what is not saved.
+    // The control takes over the files of the folder, not unsaved changes.
     let at = bench.harness.get_all_by_label("the control").count() - 1;
     into(&mut bench, at, "the control");
     sees(&mut bench, "Switch off, take over");
     let button = bench.harness.get_by_label_contains("Switch off, take over");
     assert!(button.accesskit_node().is_disabled());
-    // Whoever opens another one is asked.
+    // The view asks before it opens another project.
     let menu = |bench: &mut Bench, entry: &str| {
         press(bench, entry);
         bench.run(20);
     };
     menu(&mut bench, "Close");
     sees(&mut bench, "The project is not saved");
-    // A key of the panel is called so, too.
+    // A key of the panel has the same name.
     let at = bench.harness.get_all_by_label("Cancel").count() - 1;
     into(&mut bench, at, "Cancel");
     press(&mut bench, "Save");
@@ -498,7 +499,7 @@ fn the_view_takes_values_into_the_project_and_saves_it() {
     assert!(part.join("programs/O0005.CNC").exists());
     let (_, said, _) = folder.project("diff other part");
     assert!(said.contains("O0005: added"), "{said}");
-    // What stands in the folder is what is shown: closed and opened again.
+    // Closed and opened again, the view shows the files of the folder.
     menu(&mut bench, "Close");
     sees(&mut bench, "No project is open");
     bench.harness.state_mut().open(&context, file);

@@ -15,7 +15,7 @@ const PART: &str = "O0007\nG50 X60 Z20\nG98 G00 X50 Z10\nG01 Z5 F600\nM30\n";
 const WITH_STOP: &str = "O0007\nG50 X60 Z20\nG98 G00 X50 Z10\nM00\nG01 Z5 F600\nM30\n";
 const LONG: &str = "O0007\nG50 X60 Z20\nG98 G01 Z-20 F60\nM30\n";
 
-/// Pulses from the machine zero to X50 Z10 and to X50 Z5, 200 pulses to a mm of X and Z.
+/// Pulses from machine zero to X50 Z10 and to X50 Z5; 200 pulses per mm of X and Z.
 const BEFORE_STOP: &str = "commanded X -2000 Z -2000 counted X -2000 Z -2000 agrees";
 const AT_END: &str = "commanded X -2000 Z -3000 counted X -2000 Z -3000 agrees";
 
@@ -32,7 +32,7 @@ fn said(output: &Output) -> String {
     text(&output.stdout) + &text(&output.stderr)
 }
 
-/// Runs the program until the computer was quick enough for it to come to this end.
+/// Repeats the run until it reaches this end; a busy computer may end it earlier.
 #[track_caller]
 fn comes_to(end: &str, folder: &Folder, arguments: &[&str]) -> Output {
     let mut last = String::new();
@@ -84,8 +84,7 @@ pub fn nobody_answers_m00_for_a_person() {
     assert!(line.ends_with(BEFORE_STOP), "{line}");
 }
 
-/// Runs at a terminal, types `typed` at the first question, and again what is typed at
-/// each question behind it.
+/// Runs at a terminal. Types the next text of `typed` at each question.
 fn at_a_terminal(folder: &Folder, arguments: &[&str], typed: &[&str]) -> (Option<i32>, String) {
     let twin = folder.board();
     let (mut keys, far) = TTYPort::pair().unwrap();
@@ -95,7 +94,7 @@ fn at_a_terminal(folder: &Folder, arguments: &[&str], typed: &[&str]) -> (Option
     let mut run = folder.at(&twin, &run);
     let run = run.stdin(terminal).stdout(Stdio::null());
     let mut run = run.stderr(Stdio::piped()).spawn().unwrap();
-    // Before it is asked for, it says nothing.
+    // Enter before the question has no effect.
     keys.write_all(b"\n").unwrap();
     let mut typed = typed.iter();
     let mut questions = String::new();
@@ -147,7 +146,7 @@ pub fn a_signal_stops_the_board_in_motion() {
         let mut run = folder.at(&twin, &run);
         let run = run.stdin(Stdio::null()).stdout(Stdio::piped());
         let run = run.stderr(Stdio::null()).spawn().unwrap();
-        // The return first, then the program.
+        // The reference return comes first, then the program.
         let homed = twin.says("Home", LONGEST).is_some();
         let moved = homed && twin.says("Run", Duration::from_secs(20)).is_some();
         signal(if moved { "TERM" } else { "KILL" }, run.id());
@@ -156,7 +155,7 @@ pub fn a_signal_stops_the_board_in_motion() {
             return false;
         }
         let reset = twin.says("reset", LONGEST).expect("stopped");
-        // A board that had run dry stood: nothing was left to stop.
+        // A board that ran out of motion was already at rest.
         if reset.contains("Idle") {
             return false;
         }
@@ -206,7 +205,8 @@ pub fn a_program_that_begins_again_is_held_behind_its_part() {
     assert!(line.ends_with("agrees"), "{line}");
     let commanded = line.split_once("commanded X ").unwrap().1;
     let x = commanded.split_once(' ').unwrap().0;
-    // It set out for X60 Z20 of the next part, and came to rest near its end.
+    // It has started the move to X60 Z20 of the next part, and has stopped near the start of
+    // that move.
     assert!(
         (-2000..-1000).contains(&x.parse::<i32>().unwrap()),
         "{line}"

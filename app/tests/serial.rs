@@ -1,5 +1,5 @@
-//! Both programs of a transfer in their own processes, with a pseudo terminal between
-//! them: `transfer control` is the control, the other commands are the PC.
+//! Both sides of a transfer in separate processes, with a pseudo terminal between them.
+//! `transfer control` is the control; the other commands are the PC.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -21,7 +21,7 @@ pub fn folder(name: &str) -> Folder {
     Folder::new(&format!("serial-{name}"))
 }
 
-/// A control in a process of its own.
+/// A control in a separate process.
 pub struct Control {
     child: Child,
     pub port: String,
@@ -38,12 +38,12 @@ impl Control {
             .expect("the program");
         let mut lines = BufReader::new(child.stdout.take().expect("its output")).lines();
         let port = lines.next().expect("a line").expect("the name of its port");
-        // Whatever it says later is taken, so that it never waits.
+        // The rest of the output is read: a full pipe would block the process.
         std::thread::spawn(move || lines.for_each(drop));
         Self { child, port }
     }
 
-    /// The PC's side.
+    /// Runs a command of the PC's side.
     fn pc(&self, command: &str, words: &[&str]) -> Output {
         let output = executable()
             .args(["transfer", command, "--port", &self.port])
@@ -60,7 +60,7 @@ impl Control {
         String::from_utf8_lossy(&output.stdout).into_owned()
     }
 
-    /// The names of its files, over the port; nobody else has it.
+    /// The names of its files, read over the port. No other process may use the port.
     pub fn listed(&self) -> Vec<String> {
         let listed = self.does("list", &[]);
         let names = listed
@@ -80,7 +80,7 @@ impl Control {
 
 impl Drop for Control {
     fn drop(&mut self) {
-        // One that has ended cannot be ended again.
+        // The process may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -119,7 +119,7 @@ fn files_go_both_ways_and_are_renamed_and_deleted() {
     );
     assert!(listed.contains("ParaW.par"), "{listed}");
 
-    // The same name again.
+    // Sending the same name again is refused.
     let asked = control.pc("send", &[&shaft]);
     assert_eq!(asked.status.code(), Some(2), "{asked:?}");
     let other = write(&folder, "other.nc", "O0007;\nM99;\n%\n");
@@ -140,7 +140,7 @@ fn files_go_both_ways_and_are_renamed_and_deleted() {
     assert_eq!(got("O0007.CNC"), "O0007;\nM99;\n%\n");
     assert_eq!(got("O0008.CNC"), SHAFT.replace("O0007", "O0008"));
     assert_eq!(got("O0100.CNC"), long);
-    // What is there is not written over unasked.
+    // An existing file is not overwritten without the option.
     let again = control.pc("receive", &["O0007.CNC", "--into", &into]);
     assert_eq!(again.status.code(), Some(2), "{again:?}");
 
@@ -164,7 +164,7 @@ fn a_whole_memory_is_saved_and_brought_back() {
     let said = control.does("backup", &[&saved.to_string_lossy()]);
     assert!(said.contains("4 file(s)"), "{said}");
     drop(control);
-    // Another rate, another offset: the line is changed by the last file.
+    // Another baud rate and another offset. The last file changes the rate of the line.
     let parameters = text(saved.join("ParaW.par")).replace("044=115200", "044=9600");
     assert!(parameters.contains("044=9600"), "{parameters}");
     write(&saved, "ParaW.par", &parameters);
@@ -177,7 +177,7 @@ fn a_whole_memory_is_saved_and_brought_back() {
     let said = control.does("restore", &[&saved.to_string_lossy()]);
     assert!(said.contains("4 file(s)"), "{said}");
     let again = folder.join("again").to_string_lossy().into_owned();
-    // The pseudo terminal has no rate, the transfer has: that of 044.
+    // The pseudo terminal has no baud rate, but the transfer uses that of parameter 044.
     control.does("backup", &[&again, "--baud", "9600"]);
     for file in ["O0007.CNC", "Tofs.ofs", "Wcomp.wmp", "ParaW.par"] {
         assert_eq!(
@@ -186,7 +186,7 @@ fn a_whole_memory_is_saved_and_brought_back() {
             "{file}"
         );
     }
-    // A line that is none keeps the whole file out, and is named at the control.
+    // An invalid line keeps the whole file out, and the control names it.
     let bad = write(&folder, "Tofs.ofs", "001=1,2,3,4\n077=0,0,0,0\n");
     control.refuses(
         "send",
@@ -224,14 +224,14 @@ fn programs_go_as_text_into_a_control_and_out_of_it() {
     );
     assert_eq!(text(Path::new(&into).join("O0331.CNC")), program);
 
-    // By its key OUT.
+    // The key OUT sends the program.
     let control = Control::with(&["--text", "cr", "--out", &file, "--out-after", "1"]);
     let out = folder.join("out").to_string_lossy().into_owned();
     control.does("receive-text", &[&out, "--wait", "30"]);
     assert_eq!(text(Path::new(&out).join("O0331.CNC")), program);
 }
 
-/// A control in this process, in EDIT on the program page, O0331 keyed in.
+/// A control in this process: EDIT mode, program page, O0331 is typed.
 fn about_to_send(param: &[(u16, i32)]) -> Emulator {
     let mut setup = Setup::default();
     for (number, value) in param {
@@ -289,7 +289,7 @@ fn what_the_key_sends_comes_to_a_pc_and_the_lcd_follows_the_line() {
     };
     let port = said(Id::SerialLineOpened);
     let port = port.plain_value("port").expect("its name").to_owned();
-    // Nobody is there.
+    // No PC is connected.
     console.send(Order::Tap(Key::Output));
     shows("输出");
     shows("串口未连接");
@@ -301,7 +301,7 @@ fn what_the_key_sends_comes_to_a_pc_and_the_lcd_follows_the_line() {
         .spawn()
         .expect("the program");
     let mut lines = BufReader::new(pc.stdout.take().expect("its output")).lines();
-    // It is connected now.
+    // The PC is connected now.
     assert!(lines.next().is_some_and(|line| line.is_ok()));
     shows("输入");
     std::thread::sleep(Duration::from_millis(600));
@@ -392,7 +392,7 @@ fn noise_and_a_partner_that_breaks_off_leave_nothing_behind() {
     port.write_all(b"\x05\x06\xFE\xF8\x03").expect("written");
     std::thread::sleep(Duration::from_millis(200));
     drop(port);
-    // A PC that is gone in the middle of a long file.
+    // The PC is killed in the middle of a long file.
     let long: String = (1..3700)
         .map(|n| format!("N{n} G01 X{}. Z-1.5;\n", n % 90))
         .collect();

@@ -1,4 +1,4 @@
-//! The speed of the simulation: chosen in the bar, in force only while a program runs.
+//! The speed of the simulation: chosen in the top bar, used only while a program runs.
 
 use crate::common::Bench;
 use egui_kittest::kittest::Queryable;
@@ -6,7 +6,7 @@ use gsk_app::kernel::Command;
 use gsk_app::pace::Speed;
 use gsk_link::LinkState;
 
-/// Chooses a speed by its name in the bar.
+/// Chooses a speed by its name in the top bar.
 fn choose(bench: &mut Bench, shown: &str, name: &str) {
     bench.harness.get_by_label(shown).click();
     bench.run(1);

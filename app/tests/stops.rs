@@ -1,5 +1,5 @@
-//! Emergency stop, feed hold and RESET are never covered (WINDOW-25): not by a dialog, not by
-//! a view in a window of its own.
+//! Emergency stop, feed hold and RESET are never covered (WINDOW-25), neither by a dialog nor
+//! by the separate window of a view.
 
 use egui::accesskit::Role;
 use egui::{Context, Key, Modifiers, Order, Rect, Vec2, ViewportId, pos2, vec2};
@@ -27,7 +27,7 @@ fn stops(bench: &Bench) -> [Rect; 3] {
     })
 }
 
-/// Something lies over a place of the window.
+/// Whether another layer covers a rectangle of the window.
 fn is_covered(context: &Context, place: Rect) -> bool {
     let places = [place.center(), place.left_top(), place.right_bottom()];
     let over = places.map(|at| context.layer_id_at(at + (place.center() - at) * 0.1));
@@ -66,7 +66,7 @@ fn no_dialog_covers_a_stop() {
                 assert!(layers, "{dialog} is open");
                 nothing_lies_over_them(&bench, dialog);
             }
-            // A question on top of both.
+            // A question is open in addition to both.
             bench.open("01-stepped-shaft.CNC");
             let control = Modifiers::CTRL;
             bench.harness.key_press_modifiers(control, Key::Num2);
@@ -84,7 +84,7 @@ fn no_dialog_covers_a_stop() {
 
 #[test]
 fn a_view_opens_its_window_beside_the_stops() {
-    // What a title and a frame take, points.
+    // Size that a title and a frame add, points.
     let frame = vec2(12.0, 44.0);
     for screen in SIZES {
         let size = screen - vec2(0.0, 60.0);

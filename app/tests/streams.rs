@@ -1,5 +1,5 @@
-//! A stream that is full or closed ends nothing: what was edited is saved, the exit code
-//! is that of the work.
+//! A full or closed output stream does not end the program: edited data is saved, and the exit
+//! code is that of the work.
 
 use std::fs::File;
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 
 use crate::process::executable;
 
-/// A program is typed, its page shown, and something is expected that is not so.
+/// Types a program, shows its page, and expects an alarm that is not raised.
 const SCRIPT: &str = "press EDIT\npress PRG\ntype O1234\npress EOB\nshow\nexpect alarm 999\n";
 
 struct Folder(PathBuf);
@@ -53,7 +53,7 @@ fn full() -> Stdio {
         .into()
 }
 
-/// A pipe that nobody reads.
+/// A pipe without a reader.
 fn closed() -> Stdio {
     let (reader, writer) = std::io::pipe().unwrap();
     drop(reader);
@@ -67,7 +67,7 @@ fn what_was_typed_is_saved_whatever_becomes_of_the_streams() {
         ("full-error", || (Stdio::null(), full()), 1),
         ("closed-error", || (Stdio::null(), closed()), 1),
         ("closed-both", || (closed(), closed()), 1),
-        // What was asked for did not arrive: that is told by the exit code.
+        // The requested output was not written: the exit code reports it.
         ("full-both", || (full(), full()), 2),
     ];
     for (name, streams, code) in cases {
@@ -92,7 +92,7 @@ fn a_full_standard_output_is_told() {
     assert!(said.contains("standard output cannot be written"), "{said}");
 }
 
-/// The run goes on to its end, and its memory is saved.
+/// The run continues to its end, and its memory is saved.
 #[test]
 fn a_run_explained_to_a_closed_pipe_goes_on() {
     let folder = Folder::new("explained");

@@ -1,4 +1,4 @@
-//! Reading the panel in the other language, and help under a finger that stays.
+//! Tool tips of the panel in the other language, and help by a long press.
 
 use crate::common::Bench;
 use egui::{Event, Pos2, TouchDeviceId, TouchId, TouchPhase};
@@ -14,7 +14,7 @@ fn touch(bench: &mut Bench, phase: TouchPhase, pos: Pos2) {
     });
 }
 
-/// A finger stays on something for a second and more.
+/// Keeps a finger on a widget for more than a second.
 fn stay(bench: &mut Bench, name: &str) {
     let place = bench.harness.get_by_label(name).rect().center();
     touch(bench, TouchPhase::Start, place);

@@ -1,5 +1,5 @@
-//! The serial port's partner: what the control sends stands in a folder, what is
-//! dropped on the window comes in.
+//! The partner of the serial port: what the control sends is stored in a folder; a file that
+//! is dropped on the window is received.
 
 use std::path::Path;
 use std::time::Duration;
@@ -14,7 +14,7 @@ use gsk_panel::keys::Key;
 use crate::common::folder::Folder;
 use crate::process::executable;
 
-/// In EDIT, on the program page, O0331 keyed in.
+/// A control in EDIT mode, on the program page, with O0331 typed.
 fn about_to_send() -> Emulator {
     let mut setup = Setup::default();
     setup
@@ -31,7 +31,7 @@ fn about_to_send() -> Emulator {
     emulator
 }
 
-/// What the kernel thread says after OUT.
+/// The notice of the kernel thread after OUT.
 fn said_after_output(partner: &Path) -> Option<Notice> {
     let (kernel, console) = Kernel::new(about_to_send());
     let outside = Outside {

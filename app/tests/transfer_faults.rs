@@ -1,9 +1,10 @@
-//! The PC's side and the control in their own processes, and between them two pseudo
-//! terminals with a line that loses, doubles and flips bytes, has another speed, or is
-//! pulled: all of a file arrives or nothing of it, and what is said is what has happened.
+//! Transfers between the PC's side and the control, in separate processes, over two pseudo
+//! terminals with a faulty line between them. The line loses, doubles and flips bytes, has
+//! another baud rate, or is unplugged. A file arrives whole or not at all, and the messages
+//! report what has happened.
 //!
-//! `ROUNDS=500 cargo test -p gsk980td --test program transfer_faults` does it at 500 places
-//! (some four minutes); without it there are a few.
+//! `ROUNDS=500 cargo test -p gsk980td --test program transfer_faults` tests 500 random faults
+//! (about four minutes). The default is a few.
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Lines, Read};
@@ -22,14 +23,14 @@ use crate::process::executable;
 use crate::serial::{Control, folder};
 
 const BAUD: u32 = 115_200;
-/// Controls at work side by side.
+/// Count of controls that run in parallel.
 const LANES: u64 = 8;
 
 fn rounds() -> u64 {
     std::env::var("ROUNDS").map_or(LANES, |rounds| rounds.parse().expect("a number"))
 }
 
-/// Numbers that look random.
+/// A pseudo-random number generator.
 struct Random(u64);
 
 impl Random {
@@ -42,21 +43,21 @@ impl Random {
     }
 }
 
-/// What happens to the line.
+/// A fault of the line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     Lost,
     Doubled,
     Flipped(u8),
-    /// The cable is out from here on, both ways.
+    /// The cable is unplugged from here on, in both directions.
     Out,
-    /// The port of the PC is gone from here on: its adapter was pulled.
+    /// The port of the PC is gone from here on: its adapter is unplugged.
     Gone,
-    /// Both ends have different speeds, from the beginning.
+    /// Both ends have different baud rates from the beginning.
     Speed,
 }
 
-/// A fault at the count of a byte, by direction: to the control, to the PC.
+/// A fault: direction (0 to the control, 1 to the PC), index of the byte, kind.
 #[derive(Clone, Copy, Debug)]
 struct Placed(usize, u64, Fault);
 
@@ -88,13 +89,13 @@ impl Placed {
     }
 }
 
-/// What becomes of the bytes of a round.
+/// The faults of a round.
 #[derive(Clone, Debug)]
 struct Plan {
     faults: Vec<Placed>,
 }
 
-/// How far a line has come.
+/// The state of a line: bytes carried per direction, and faults so far.
 #[derive(Debug, Default)]
 struct Passed {
     counts: [u64; 2],
@@ -104,7 +105,7 @@ struct Passed {
 }
 
 impl Passed {
-    /// What of some bytes arrives at the other end.
+    /// Carries bytes in a direction. Returns what arrives at the other end.
     fn pass(&mut self, plan: &Plan, way: usize, bytes: &[u8]) -> Vec<u8> {
         let mut arrives = Vec::new();
         for byte in bytes {
@@ -113,7 +114,7 @@ impl Passed {
             let mut here = vec![*byte];
             for Placed(of, count, fault) in &plan.faults {
                 match fault {
-                    // Read at another rate every byte becomes two others.
+                    // Received at another baud rate, each byte becomes two others.
                     Fault::Speed => here = vec![byte.rotate_left(3) ^ 0xE0, byte | 0xF0],
                     _ if (*of, *count) != (way, at) => continue,
                     Fault::Lost => here.clear(),
@@ -132,15 +133,15 @@ impl Passed {
     }
 }
 
-/// A line between a new pseudo terminal and the control's, in a process of its own: what
-/// is started here inherits pseudo terminals, and none would ever be gone.
+/// A line between a new pseudo terminal and the control's. It is a separate process: child
+/// processes of the test inherit its pseudo terminals, and a port would never disappear.
 struct Line {
     port: String,
     child: Child,
     said: Lines<BufReader<ChildStdout>>,
 }
 
-/// What a line is started with: the control's port, and the faults as their words.
+/// Environment variable of the line's process: the port of the control and the faults as text.
 const LINE: &str = "GSK980TD_TEST_LINE";
 
 impl Line {
@@ -159,7 +160,7 @@ impl Line {
         Self { port, child, said }
     }
 
-    /// Takes it away; how many faults there were.
+    /// Ends the line. Returns the count of faults that occurred.
     fn end(mut self) -> usize {
         drop(self.child.stdin.take());
         let hit = value(&mut self.said, "faults:");
@@ -168,14 +169,14 @@ impl Line {
     }
 }
 
-/// What is said after a word; the harness of tests says more on the same line.
+/// The value after a word in the output. The test harness prints more on the same line.
 fn value(said: &mut Lines<BufReader<ChildStdout>>, word: &str) -> String {
     let mut lines = said.map(|line| line.expect("a line"));
     let found = lines.find_map(|line| Some(line.split_once(word)?.1.trim().to_owned()));
     found.unwrap_or_else(|| panic!("the line never says {word}"))
 }
 
-/// Where other tests run this does nothing: it is the line that they start.
+/// The process of a line. Without its environment variable the test does nothing.
 #[test]
 fn the_line_itself() {
     let Ok(words) = std::env::var(LINE) else {
@@ -188,7 +189,8 @@ fn the_line_itself() {
     println!("\nfaults: {hit}");
 }
 
-/// Carries bytes until nobody wants it any more.
+/// Carries bytes until the standard input is closed. Returns the count of faults that
+/// occurred.
 fn carry(control: &str, plan: &Plan) -> usize {
     let mut near = Some(Offer::open(None).expect("a pseudo terminal"));
     let patience = Duration::from_secs(5);
@@ -226,7 +228,7 @@ fn write(port: &mut Port, mut bytes: &[u8]) {
     }
 }
 
-/// What is tried.
+/// An operation of the PC's side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Work {
     Send,
@@ -236,12 +238,12 @@ enum Work {
     Delete,
 }
 
-/// What the control holds.
+/// Programs in the control: text by file name.
 type Held = BTreeMap<String, String>;
 
 const OLD: &str = "O0001 (OLD);\nM30;\n%\n";
 
-/// A program of about so many bytes.
+/// A program of about `bytes` bytes.
 fn program(number: u16, bytes: u64, random: &mut Random) -> String {
     let mut text = format!("O{number:04};\n");
     while (text.len() as u64) < bytes {
@@ -257,7 +259,7 @@ fn program(number: u16, bytes: u64, random: &mut Random) -> String {
 struct Silent;
 impl Watch for Silent {}
 
-/// Whether somebody else has the port is not asked for long.
+/// Connects to the control.
 fn talk(port: &str) -> Talk {
     let mut talk = Talk::open(port, BAUD, Box::new(Silent)).expect("the port");
     talk.connect().expect("the control answers");
@@ -271,7 +273,7 @@ fn place(name: &str) -> RemotePath {
     }
 }
 
-/// Makes the control hold this, over a line without faults.
+/// Stores exactly these programs in the control, over a line without faults.
 fn prepare(port: &str, held: &Held) {
     let mut talk = talk(port);
     for entry in talk.list(Partition::User).expect("listed") {
@@ -292,7 +294,7 @@ fn prepare(port: &str, held: &Held) {
     talk.end();
 }
 
-/// What the control holds, asked for over a line without faults.
+/// The programs in the control, read over a line without faults.
 fn held(port: &str) -> Held {
     let mut talk = talk(port);
     let entries = talk.list(Partition::User).expect("listed");
@@ -318,7 +320,7 @@ struct Round<'a> {
 }
 
 impl Round<'_> {
-    /// What it holds when all is well.
+    /// The programs in the control after the operation without a fault.
     fn after(&self) -> Held {
         let mut after = self.before.clone();
         match self.work {
@@ -337,7 +339,7 @@ impl Round<'_> {
         after
     }
 
-    /// The program is called.
+    /// Runs the program with the operation of the round.
     fn call(&self, port: &str) -> Output {
         let file = self.into.with_extension("nc");
         std::fs::write(&file, &self.new).expect("written");
@@ -356,7 +358,7 @@ impl Round<'_> {
         output.expect("the program")
     }
 
-    /// All of a received file is there, or nothing at all; whether it is.
+    /// Whether a file was received. Asserts that it is complete.
     fn received(&self) -> bool {
         let names: Vec<PathBuf> = match std::fs::read_dir(self.into) {
             Ok(entries) => entries
@@ -377,9 +379,9 @@ impl Round<'_> {
     }
 }
 
-/// What happens in a round: one kind, at one place or a few.
+/// The faults of a round: one kind, at one or two random positions.
 fn plan(kind: u64, work: Work, length: u64, random: &mut Random) -> Plan {
-    // What carries the file, and what answers it.
+    // Approximate count of bytes: the file in its direction, the answers in the other.
     let there = |of: Work, length: u64| 60 + if work == of { length + length / 40 } else { 0 };
     let lengths = [there(Work::Send, length), there(Work::Receive, length)];
     let mut place = || {
@@ -407,7 +409,7 @@ fn plan(kind: u64, work: Work, length: u64, random: &mut Random) -> Plan {
     Plan { faults }
 }
 
-/// What is to be seen of a round.
+/// Asserts the allowed results of a round.
 fn judge(round: &Round, plan: &Plan, output: &Output, held: &Held) {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     let context = format!("{:?} {plan:?}: {output:?}", round.work);
@@ -433,7 +435,7 @@ fn judge(round: &Round, plan: &Plan, output: &Output, held: &Held) {
             };
             assert!(said.contains(why), "{context}");
         }
-        // Repeated until it is right, or the cable was pulled afterwards.
+        // The transfer was repeated until it succeeded, or the fault came after its end.
         _ => {
             assert_eq!(code, Some(0), "{context}");
             assert!(whole, "{context}");
@@ -441,7 +443,7 @@ fn judge(round: &Round, plan: &Plan, output: &Output, held: &Held) {
     }
 }
 
-/// What a lane has seen: faults that hit, rounds that were ended by one.
+/// Count of rounds with a fault, and of rounds that a fault has ended.
 type Seen = (usize, usize);
 
 fn lane(number: u64, rounds: u64, kinds: u64, seen: &Mutex<Seen>) {
@@ -456,7 +458,7 @@ fn lane(number: u64, rounds: u64, kinds: u64, seen: &Mutex<Seen>) {
             Work::Rename,
             Work::Delete,
         ];
-        // The few of every day are the long ones, each kind of fault twice.
+        // The default run uses the long operations, with each kind of fault twice.
         let (kind, work) = match rounds {
             1 => ((number / 2) % kinds, works[(number % 2) as usize]),
             _ => (random.below(kinds), works[random.below(5) as usize]),
@@ -489,7 +491,7 @@ fn lane(number: u64, rounds: u64, kinds: u64, seen: &Mutex<Seen>) {
 fn a_bad_line_at_random_places_loses_nothing_and_leaves_nothing_half() {
     let rounds = rounds();
     let many = rounds > LANES;
-    // A cable that is out is noticed after seven seconds: that is for the long run.
+    // An unplugged cable is detected after seven seconds: only the long run includes it.
     let kinds = if many { 7 } else { 4 };
     let seen = Mutex::new((0, 0));
     thread::scope(|scope| {

@@ -1,5 +1,5 @@
-//! The PC's side of the serial port as a view of the window, with a control in a process of
-//! its own at the other end of a pseudo terminal.
+//! The transfer view of the window. The control is a separate process at the other end of a
+//! pseudo terminal.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -14,10 +14,10 @@ use gsk_messages::Language;
 use crate::common::Bench;
 use crate::serial::{Control, folder};
 
-/// So long anything may take on a busy computer.
+/// Time limit of each wait, on a busy computer.
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// A window with the view open.
+/// A window with the transfer view.
 fn view(port: &str, list: Vec<Item>) -> Bench {
     let settings = Settings {
         language: Language::En,
@@ -41,7 +41,7 @@ fn view(port: &str, list: Vec<Item>) -> Bench {
     bench
 }
 
-/// Draws until something is to be seen.
+/// Draws frames until a text is shown.
 #[track_caller]
 fn sees(bench: &mut Bench, words: &str) {
     let begun = Instant::now();
@@ -57,7 +57,7 @@ fn sees(bench: &mut Bench, words: &str) {
     }
 }
 
-/// Draws until something is not to be seen any more.
+/// Draws frames until a label is no longer shown.
 #[track_caller]
 fn while_seen(bench: &mut Bench, name: &str) {
     let begun = Instant::now();
@@ -99,7 +99,7 @@ fn files_are_sent_a_name_that_is_taken_is_asked_for_and_files_are_deleted() {
     click(&mut bench, "Start");
     sees(&mut bench, "1 file(s)");
 
-    // Yes, no, cancel: the one that is there gets the name that is proposed.
+    // The answers are yes, no, cancel. No gives the existing file the proposed name.
     click(&mut bench, "Start");
     sees(&mut bench, "The control has a file O0007.CNC already");
     click(&mut bench, "No");

@@ -1,5 +1,5 @@
-//! The thread that works for the window at the serial port, with a control in a process of
-//! its own: what it is told to do, and what it says of it.
+//! The thread of the transfer view: its orders and events, with a control in a separate
+//! process.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -10,11 +10,11 @@ use gsk_transfer::{FileName, Partition, RemotePath};
 
 use crate::serial::{Control, folder};
 
-/// So long anything may take on a busy computer.
+/// Time limit of each wait, on a busy computer.
 const LONGEST: Duration = Duration::from_secs(60);
 const SHAFT: &str = "O0007 (SHAFT);\nG00 X10.;\nM30;\n%\n";
 
-/// Takes news until one is it.
+/// Receives events until `wanted` returns a value.
 #[track_caller]
 fn until<T>(worker: &Worker, mut wanted: impl FnMut(News) -> Option<T>) -> T {
     let begun = Instant::now();
@@ -31,7 +31,7 @@ fn until<T>(worker: &Worker, mut wanted: impl FnMut(News) -> Option<T>) -> T {
     }
 }
 
-/// A thread at the port of a control.
+/// Starts a thread and opens the port of a control.
 fn at(control: &Control) -> Worker {
     let worker = Worker::start(|| {}).expect("a thread");
     worker.order(Order::Open {
@@ -50,7 +50,8 @@ fn connected(control: &Control) -> Worker {
     worker
 }
 
-/// How a job has ended; what it asks on the way is answered so.
+/// Waits for the end of a job and answers each question with `choice`. Returns the results of
+/// the files, the error, and the count of questions.
 #[track_caller]
 fn over(worker: &Worker, choice: &Choice) -> (Vec<Fate>, Option<String>, usize) {
     let (mut fates, mut asked) = (Vec::new(), 0);
@@ -100,7 +101,7 @@ fn a_set_is_saved_and_brought_back_and_files_of_the_pc_are_not_lost() {
     let text = |name: &str| std::fs::read_to_string(saved.join(name)).expect("a file");
     assert_eq!(text("O0007.CNC"), SHAFT);
 
-    // Once more: each name is taken, and one answer is for all.
+    // In a second backup every name exists; one answer applies to all.
     std::fs::write(saved.join("O0007.CNC"), "mine").expect("written");
     worker.order(Order::BackUp(saved.clone()));
     let skipped = vec![Fate::Skipped; 4];
@@ -156,7 +157,7 @@ fn a_job_is_broken_off_at_once_and_leaves_nothing_half() {
             .all(|it| it.name.program_number().is_none()),
         "{listed:?}"
     );
-    // What comes next is not broken off with it.
+    // The next job is not cancelled.
     worker.order(Order::Send(vec![to_send(&folder, "O0007.CNC", SHAFT)]));
     assert_eq!(over(&worker, &Choice::Skip), (vec![Fate::Done], None, 0));
 }
@@ -187,7 +188,7 @@ fn what_the_control_sends_by_itself_comes_in_and_a_taken_name_offers_a_free_one(
         _ => None,
     });
     assert_eq!(free, Some(FileName::from_program(8)));
-    // The port is closed under the question: nothing is sent, and nobody waits for ever.
+    // The port is closed during the question: no file is sent, and the job ends.
     worker.order(Order::Close);
     let (_, why, _) = over(&worker, &Choice::Skip);
     assert!(why.is_some());

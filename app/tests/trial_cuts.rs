@@ -1,6 +1,7 @@
-//! The operating example of the manual (chapter III-11) with its four tools set by trial
-//! cuts on the drawn part (manual II-4.4.2): cut, measure with the drawn caliper, key in,
-//! then turn the part. Everything with the mouse; no length of a tool is given away.
+//! The operating example of the manual (chapter III-11), whose four tools are set by trial
+//! cuts on the drawn part (manual II-4.4.2): cut, measure with the drawn caliper, type the
+//! value, then turn the part. The test uses only the mouse and reads no tool length from the
+//! simulation.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -13,8 +14,8 @@ use gsk_app::window::layout::{Layout, Layouts};
 use gsk_core::setup::Setup;
 use gsk_core::units::Point;
 
-/// The blank of the example in the chuck, its zero at the back face. The tools stand out
-/// as far as the control does not know.
+/// The blank of the example in the chuck, its zero at the rear face. The control does not know
+/// the tool lengths.
 const JOB: &str = "(
     stock: (form: Bar(diameter: 135), face: 178, length: 218, overhang: 188,
         chuck: (diameter: 250, length: 90, jaws: 30, jaw_height: 30)),
@@ -32,7 +33,7 @@ const JOB: &str = "(
     lengths: { 1: (x: 0, z: 0), 2: (x: -4, z: 1.5), 3: (x: 2, z: -3.25), 4: (x: -1.2, z: 0.6) },
 )";
 
-/// The example as it stands in the manual, without the chuck it does not have here.
+/// The example of the manual without the chuck codes: this lathe has no power chuck.
 fn example() -> String {
     let sample = include_str!("../../assets/programs/04-manual-example.CNC");
     let kept = sample.lines().filter(|line| {
@@ -42,7 +43,7 @@ fn example() -> String {
     kept.collect::<Vec<_>>().join("\n")
 }
 
-/// Points between two places that the caliper is held at; it reaches further.
+/// Distance between two positions of the caliper, points; its reach is greater.
 const STEP: f32 = 8.0;
 
 struct Folder(PathBuf);
@@ -59,7 +60,7 @@ struct Trainee {
 }
 
 impl Trainee {
-    /// In front of the lathe with the blank in the chuck and the program in the control.
+    /// Opens the window with the blank in the chuck and the program in the control.
     fn new() -> Self {
         let folder = std::env::temp_dir().join(format!("gsk980td-trial-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
@@ -87,7 +88,7 @@ impl Trainee {
         trainee
     }
 
-    /// Waits until words are on the window.
+    /// Waits until a text is shown.
     #[track_caller]
     fn sees(&mut self, words: &str) {
         let bench = &mut self.hand.bench;
@@ -99,7 +100,7 @@ impl Trainee {
         assert!(seen, "«{words}» is not seen");
     }
 
-    /// Keys blocks in on the MDI page and starts each.
+    /// Types blocks on the MDI page and runs each.
     #[track_caller]
     fn mdi(&mut self, blocks: &[&str]) {
         for block in blocks {
@@ -112,7 +113,7 @@ impl Trainee {
         }
     }
 
-    /// Keys a value in for an offset.
+    /// Types a value on the offset page.
     #[track_caller]
     fn offset(&mut self, number: u8, value: &str) {
         self.hand.follow(&format!(
@@ -120,7 +121,7 @@ impl Trainee {
         ));
     }
 
-    /// What the window says with the pointer at a place, before and after a word.
+    /// The text around `word` that the window shows with the pointer at a position.
     fn reads(&mut self, at: Pos2, word: &str) -> Option<(String, String)> {
         let harness = &mut self.hand.bench.harness;
         harness.event(Event::PointerMoved(at));
@@ -132,7 +133,8 @@ impl Trainee {
         Some((before.to_owned(), after.to_owned()))
     }
 
-    /// The first thing the caliper meets from one point towards another.
+    /// Moves the caliper from one point towards another until it measures `what`. Returns
+    /// position and value.
     #[track_caller]
     fn measures(&mut self, from: Pos2, to: Pos2, what: &str) -> (Pos2, f64) {
         let steps = ((to - from).length() / STEP) as i32;
@@ -145,13 +147,14 @@ impl Trainee {
         (at, value.trim().parse().unwrap())
     }
 
-    /// Z of the front face at a diameter, and the diameter of the part behind it.
+    /// Z of the front face at the diameter `at`, and the diameter of the part left of this
+    /// face.
     #[track_caller]
     fn part(&mut self, at: f32) -> (f64, f64) {
         self.hand.bench.run(400);
         let picture = self.hand.bench.harness.get_by_label("Machine picture");
         let picture = picture.rect().shrink(4.0);
-        // The row of the diameter, by the coordinates of two others.
+        // The row of the diameter is interpolated between the coordinates of two other rows.
         let rows = [picture.top(), picture.bottom()];
         let [above, below] = rows.map(|row| {
             let (x, _) = self.reads(pos2(picture.right(), row), "  Z ").unwrap();
@@ -170,7 +173,7 @@ impl Trainee {
 fn four_tools_are_set_by_trial_cuts_and_the_part_comes_out_right() {
     let mut trainee = Trainee::new();
 
-    // The base tool: a face, a diameter, the coordinates of the workpiece.
+    // Base tool: a face, a diameter, and G50 with their coordinates.
     trainee.mdi(&[
         "T0100",
         "M3 S300",
@@ -186,7 +189,7 @@ fn four_tools_are_set_by_trial_cuts_and_the_part_comes_out_right() {
     trainee.mdi(&[&format!("G50 X{diameter}"), "G0 X200 Z230"]);
     assert_eq!((face, diameter), (177.0, 132.0));
 
-    // Turning tools: the same, keyed in as offsets.
+    // Second turning tool: the same cuts, typed as offsets.
     trainee.mdi(&[
         "T0200",
         "M3",
@@ -202,7 +205,7 @@ fn four_tools_are_set_by_trial_cuts_and_the_part_comes_out_right() {
     trainee.offset(2, &format!("X{diameter}"));
     trainee.hand.follow("expect row 4 \"_002 -4.000 1.500\"");
 
-    // The grooving tool: its right corner is the tip, its left side cuts the face.
+    // Grooving tool: its right corner is the programmed tip, its left side cuts the face.
     trainee.mdi(&[
         "G0 X200 Z230",
         "T0300",
@@ -219,7 +222,7 @@ fn four_tools_are_set_by_trial_cuts_and_the_part_comes_out_right() {
     trainee.offset(3, &format!("X{diameter}"));
     trainee.hand.follow("expect row 5 \"_003 2.000 -3.250\"");
 
-    // The threading tool: its point above the face, as far as the eye can tell.
+    // Threading tool: its point is aligned with the face by eye.
     trainee.mdi(&["G0 X200 Z230", "T0400", "M3", "G0 Z177"]);
     let (face, _) = trainee.part(124.0);
     trainee.offset(4, &format!("Z{face}"));
@@ -227,7 +230,6 @@ fn four_tools_are_set_by_trial_cuts_and_the_part_comes_out_right() {
     let (_, diameter) = trainee.part(124.0);
     trainee.offset(4, &format!("X{diameter}"));
 
-    // The part.
     trainee.mdi(&["G0 X200 Z230", "T0100", "G0 X150 Z185"]);
     trainee.hand.follow(
         "press EDIT\npress PRG\npress RESET\npress AUTO\npress CS\nwait 300ms\nwait idle 3000s\nexpect alarm none",

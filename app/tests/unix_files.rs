@@ -1,4 +1,4 @@
-//! Links, rights and pipes, as Linux and its kin have them.
+//! Links, access rights and pipes of Unix systems.
 
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};

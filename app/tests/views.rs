@@ -1,4 +1,4 @@
-//! The views beside the panel, driven through their accessible names.
+//! The views, operated through their accessible names.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -54,7 +54,7 @@ fn the_scope_is_opened_by_its_key_and_sees_an_axis_move() {
     assert!(bench.harness.query_by_label("Scope picture").is_none());
 }
 
-/// Every commanded speed that the scope was given, and how it was at last.
+/// All commanded speeds that the scope has received, and the last one.
 fn commanded(queue: &ArrayQueue<Sample>) -> (BTreeSet<i64>, i64) {
     let mut last = 0;
     let speeds = core::iter::from_fn(|| queue.pop());
@@ -150,7 +150,7 @@ fn a_bit_is_watched_and_a_wrong_address_is_refused_with_its_reason() {
     };
     enter(&mut bench, "x20.5");
     assert!(bench.harness.query_by_label("X0020.5").is_some());
-    // With Enter the field is ready for the next one.
+    // After Enter the field accepts the next address.
     bench.harness.get_by_label("Bit address").focus();
     bench.run(1);
     for text in ["F0.5", "Y1.2"] {
@@ -202,7 +202,7 @@ fn the_fault_bench_breaks_and_mends_the_lathe() {
     assert_eq!(lathe(&bench).forced_input(address), None);
 }
 
-/// Presses a key of a view and lets its window answer.
+/// Clicks a button of a view and runs the window.
 fn click(bench: &mut Bench, name: &str) {
     bench.harness.get_by_label(name).click();
     bench.run(100);
@@ -215,7 +215,7 @@ fn the_ladder_is_searched_forced_halted_and_stepped() {
     open(&mut bench, "Ladder");
     bench.run(100);
     bench.run(100);
-    // The emergency stop: X0.5 lets G8.4 (*ESP) be 1.
+    // The emergency stop: X0.5 sets G8.4 (*ESP).
     click(&mut bench, "X0000.5 normally open");
     assert!(bench.harness.query_by_label("LD X0000.5").is_some());
     click(&mut bench, "Force X0000.5 0");
@@ -271,7 +271,7 @@ fn what_is_forced_or_broken_is_seen_when_its_view_is_closed() {
     bench.run(100);
     click(&mut bench, "X0001.5 1");
     click(&mut bench, "chuck does not move");
-    // What comes of it stands below it.
+    // The effect of the fault is shown below it.
     let effect = "M12 and M13 wait for NQPJ";
     assert!(bench.harness.query_by_label_contains(effect).is_some());
     bench.harness.key_press_modifiers(shift, egui::Key::F3);
@@ -303,7 +303,7 @@ fn the_tables_of_the_ladder_lead_to_the_rungs() {
     bench.harness.get_by_label(first).click();
     bench.run(1);
     bench.run(1);
-    // The first place that uses A0.0.
+    // The first rung that uses A0.0 is selected.
     assert!(bench.harness.query_by_label_contains("1 / ").is_some());
 }
 
@@ -324,8 +324,8 @@ fn a_ladder_is_saved_when_the_control_takes_one() {
             click(&mut bench, "Open/closed");
             let label = "compiled: errors 0, warnings 0";
             assert!(bench.harness.query_by_label(label).is_some());
-            // The coil of the next rung once more: a warning, which stands in no
-            // way of saving.
+            // The coil of the next rung is used a second time: a warning, which does not
+            // prevent saving.
             let field = "Instructions of the rung";
             bench.harness.get_by_label(field).focus();
             bench.run(1);
@@ -350,7 +350,7 @@ fn a_ladder_is_saved_when_the_control_takes_one() {
     }
 }
 
-/// Edit mode and the parameter switch on: the control takes a ladder.
+/// Selects edit mode and turns the parameter switch on: the control accepts a ladder.
 fn unlock(bench: &mut Bench) {
     for name in ["Edit mode", "Setting pages", "Page down"] {
         bench.click(name);
@@ -383,7 +383,7 @@ fn a_rung_is_edited_taken_back_saved_and_runs_at_the_next_power_on() {
     };
     let standard = kept(&bench);
 
-    // Typed instructions: an error stands with its line, the right text is taken.
+    // Typed instructions: an error is shown with its line, a valid text is accepted.
     let field = "Instructions of the rung";
     bench.harness.get_by_label(field).focus();
     bench.run(1);

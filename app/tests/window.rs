@@ -1,5 +1,5 @@
-//! The window without a display, driven through its accessible names as a screen
-//! reader or a tester does: names, mouse, PC keys, and what the LCD says.
+//! The window without a display, operated through its accessible names as a screen reader
+//! does: names, mouse, PC keys, and the text of the LCD.
 
 use crate::common::Bench;
 use crate::common::windows::Windows;
@@ -104,8 +104,8 @@ fn a_held_mouse_button_holds_the_key() {
     );
 }
 
-/// The axis jogs, the window loses the focus, and whoever lets go then lets go of
-/// nothing.
+/// Jogs the axis, then the window loses the focus. The axis stops although the release never
+/// arrives.
 fn ends_without_focus(hold: impl Fn(&Bench)) {
     let mut bench = Bench::new();
     bench.click("Jog mode");
@@ -240,7 +240,7 @@ fn f1_explains_what_the_mouse_points_at() {
     let shown = |bench: &Bench, text: &str| bench.harness.query_by_label_contains(text).is_some();
     assert!(shown(&bench, "key CS  Cycle start"));
     assert!(shown(&bench, "Contact: X25.0"));
-    // Once more closes it.
+    // A second F1 closes the help.
     bench.harness.key_press(egui::Key::F1);
     bench.run(10);
     assert!(!shown(&bench, "key CS  Cycle start"));
@@ -261,7 +261,7 @@ fn a_key_that_is_to_be_explained_does_nothing_unless_it_stops() {
     bench.click("Emergency stop");
     bench.run(300);
     assert!(shown(&bench, "key ESTOP  Emergency stop"));
-    // Closed and opened again it explains nothing by itself.
+    // The help no longer explains presses after it has been closed and opened again.
     for _ in 0..2 {
         bench.harness.get_by_label("Help F1").click();
         bench.run(10);
@@ -328,13 +328,13 @@ fn a_handwheel_that_moves_nothing_says_why() {
     assert!(bench.harness.query_by_label_contains(why).is_none());
 }
 
-/// Whether the window says this somewhere.
+/// Whether the window shows a text.
 fn says(bench: &Bench, text: &str) -> bool {
     let mut all = bench.harness.query_all_by_label_contains(text);
     all.next().is_some()
 }
 
-/// A button of the mouse upon a key.
+/// Presses or releases a mouse button on a key.
 fn mouse(bench: &mut Bench, name: &str, button: egui::PointerButton, pressed: bool) {
     let pos = bench.harness.get_by_label(name).rect().center();
     bench.harness.event(egui::Event::PointerMoved(pos));
@@ -464,7 +464,7 @@ fn a_burst_of_keys_within_one_picture_arrives_whole() {
     assert!(stored.starts_with(&format!("O0007;{text}")), "{stored}");
 }
 
-/// Clicks a button of the window by its words.
+/// Clicks a button of the window by its text.
 fn click(bench: &mut Bench, words: &str) {
     bench.harness.get_by_label(words).click();
     bench.run(20);
@@ -565,7 +565,7 @@ fn an_opened_program_is_stored_can_be_edited_and_never_overwrites_another() {
     let edited = text(&bench);
     assert_ne!(edited, before, "typing changes it");
 
-    // Again from the file: what was typed is not thrown away.
+    // The file is opened again: the edited program is not discarded.
     bench.open("01-stepped-shaft.CNC");
     let question = "O0001 is in the memory already";
     let waits = (0..1000).any(|_| {
@@ -602,7 +602,7 @@ fn an_opened_program_says_at_once_what_it_does() {
     let failing = ": P/S 011 ";
     assert!(waits_for(&mut bench, failing));
     assert!(says(&bench, ", line "));
-    // Of another program it says nothing.
+    // The summary disappears when another program is selected.
     bench.click("Edit mode");
     bench.click("Program pages");
     for key in ["Address O", "Digit 3", "Cursor down"] {

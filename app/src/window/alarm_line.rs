@@ -1,12 +1,12 @@
-//! The alarm that stands, with what its page on the control does not say: where, why,
-//! and what helps.
+//! Formats the current alarm with more than its page on the control shows: block, reason and
+//! remedy.
 
 use gsk_core::alarm::Alarm;
 use gsk_core::command::{ProgramId, Source};
 
 use gsk_messages::{Language, say};
 
-/// One line: number, text, reason, place.
+/// The alarm in one line: number, text, block, reason.
 pub fn short(alarm: &Alarm, language: Language) -> String {
     let mut line = match language {
         Language::Zh => alarm.line_text(),
@@ -21,7 +21,7 @@ pub fn short(alarm: &Alarm, language: Language) -> String {
     line
 }
 
-/// The line, and under it cause and way out.
+/// The alarm in one line, followed by lines with its cause and its remedy.
 pub fn long(alarm: &Alarm, language: Language) -> String {
     let mut lines = vec![short(alarm, language)];
     let Some(row) = alarm.row() else {
@@ -49,7 +49,7 @@ fn place(alarm: &Alarm, language: Language) -> Option<String> {
     alarm.source.as_ref().map(|it| place_of(it, language))
 }
 
-/// A block: program, sequence number, line.
+/// The text of a block: program, sequence number, line.
 pub fn place_of(source: &Source, language: Language) -> String {
     let program = match source.program {
         ProgramId::Stored(number) => format!("O{number:04} "),

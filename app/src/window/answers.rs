@@ -1,4 +1,4 @@
-//! What was chosen in the bar, and what of it can be chosen now.
+//! Carries out requests of the top bar, and finds out which control models can be chosen.
 
 use egui::Ui;
 use gsk_core::operation::RunState;
@@ -11,7 +11,7 @@ use crate::kernel::{Command, LessonOrder};
 use crate::platform;
 
 impl Window {
-    /// The models to choose from, and why not now.
+    /// The control models to choose from, and why they cannot be chosen now.
     pub(super) fn model_choice(&self) -> top_bar::ModelChoice {
         let run = self.picture.as_ref().map(|picture| picture.run);
         let why_not = if self.board().is_some() {
@@ -30,7 +30,7 @@ impl Window {
         }
     }
 
-    /// Does what was chosen.
+    /// Carries out a request of the top bar.
     pub(super) fn answer(&mut self, asked: top_bar::Asked, ui: &Ui) {
         match asked {
             top_bar::Asked::Choose => {
@@ -42,7 +42,7 @@ impl Window {
                 let request = SampleRequest { sample, starts };
                 self.opener.open_sample(request, ui.ctx());
             }
-            // A page has no folders, and need not have what reads them.
+            // A page in a browser has no folders, and may lack the code that reads them.
             top_bar::Asked::Project(_) if !platform::has_folders() => {}
             top_bar::Asked::Project(command) => {
                 let language = self.settings.language;

@@ -1,4 +1,4 @@
-//! The window on a real display: eframe around [`Window`].
+//! Runs [`Window`] on a real display with eframe.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -22,41 +22,40 @@ use crate::project::{self, Taking, Who};
 use crate::retained::{Keeper, Restored};
 use crate::{output, platform, transfer};
 
-/// Size of the window before the monitor is known, points: the LCD at two pixels a dot.
+/// Size of the window before the size of the monitor is known, points: the LCD at two pixels
+/// per dot.
 const SIZE: [f32; 2] = [1280.0, 806.0];
-/// Share of the monitor that the window takes at the first start.
+/// Share of the monitor's width and height that the window takes at the first start.
 const MOST: f32 = 0.92;
-/// What is remembered is written when it has stood so long: a splitter that is dragged
-/// is not written a hundred times.
+/// Settings are written when they have not changed for this time: dragging a splitter does not
+/// write a hundred times.
 const SETTLED: Duration = Duration::from_secs(1);
 
-/// What the window starts with.
+/// What the window needs to start.
 pub struct Start {
     /// The kernel, not yet running.
     pub kernel: Kernel,
     /// Its console.
     pub console: Console,
-    /// What the window begins with.
+    /// The settings of the first frame.
     pub settings: Settings,
-    /// What the data directory remembers of that; none: nothing yet.
+    /// The settings in the data directory; `None` when there are none yet.
     pub stored: Option<Settings>,
-    /// The data directory.
     pub data: DataDir,
-    /// What it held.
+    /// The memory of the control that was read from the data directory, and its errors.
     pub restored: Restored,
-    /// A program to open.
+    /// A program file to open.
     pub program: Option<PathBuf>,
-    /// When the program began, if figures are wanted.
+    /// Start time of the program when frame figures are requested, else `None`.
     pub figures: Option<Instant>,
-    /// The control model.
     pub model: ModelId,
-    /// How another model is turned on, if it can be.
+    /// Starts another control model; `None` when the model cannot be changed.
     pub another: Option<Another>,
-    /// The questions of the first start are asked.
+    /// Whether the window shows the questions of the first start.
     pub asks: bool,
 }
 
-/// Turns another model on, beside the one that runs, in a window with these settings.
+/// Prepares the start of another control model with these settings, in the same window.
 pub type Another = Box<dyn Fn(ModelId, &Settings) -> Result<Start, Message>>;
 
 /// Opens the window and returns when it is closed.
@@ -87,11 +86,11 @@ struct App {
     kernel: KernelThread,
     ending: Ending,
     display: DisplayServer,
-    /// None while the control is off.
+    /// `None` while the control is off.
     data: Option<Arc<DataDir>>,
     model: ModelId,
     saved: Option<Settings>,
-    /// What is not written yet, and since when.
+    /// Settings that are not written yet, and the time of their last change.
     changed: Option<(Settings, Instant)>,
     sized: bool,
     title: String,
@@ -99,19 +98,19 @@ struct App {
     another: Option<Another>,
 }
 
-/// What the kernel rings when there is something new to be seen. The window is locked
-/// while it is drawn: a thread of its own waits for it, not the kernel.
+/// Creates the callback with which the kernel requests a repaint. egui's context is locked
+/// while a frame is drawn: a separate thread waits for it, so that the kernel does not.
 fn bell(context: egui::Context) -> std::io::Result<Box<dyn Fn() + Send>> {
     let (ring, rung) = bounded::<()>(1);
     platform::turn("bell", move || match platform::receive(&rung, None) {
         Ok(()) => {
-            // With a delay it is drawn once; without one egui draws twice.
+            // With a delay egui draws one frame; without it, two.
             context.request_repaint_after(Duration::from_millis(1));
             true
         }
         Err(none) => none == RecvTimeoutError::Timeout,
     })?;
-    // One ring that is not heard yet stands for this one, too.
+    // A request that is still pending covers this one, too.
     Ok(Box::new(move || {
         let _ = ring.try_send(());
     }))
@@ -145,7 +144,7 @@ impl App {
             partner: Some(platform::sent_folder(data.path(), transfer::FOLDER)),
             ending: ending.clone(),
         };
-        // The board stops at once, whatever the library of the window does.
+        // The board stops at once when the display is lost, whatever the window library does.
         let gone = ending.clone();
         platform::watch_display(display, console.watch.clone(), move || gone.ask())?;
         let thread = kernel::start(kernel, &console, outside)?;
@@ -183,8 +182,8 @@ impl App {
         })
     }
 
-    /// Turns the control off and another model on, with the memory that this one has; or
-    /// the same again, with another lathe.
+    /// Turns the control off and another model on, with the memory of that model. The same
+    /// model is turned on again with its other lathe.
     fn change_model(&mut self, model: ModelId, context: &egui::Context) {
         if model == self.model {
             let said = say::first_lathe_is_on();
@@ -211,7 +210,7 @@ impl App {
         }
     }
 
-    /// Turns the control off, lets it take over what was chosen of a project, and turns it on
+    /// Turns the control off, takes over the chosen project files, and turns the control on
     /// again.
     fn take_over(&mut self, chosen: &Chosen, context: &egui::Context) {
         let model = self.model;
@@ -231,14 +230,14 @@ impl App {
         });
     }
 
-    /// Turns the control off and on again; in between `then` has the data directory to
-    /// itself, and gives what is said of it.
+    /// Turns the control off, calls `then` with exclusive access to the data directory, and
+    /// turns the control on again. Shows the message that `then` returns.
     fn turn_on_again(&mut self, context: &egui::Context, then: impl FnOnce(&Path) -> Message) {
         let Some(another) = self.another.take() else {
             return;
         };
         self.turn_off();
-        // Nobody else has it now: it can be opened to be written.
+        // The control has released the directory: `then` can open it for writing.
         let Some(data) = self.data.take() else {
             return;
         };
@@ -271,7 +270,8 @@ impl App {
         self.save_settings();
     }
 
-    /// Makes the window as large as it was last, or as the monitor allows.
+    /// Restores the stored size of the window once, limited by the monitor. Later calls store
+    /// the current size.
     fn size_once(&mut self, context: &egui::Context) {
         if self.sized {
             self.window.remember_place(context);
@@ -287,7 +287,7 @@ impl App {
         context.send_viewport_cmd(ViewportCommand::OuterPosition(corner));
     }
 
-    /// The title says it, too, when the keys move a real machine.
+    /// Updates the window title. It shows when the keys move a real machine.
     fn follow_title(&mut self, context: &egui::Context) {
         let title = self.window.title();
         if title != self.title {
@@ -296,7 +296,7 @@ impl App {
         }
     }
 
-    /// Writes what is remembered, once it has stood a while.
+    /// Writes changed settings after [`SETTLED`] without a further change.
     fn keep_settings(&mut self, context: &egui::Context) {
         let settings = self.window.settings();
         if self.saved.as_ref() == Some(settings) {

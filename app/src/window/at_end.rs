@@ -1,15 +1,16 @@
-//! A group of widgets at the right end of a row. It is drawn from left to right, so that the
-//! focus of the keyboard and a screen reader come through it as it is read.
+//! Right-aligns a group of widgets in a row. The group is drawn from left to right: keyboard
+//! focus and screen readers follow the reading order.
 
 use egui::{Id, Ui};
 
-/// How wide a group was in the last picture, points.
+/// Width of the group in the last frame, points; `guess` before the first one.
 pub fn width(ui: &Ui, name: &str, guess: f32) -> f32 {
     ui.data(|data| data.get_temp(Id::unique(name)))
         .unwrap_or(guess)
 }
 
-/// Draws the group; `guess`: its width as long as none is known, points.
+/// Draws the group `add` at the right end of the row. `guess`: its width before the first
+/// frame, points.
 pub fn show(ui: &mut Ui, name: &str, guess: f32, add: impl FnOnce(&mut Ui)) {
     let known = width(ui, name, guess);
     let free = ui.available_width() - known - ui.spacing().item_spacing.x;

@@ -1,18 +1,17 @@
-//! The sign that the keys move a real machine, in every window, with the state of the
-//! board that moves it.
+//! The warning bar in every window that the keys move a real machine, with the state of its
+//! board.
 
 use egui::{Color32, Frame, Margin, Panel, RichText, Ui};
 use gsk_link::LinkState;
 
 use gsk_messages::{Language, Message, say};
 
-/// What it says, in both languages whatever the window's is.
+/// The warning in both languages, whatever the language of the window.
 fn real() -> String {
     let texts = [Language::En, Language::Zh].map(|it| say::window_real_motion().text(it));
     texts.join(" / ")
 }
 
-/// Name of a state of the board.
 pub fn state_name(state: LinkState) -> Message {
     match state {
         LinkState::Off => say::link_page_state_off(),
@@ -30,13 +29,14 @@ pub fn state_name(state: LinkState) -> Message {
     }
 }
 
-/// Its height, points.
+/// Height of the bar, points.
 const HEIGHT: f32 = 30.0;
-/// Its ground: slides may move; nothing moves them now.
+/// Background: the board can move the slides; the board is off or lost.
 const LIVE: Color32 = Color32::from_rgb(208, 30, 24);
 const DEAD: Color32 = Color32::from_rgb(150, 84, 20);
 
-/// Draws it over a window, if a board moves the slides.
+/// Draws the bar at the top of a window, if a board moves the slides. `place` makes its widget
+/// id unique.
 pub fn show(ui: &mut Ui, place: &str, board: Option<LinkState>, language: Language) {
     let Some(state) = board else { return };
     let ground = match state {
@@ -61,7 +61,7 @@ pub fn show(ui: &mut Ui, place: &str, board: Option<LinkState>, language: Langua
     });
 }
 
-/// The title of a window.
+/// The window title, with the warning in front if a board moves the slides.
 pub fn title(title: &str, board: Option<LinkState>) -> String {
     match board {
         Some(_) => format!("{} - {title}", real()),

@@ -1,27 +1,28 @@
-//! Room for windows within the window that cover no key that stops the machine (WINDOW-25).
+//! Finds space for windows inside the main window that covers no key that stops the machine
+//! (WINDOW-25).
 
 use egui::{Context, Id, Rect, Vec2, pos2};
 use gsk_panel::faceplate;
 
 use super::placing::{self, STOPS, View};
 
-/// Left free around each key, points.
+/// Margin around each key, points.
 const AROUND: f32 = 4.0;
 
-/// Where the keys are that stop the machine.
+/// Rectangles of the keys that stop the machine, with their margin.
 pub fn stops(placed: &[View]) -> Vec<Rect> {
     let parts = STOPS.iter().filter_map(|key| faceplate::part_of(*key));
     let places = parts.filter_map(|part| Some(placing::of_part(placed, part)?.rect(part.rect)));
     places.map(|place| place.expand(AROUND)).collect()
 }
 
-/// Remembers where the keys that stop the machine are, for windows that are drawn by views.
+/// Stores the rectangles of the keys that stop the machine, for windows that views draw.
 pub fn remember(context: &Context, placed: &[View]) {
     let stops = stops(placed);
     context.data_mut(|data| data.insert_temp(place_of_stops(), stops));
 }
 
-/// Where they are in the main window, as they were drawn last.
+/// The stored rectangles of these keys in the main window, from the last frame.
 pub fn remembered(context: &Context) -> Vec<Rect> {
     let stops = context.data(|data| data.get_temp(place_of_stops()));
     stops.unwrap_or_default()
@@ -31,22 +32,21 @@ fn place_of_stops() -> Id {
     Id::unique("stops")
 }
 
-/// The largest room of the window, among those that hold most of a size, for a
-/// dialog.
+/// The rectangle without these keys that shows most of a dialog of `size`.
 pub fn free(context: &Context, size: Vec2) -> Rect {
     let mut screen = context.content_rect();
     screen.min.y += super::BAR;
     room(screen, &remembered(context), |room| holds(room, size))
 }
 
-/// How good a room is for a window that may cover all else: as much of it as has room there;
-/// among equals the larger room.
+/// Rates `room` for a window of `size` that may cover everything else: the visible area of the
+/// window; among equals the larger rectangle.
 pub fn holds(room: Rect, size: Vec2) -> f32 {
     let shown = size.min(room.size());
     shown.x * shown.y + room.area() / 1000.0
 }
 
-/// The best room of a screen without some places in it; `worth` says how good one is.
+/// The rectangle inside `screen` with the greatest `worth` that intersects none of `without`.
 pub fn room(screen: Rect, without: &[Rect], worth: impl Fn(Rect) -> f32) -> Rect {
     let edges = |low: f32, high: f32, of: &dyn Fn(&Rect) -> [f32; 2]| {
         let inside = without.iter().flat_map(of);
@@ -79,8 +79,8 @@ pub fn room(screen: Rect, without: &[Rect], worth: impl Fn(Rect) -> f32) -> Rect
     best
 }
 
-/// How good a room is for a window of a size: as much of it as has room there, and as little
-/// of the panel under it as can be.
+/// Rates `room` for a window of `size`: the visible area of the window, less the area of the
+/// panel that it covers.
 pub fn worth(room: Rect, size: Vec2, placed: &[View]) -> f32 {
     let window = size.min(room.size());
     let corner = pos2(room.right() - window.x, room.top());
@@ -90,7 +90,7 @@ pub fn worth(room: Rect, size: Vec2, placed: &[View]) -> f32 {
         .filter(Rect::is_positive)
         .map(|place| place.area())
         .sum();
-    // Twice what is shown is worth more than the panel; among equals the larger room.
+    // The visible area counts twice the covered panel; among equals the larger rectangle wins.
     2.0 * window.area() - covered + room.area() / 1000.0
 }
 

@@ -1,11 +1,11 @@
-//! The faceplate in the window: one ready picture of it, or of each of its areas, in
-//! which only what has changed is painted anew.
+//! Draws the faceplate of the panel: one image of it, or of each of its areas, in which only
+//! changed parts are repainted.
 //!
-//! A software renderer pays for every pixel of every layer: a hundred parts painted
-//! anew for each frame cost it ten times as much as one picture of them all. The
-//! whole picture is made by the panel's own painter in a thread, at the size of the
-//! window in physical pixels; until it is there the last one is stretched. A key, a
-//! lamp or the wheel is then painted into it when it looks different.
+//! A software renderer pays for every pixel of every layer: painting a hundred parts in each
+//! frame takes ten times as long as one image of them all. A thread renders the whole image
+//! with the panel's own painter at the size of the window in physical pixels. Until it is
+//! finished, the last image is stretched. A key, a lamp or the wheel is repainted into the
+//! image when its look changes.
 
 use crossbeam::channel::{Receiver, Sender, TryRecvError, bounded};
 use egui::{Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions, Vec2, pos2};
@@ -15,29 +15,29 @@ use super::placing::View;
 use super::surroundings::fill_as_it_is;
 use crate::platform;
 
-/// The picture is made for whole pixels.
+/// The image matches the physical pixels: no filtering.
 const DOTS: TextureOptions = TextureOptions::NEAREST;
 
-/// A picture of an area and what it shows.
+/// The image of an area and the look of its parts.
 struct Picture {
     texture: TextureHandle,
-    /// Physical pixels a panel unit.
+    /// Physical pixels per panel unit.
     scale: f32,
-    /// The parts, and how each looks in it.
+    /// The parts, each with its look in the image.
     looks: Vec<(PanelPart, u32)>,
 }
 
-/// A picture that a thread makes, with its scale.
+/// Receives the image that a thread renders, with its scale.
 type Job = Receiver<(ColorImage, f32)>;
 
-/// An area with its picture, made anew when the size has changed.
+/// An area with its image. The image is rendered again when the size changes.
 struct Piece {
     area: PanelArea,
     job: Option<Job>,
     picture: Option<Picture>,
 }
 
-/// The pictures of the panel.
+/// The images of the panel.
 #[derive(Default)]
 pub struct Face {
     wanted: bool,
@@ -45,12 +45,12 @@ pub struct Face {
 }
 
 impl Face {
-    /// From now on the picture is made.
+    /// Enables the rendering of images. Without it the panel is a plain rectangle.
     pub const fn turn_on(&mut self) {
         self.wanted = true;
     }
 
-    /// Draws the panel; the LCD's picture is drawn by its owner.
+    /// Draws the panel without the content of the LCD.
     pub fn paint(&mut self, painter: &Painter, views: &[View], state: &FaceState<'_>) {
         self.pieces
             .retain(|piece| views.iter().any(|view| view.area == piece.area));
@@ -134,7 +134,7 @@ impl Piece {
 }
 
 impl Picture {
-    /// Paints the parts that look different now.
+    /// Repaints the parts whose look has changed.
     fn follow(&mut self, area: PanelArea, state: &FaceState<'_>) {
         for (part, shown) in &mut self.looks {
             let look = faceplate::part_state(part, state);
@@ -150,7 +150,7 @@ impl Picture {
     }
 }
 
-/// Size of a picture: two scales are the same if it is the same.
+/// Size of the image of an area at a scale, pixels.
 fn pixels(area: PanelArea, scale: f32) -> [u32; 2] {
     [area.rect.w, area.rect.h].map(|units| (units * scale).round().max(1.0) as u32)
 }
@@ -159,7 +159,7 @@ fn make(area: PanelArea, scale: f32, deliver: &Sender<(ColorImage, f32)>, contex
     let Some(picture) = faceplate::paint(area, &FaceState::default(), scale) else {
         return;
     };
-    // A window that has been closed meanwhile needs none.
+    // A window that is closed by now needs no image.
     let _ = deliver.send((image(&picture), scale));
     context.request_repaint();
 }

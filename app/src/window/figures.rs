@@ -1,26 +1,26 @@
-//! Figures of the window for `--figures`: time to the first frame and the first
-//! piece of a path, frames a second, time spent on a frame.
+//! Measures the window for `--figures`: time to the first frame and to the first piece of a
+//! tool path, frames per second, time per frame.
 
 use gsk_messages::say;
 use web_time::{Duration, Instant};
 
 use crate::output;
 
-/// How often a line is printed.
+/// Interval between two printed lines.
 const PERIOD: Duration = Duration::from_secs(5);
 
-/// Counts frames and prints what came of it on standard error.
+/// Counts frames and prints the averages on standard error.
 pub struct Figures {
     begun: Instant,
     since: Option<Instant>,
     frames: u32,
     busy: Duration,
-    /// The path of a program has been seen.
+    /// Whether a tool path has been drawn.
     path: bool,
 }
 
 impl Figures {
-    /// Counts from the start of the program.
+    /// Counts from `begun`, the start time of the program.
     pub const fn new(begun: Instant) -> Self {
         Self {
             begun,
@@ -31,7 +31,8 @@ impl Figures {
         }
     }
 
-    /// So many pieces of the path are drawn.
+    /// Records the count of pieces of the tool path in this frame. The first piece prints its
+    /// time since the start.
     pub fn pieces(&mut self, pieces: usize) {
         if pieces > 0 && !self.path {
             self.path = true;
@@ -40,7 +41,7 @@ impl Figures {
         }
     }
 
-    /// A frame was drawn; `busy` is what the one before it took.
+    /// Records a frame. `busy`: time spent on the previous frame, s.
     pub fn frame(&mut self, busy: Option<f32>) {
         let now = Instant::now();
         let Some(since) = self.since else {

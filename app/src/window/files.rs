@@ -1,5 +1,5 @@
-//! Choosing a file beside the window: with the desktop's own dialog where the desktop
-//! has one, else with the dialog of this program. Giving up is silent.
+//! Chooses files in a thread, with the desktop's dialog if there is one, else with the dialog
+//! of this program. Cancelling shows no message.
 
 mod browser;
 
@@ -14,22 +14,21 @@ pub use browser::Browser;
 use crossbeam::channel::Sender;
 use gsk_messages::{Language, Message, say};
 
-/// What is chosen.
+/// What the operator chooses.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Wanted {
-    /// A file that is there, with one of these endings; the name of them all.
+    /// An existing file with one of these extensions; the string names the file type.
     Open(String, Vec<&'static str>),
-    /// A folder that is there.
+    /// An existing folder.
     Folder,
-    /// A name to write to, as it is proposed, with this ending.
+    /// A file to write: the proposed name and the extension.
     Save(String, &'static str),
 }
 
-/// What is done with the chosen file, beside the window; a sentence is said on the
-/// line of messages.
+/// Called in a thread with the chosen file. A returned message appears on the message line.
 type Then = Box<dyn FnOnce(PathBuf) -> Option<Message> + Send>;
 
-/// A choice that the dialog of this program is to make.
+/// A choice for the dialog of this program.
 struct Ask {
     wanted: Wanted,
     then: Then,
@@ -56,7 +55,7 @@ impl Asked {
     }
 }
 
-/// Lets the user choose a file and hands it to `then`.
+/// Lets the operator choose a file and calls `then` with it in a thread. Messages go to `say`.
 pub fn choose(
     context: &Context,
     language: Language,
@@ -75,7 +74,7 @@ pub fn choose(
         if platform::file_dialog_answers() {
             platform::choose_file(dialog(&ask.wanted, language), move |path| {
                 if let Some(said) = (ask.then)(path) {
-                    // A window that is gone needs no message.
+                    // A window that is closed needs no message.
                     let _ = ask.say.try_send(Notice::Said(said));
                 }
                 waker.request_repaint();
@@ -88,7 +87,7 @@ pub fn choose(
     });
 }
 
-/// What a dialog of the desktop is to ask.
+/// The settings of the desktop's dialog.
 fn dialog(wanted: &Wanted, language: Language) -> FileDialog {
     match wanted.clone() {
         Wanted::Open(kind, endings) => FileDialog::Open {
@@ -101,7 +100,7 @@ fn dialog(wanted: &Wanted, language: Language) -> FileDialog {
     }
 }
 
-/// Does a job beside the window and says what comes of it.
+/// Runs `job` in a thread and sends its message to `say`.
 pub fn beside(
     context: &Context,
     say: &Sender<Notice>,
@@ -111,7 +110,7 @@ pub fn beside(
     let telling = say.clone();
     let started = platform::beside("files", move || {
         if let Some(said) = job() {
-            // A window that is gone needs no message.
+            // A window that is closed needs no message.
             let _ = telling.try_send(Notice::Said(said));
         }
         context.request_repaint();

@@ -1,5 +1,5 @@
-//! The first start: three questions in place of the panel, and the one screen that fits
-//! (WINDOW-16).
+//! The first start: asks three questions instead of the panel and opens the layout for the
+//! answers (WINDOW-16).
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -16,33 +16,32 @@ use crate::kernel::Console;
 use crate::{loading, platform};
 use gsk_messages::{Language, Message, say};
 
-/// Height of an answer: a finger meets it.
+/// Height of an answer, points: large enough for a finger.
 const ANSWER: f32 = 44.0;
 /// Least width of an answer, points.
 const LEAST: f32 = 150.0;
-/// Widest column of questions, points.
+/// Greatest width of the column of questions, points.
 const WIDEST: f32 = 720.0;
 const WRONG: Color32 = Color32::from_rgb(255, 150, 110);
 
-/// What somebody uses the program for.
+/// The purpose for which the operator uses the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
-    /// He learns to operate and to program the control.
+    /// Learning to operate and program the control.
     Learning,
-    /// He looks through programs before they are cut.
+    /// Checking programs before they are cut.
     Checking,
-    /// He has a lathe that a pulse board moves.
+    /// Running a lathe with a pulse board.
     OwnLathe,
 }
 
-/// A row of the table of purposes.
 struct PurposeRow {
     purpose: Purpose,
     name: fn() -> Message,
-    /// What is shown then.
+    /// Description of the screen that opens.
     shows: fn() -> Message,
     layout: Layout,
-    /// The view beside the panel that is opened, besides those of the layout.
+    /// A view that is docked in addition to those of the layout.
     view: Option<View>,
 }
 
@@ -72,7 +71,7 @@ static PURPOSES: [PurposeRow; 3] = [
 ];
 
 impl Purpose {
-    /// Opens the one screen for it.
+    /// Opens the layout and the view for this purpose.
     pub fn open(self, layouts: &mut Layouts) {
         let Some(row) = PURPOSES.iter().find(|row| row.purpose == self) else {
             return;
@@ -83,32 +82,30 @@ impl Purpose {
         {
             layouts.dock(view);
         }
-        // Where there is no room for both, the panel comes first.
+        // The panel is shown first where both do not fit.
         layouts.bring(None);
     }
 }
 
-/// The answers.
+/// The answers to the questions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answers {
-    /// What for.
     pub purpose: Purpose,
-    /// The control.
     pub model: ModelId,
-    /// Its machine file; none: the simulated lathe as delivered.
+    /// The machine file; `None`: the simulated lathe as delivered.
     pub machine: Option<PathBuf>,
 }
 
-/// How the questions were left.
+/// How the operator has left the questions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Left {
-    /// All are answered.
+    /// All questions are answered.
     Answered(Answers),
-    /// Without answers, for good.
+    /// Without answers; the questions do not appear again.
     Skipped,
 }
 
-/// A machine file that was chosen beside the window, or what is wrong with it.
+/// A machine file that was chosen in a file dialog, or its error.
 type Chosen = Arc<Mutex<Option<Result<PathBuf, Message>>>>;
 
 /// The page of the questions while it is open.
@@ -119,14 +116,14 @@ pub struct FirstStart {
     machine: Option<PathBuf>,
     wrong: Option<Message>,
     chosen: Chosen,
-    /// Which control and which lathe can be asked: a page in a browser has no files.
+    /// Whether the page asks for the control and the lathe. A page in a browser has no files.
     asks_lathe: bool,
-    /// The first answer has the keyboard at once.
+    /// Whether the first answer has received the keyboard focus.
     begun: bool,
 }
 
 impl FirstStart {
-    /// The questions. `changeable`: another control can be turned on.
+    /// Creates the page. `changeable`: another control model can be turned on.
     pub fn new(model: ModelId, machine: Option<PathBuf>, changeable: bool) -> Self {
         Self {
             purpose: None,
@@ -139,7 +136,8 @@ impl FirstStart {
         }
     }
 
-    /// Draws the page; the language is changed as soon as it is answered.
+    /// Draws the page. The language changes as soon as it is answered. Returns how the page
+    /// was left, if it was.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -184,7 +182,7 @@ impl FirstStart {
         language: &mut Language,
         console: &Console,
     ) -> Option<Left> {
-        // Whoever reads one of the languages finds his own here.
+        // The first question is in both languages.
         let both = [Language::Zh, Language::En].map(|it| say::first_language().text(it));
         ui.heading(both.join("    "));
         ui.horizontal_wrapped(|ui| {
@@ -244,7 +242,7 @@ impl FirstStart {
         left
     }
 
-    /// The lathe behind the control.
+    /// Draws the question about the lathe of the control.
     fn lathe(&mut self, ui: &mut Ui, language: Language, console: &Console) {
         ui.horizontal_wrapped(|ui| {
             let simulated = say::first_simulated().text(language);
@@ -300,7 +298,7 @@ fn heading(ui: &mut Ui, text: &str) {
     ui.heading(text);
 }
 
-/// An answer that a finger meets.
+/// Draws an answer as a button that is large enough for a finger.
 fn option(ui: &mut Ui, chosen: bool, name: &str, width: f32) -> egui::Response {
     let text = RichText::new(name).size(16.0);
     ui.add(
@@ -311,14 +309,14 @@ fn option(ui: &mut Ui, chosen: bool, name: &str, width: f32) -> egui::Response {
 }
 
 impl Window {
-    /// Asks the questions of the first start in place of the panel.
+    /// Opens the questions of the first start instead of the panel.
     pub fn ask_first(&mut self) {
         let (model, machine) = (self.models.shown, self.settings.machine.clone());
         self.first_start = Some(FirstStart::new(model, machine, self.models.changeable));
     }
 
-    /// Draws the questions of the first start, and does what they are answered with.
-    /// Whether they are on the screen: never in front of real slides.
+    /// Draws the questions of the first start and applies the answers. Returns whether they
+    /// are visible: never while a board moves real slides.
     pub(super) fn asks_first(&mut self, ui: &mut Ui) -> bool {
         if self.board().is_some() {
             return false;

@@ -1,4 +1,4 @@
-//! Where the focus of the keyboard goes with Tab.
+//! Controls the keyboard focus: Tab, scrolling to the focus, and who gets the cursor keys.
 
 mod list;
 
@@ -6,18 +6,18 @@ use egui::{Context, Event, EventFilter, FocusDirection, Id, Key, Memory, Respons
 
 pub use list::{List, ROW, link, row, tick};
 
-/// Room around what has come into view, points.
+/// Margin around a widget that is scrolled into view, points.
 const AROUND: f32 = 4.0;
 
-/// Scrolls what the focus has just come to into view. To be called when the content of a
-/// scrolled area has been drawn.
+/// Scrolls to the widget that has just gained the focus. Call it after the content of a scroll
+/// area has been drawn.
 pub fn follow(ui: &Ui) {
     let focused = ui.memory(Memory::focused);
     let response = focused.and_then(|id| ui.read_response(id));
     let Some(response) = response.filter(Response::gained_focus) else {
         return;
     };
-    // A text that is larger than its area follows its cursor by itself.
+    // A text that is larger than its area scrolls to its cursor itself.
     let (place, room) = (response.rect, ui.clip_rect());
     let has_room = place.width() <= room.width() && place.height() <= room.height();
     if has_room && !room.contains_rect(place) && ui.min_rect().contains(place.center()) {
@@ -25,8 +25,8 @@ pub fn follow(ui: &Ui) {
     }
 }
 
-/// Passes the focus over the edge of a panel, which is for the mouse: it would do nothing
-/// there, and be seen nowhere. To be called before the panel is drawn.
+/// Moves the focus past the resize edge of a panel. The edge is for the mouse: with the focus
+/// it would do nothing and be invisible. Call it before the panel is drawn.
 pub fn pass_over_edge(ui: &Ui, panel: &str) {
     let edge = ui.scope_id().with(panel).with("__resize");
     if ui.memory(|memory| memory.has_focus(edge)) {
@@ -38,19 +38,18 @@ pub fn pass_over_edge(ui: &Ui, panel: &str) {
     }
 }
 
-/// The keys of the cursor are this widget's own as long as it has the focus; to be called in
-/// each picture in which it has. It takes those that nothing is held with out of the events.
+/// Reserves the cursor keys for this widget while it has the focus. Call it in each frame in
+/// which it has. The widget removes the keys without modifiers from the events.
 pub fn keep_keys(ui: &Ui, id: Id) {
     hold(ui.ctx(), id, true);
     ui.data_mut(|data| data.insert_temp(place_of_keeper(), id));
-    // The filter is in force from the next picture on: it comes before the next key.
+    // The filter takes effect in the next frame: request one before the next key.
     if !ui.memory(|memory| memory.had_focus_last_frame(id)) {
         ui.request_repaint();
     }
 }
 
-/// Takes keys that are pressed with nothing held out of the events: those that `take` says
-/// it has made use of.
+/// Removes pressed keys without modifiers from the events if `take` returns true for them.
 pub fn take_keys(ui: &Ui, mut take: impl FnMut(Key) -> bool) {
     ui.input_mut(|input| {
         input.events.retain(|event| match event {
@@ -65,16 +64,16 @@ pub fn take_keys(ui: &Ui, mut take: impl FnMut(Key) -> bool) {
     });
 }
 
-/// Whether the keys of the cursor belong to what has the focus, and not to the panel.
+/// Whether the focused widget has reserved the cursor keys from the panel.
 pub fn keeps_keys(context: &Context) -> bool {
     let focused = context.memory(Memory::focused);
     let keeper: Option<Id> = context.data(|data| data.get_temp(place_of_keeper()));
     focused.is_some() && focused == keeper
 }
 
-/// Leaves the keys of the cursor to the panel while a button has the focus: one key does one
-/// thing (WINDOW-23). In a menu they go from entry to entry. To be called when everything is
-/// drawn.
+/// Leaves the cursor keys to the panel while a button has the focus: one key does one thing
+/// (WINDOW-23). In an open menu they move between the entries. Call it after everything has
+/// been drawn.
 pub fn leave_keys(context: &Context) {
     if let Some(focused) = context.memory(Memory::focused)
         && !context.text_edit_focused()
@@ -84,7 +83,8 @@ pub fn leave_keys(context: &Context) {
     }
 }
 
-/// Says whether the keys of the cursor move the focus away.
+/// Sets whether egui moves the focus with the cursor keys (`held` false) or leaves them to the
+/// widget (true).
 fn hold(context: &Context, id: Id, held: bool) {
     let filter = EventFilter {
         horizontal_arrows: held,
@@ -98,7 +98,6 @@ fn place_of_keeper() -> Id {
     Id::unique("keeper")
 }
 
-/// Whether it is a key of the cursor.
 pub const fn is_cursor(key: Key) -> bool {
     matches!(
         key,
@@ -106,7 +105,7 @@ pub const fn is_cursor(key: Key) -> bool {
     )
 }
 
-/// Whether an event presses a key of the cursor with something held, as axes are jogged.
+/// Whether an event presses a cursor key with a modifier, which jogs an axis.
 pub fn jogs(event: &Event) -> bool {
     match event {
         Event::Key {

@@ -1,5 +1,5 @@
-//! The fonts of the window: the program's own outlines, and glyphs of GNU Unifont, drawn at
-//! the size asked for, for every character that they do not have: users write what they like.
+//! The fonts of the window: the built-in outline fonts, and glyphs of GNU Unifont for every
+//! other character. Unifont glyphs are drawn at the requested size.
 
 use std::sync::Arc;
 
@@ -9,12 +9,12 @@ use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, ColorImage, FontData, FontDefinitions, FontFamily, FontId, vec2};
 use gsk_panel::fonts::{CHINESE, LATIN, MONO};
 
-/// Dots of a glyph from top to bottom.
+/// Height of a glyph, dots.
 const DOTS: f32 = 16.0;
 /// Rows above the base line.
 const ASCENT: f32 = 14.0;
 
-/// Teaches a context the fonts. It may be called again.
+/// Installs the fonts in a context. Repeated calls are allowed.
 pub fn install(context: &egui::Context) {
     let mut fonts = FontDefinitions::empty();
     for (name, file) in [("latin", LATIN), ("mono", MONO), ("chinese", CHINESE)] {
@@ -32,8 +32,8 @@ pub fn install(context: &egui::Context) {
     context.add_glyph_rasterizer(GlyphRasterizer::new("gsk980td::unifont", rasterize));
 }
 
-/// The size in physical pixels at which a glyph is drawn: whole multiples of its
-/// dots where one is near, so that strokes stay sharp.
+/// The size at which a glyph is drawn, physical pixels. Near a whole multiple of its dots it
+/// is that multiple, so that strokes stay sharp.
 fn drawn_size(size_px: f32) -> f32 {
     let nearest = (size_px / DOTS).round() * DOTS;
     if nearest > 0.0 && (nearest - size_px).abs() <= nearest * 0.08 {
@@ -63,7 +63,7 @@ fn rasterize(request: &GlyphRasterizerRequest<'_>) -> Option<RasterizedGlyph> {
     let pixels = (0..size[0] * size[1])
         .map(|index| {
             let share = coverage(index % size[0], index / size[0]);
-            // Strokes thinner than a pixel would turn pale.
+            // Without a correction, strokes thinner than a pixel would look pale.
             let share = if scale < 1.0 {
                 (share * 1.35).min(1.0)
             } else {
@@ -85,7 +85,7 @@ fn rasterize(request: &GlyphRasterizerRequest<'_>) -> Option<RasterizedGlyph> {
     })
 }
 
-/// The share of a square of the glyph, in dots, that is ink.
+/// Share of a square of the glyph that is ink, 0–1. `left`, `top` and `side` are in dots.
 fn covered(glyph: &unifont::Glyph, left: f32, top: f32, side: f32) -> f32 {
     let span = |start: f32, dots: usize| {
         let first = start.floor() as usize;
@@ -107,11 +107,11 @@ fn covered(glyph: &unifont::Glyph, left: f32, top: f32, side: f32) -> f32 {
     (ink / (side * side)).min(1.0)
 }
 
-/// Between two hyphens, in sizes of the font.
+/// Gap between two hyphens, as a share of the font size.
 const GAP: f32 = 0.14;
 
-/// A text in which two hyphens stay two: those of the font touch and look like one long
-/// dash.
+/// Lays out a text so that two hyphens remain two. Without the gap, those of the font touch
+/// and look like one long dash.
 pub fn words(text: &str, font_id: FontId, color: Color32) -> LayoutJob {
     let gap = GAP * font_id.size;
     let format = TextFormat {
@@ -130,19 +130,20 @@ pub fn words(text: &str, font_id: FontId, color: Color32) -> LayoutJob {
     job
 }
 
-/// A context set up as the window uses it; for tests, too.
+/// Sets up a context for the window: fonts, theme, style. Tests use it, too.
 pub fn set_up(context: &egui::Context) {
     install(context);
     surroundings::install(context);
     context.set_theme(egui::Theme::Dark);
-    // The window has a setting for it.
+    // The window handles the zoom keys itself.
     context.options_mut(|options| options.zoom_with_keyboard = false);
     context.all_styles_mut(|style| {
         style.visuals.override_text_color = Some(Color32::from_gray(225));
-        // As it is on a dark ground; half covered it would be paler on a light one.
+        // The weak text colour on a dark background. As a half-transparent colour it would be
+        // paler on a light one.
         style.visuals.weak_text_color = Some(Color32::from_gray(150));
         style.spacing.button_padding = vec2(8.0, 3.0);
-        // Keys of the panel answer to the pointer alone, never to Tab and Space.
+        // Delay of tool tips, s.
         style.interaction.tooltip_delay = 0.6;
     });
     let _: Arc<egui::Style> = context.global_style();

@@ -1,11 +1,11 @@
-//! What the window hears of the machine.
+//! Plays the sound of the machine in the window.
 
 use super::Window;
 use crate::kernel::{Command, Motion, Snapshot};
 use crate::sound::{Heard, OUTPUTS};
 
 impl Window {
-    /// Turns the sound on or off as it is set, and says why there is none.
+    /// Applies the sound setting, and reports why sound is not possible.
     pub(super) fn follow_sound(&mut self) {
         let listened = self.sounds.listens();
         if let Some(why) = self.sounds.follow(self.settings.sound) {
@@ -16,7 +16,7 @@ impl Window {
         }
     }
 
-    /// Hears the machine of a picture.
+    /// Passes the state of the machine to the sound output.
     pub(super) fn hear(&self, picture: &Snapshot) {
         if let Some(motion) = picture.motion.filter(|_| self.sounds.listens()) {
             self.sounds.hear(heard(picture, motion));

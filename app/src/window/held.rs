@@ -1,10 +1,10 @@
-//! Which panel keys are held down, and by what: the mouse, fingers, PC keys.
+//! Which panel keys are held down, and by which holder: the mouse, fingers, PC keys.
 //!
-//! A panel key is down as long as at least one holder is on it. What is not
-//! held any more is released whatever became of the release event.
+//! A panel key is down while at least one holder is on it. A key without a holder is released,
+//! even if its release event was lost.
 //!
-//! One mouse presses two keys: a right click keeps a key for the next one. It goes
-//! down just before that key and comes up with it, and holds nothing by itself.
+//! One mouse can press two keys: a right click latches a key for the next one. The latched key
+//! goes down just before that key and comes up with it. While it waits it holds nothing.
 
 use std::collections::BTreeMap;
 
@@ -12,41 +12,37 @@ use gsk_panel::keys::Key;
 
 use crate::input_watch::Holders;
 
-/// Something that holds a panel key down.
+/// What holds a panel key down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Holder {
-    /// The mouse.
     Pointer,
-    /// A right click, while the key it kept the other one for is down.
+    /// The latch of a right click, while the key it waited for is down.
     Latch,
-    /// A finger, by its device and number.
+    /// A finger, by the ids of device and touch.
     Finger(u64, u64),
-    /// A key of the PC keyboard.
     Keyboard(egui::Key),
 }
 
 /// A panel key went down or came up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Change<K> {
-    /// The key.
     pub key: K,
     /// Whether it is down now.
     pub down: bool,
 }
 
-/// What a right click has kept.
+/// The key that a right click has latched.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Latch<K> {
-    /// Nothing.
     #[default]
     Free,
-    /// A key that waits for the next one.
+    /// This key waits for the next one.
     Waits(K),
-    /// It is down as long as this one is.
+    /// The latched key is down while this key is.
     DownWith(K),
 }
 
-/// The held keys.
+/// Assigns each holder the key that it holds down.
 #[derive(Clone, Debug)]
 pub struct Held<K> {
     by_holder: BTreeMap<Holder, K>,
@@ -63,8 +59,8 @@ impl<K> Default for Held<K> {
 }
 
 impl Held<Key> {
-    /// The key a holder presses from now on. A stop goes down alone: what was kept
-    /// for the next key is forgotten.
+    /// Sets the key that `holder` presses. Emergency stop and feed hold go down alone: a
+    /// latched key is dropped.
     pub fn press(&mut self, holder: Holder, key: Key) -> Vec<Change<Key>> {
         if matches!(key, Key::EmergencyStop | Key::FeedHold) {
             self.forget_kept();
@@ -73,8 +69,8 @@ impl Held<Key> {
     }
 }
 
-/// Whether a right click may keep a key: what moves or starts something by itself is
-/// pressed by hand, and the emergency stop latches.
+/// Whether a right click may latch this key. Keys that move or start something must be pressed
+/// by hand, and the emergency stop latches mechanically.
 pub const fn may_be_kept(key: Key) -> bool {
     !matches!(
         key,
@@ -94,7 +90,7 @@ pub const fn may_be_kept(key: Key) -> bool {
 }
 
 impl<K: Copy + PartialEq> Held<K> {
-    /// The key a holder is on from now on; tells what changed, releases first.
+    /// Sets the key that `holder` is on and returns the resulting changes, releases first.
     pub fn set(&mut self, holder: Holder, key: Option<K>) -> Vec<Change<K>> {
         let before = match key {
             Some(key) => self.by_holder.insert(holder, key),
@@ -124,7 +120,7 @@ impl<K: Copy + PartialEq> Held<K> {
         changes
     }
 
-    /// Another key goes down: the one that was kept for it goes first.
+    /// Presses the latched key before `with`, the key that it waited for.
     fn begin_latch(&mut self, with: K) -> Vec<Change<K>> {
         let Latch::Waits(kept) = self.latch else {
             return Vec::new();
@@ -143,8 +139,7 @@ impl<K: Copy + PartialEq> Held<K> {
         self.set(Holder::Latch, None)
     }
 
-    /// A right click keeps a key for the next one; upon the same key, or upon none,
-    /// it gives it up.
+    /// Latches a key for the next one. The latched key itself, or `None`, releases the latch.
     pub fn keep(&mut self, key: Option<K>) -> Vec<Change<K>> {
         let before = self.kept();
         let changes = self.end_latch();
@@ -154,14 +149,14 @@ impl<K: Copy + PartialEq> Held<K> {
         changes
     }
 
-    /// The key that was kept waits for no other any more.
+    /// Drops a latched key that still waits for the next one.
     pub fn forget_kept(&mut self) {
         if matches!(self.latch, Latch::Waits(_)) {
             self.latch = Latch::Free;
         }
     }
 
-    /// The key that is kept, waiting or down with the next one.
+    /// The latched key, waiting or down with the next one.
     pub fn kept(&self) -> Option<K> {
         match self.latch {
             Latch::Free => None,
@@ -170,7 +165,7 @@ impl<K: Copy + PartialEq> Held<K> {
         }
     }
 
-    /// Lets everything go: the window lost the focus, was hidden, …
+    /// Releases all keys, for example when the window has lost the focus or was hidden.
     pub fn release_all(&mut self) -> Vec<Change<K>> {
         self.forget_kept();
         let holders: Vec<Holder> = self.by_holder.keys().copied().collect();
@@ -180,7 +175,7 @@ impl<K: Copy + PartialEq> Held<K> {
             .collect()
     }
 
-    /// What holds keys.
+    /// Counts the holders by their kind, for the watchdog of the kernel.
     pub fn holders(&self) -> Holders {
         let count = |is: fn(&Holder) -> bool| self.by_holder.keys().filter(|it| is(it)).count();
         Holders {
@@ -190,22 +185,22 @@ impl<K: Copy + PartialEq> Held<K> {
         }
     }
 
-    /// The keys that are down; one with several holders comes several times.
+    /// The keys that are down; a key with several holders occurs several times.
     pub fn keys(&self) -> impl Iterator<Item = K> {
         self.by_holder.values().copied()
     }
 
-    /// What a holder is on.
+    /// The key that `holder` holds down.
     pub fn of(&self, holder: Holder) -> Option<K> {
         self.by_holder.get(&holder).copied()
     }
 
-    /// Whether anything is held.
+    /// Whether any key is held.
     pub fn any(&self) -> bool {
         !self.by_holder.is_empty()
     }
 
-    /// Whether a key is held by anything.
+    /// Whether any holder holds `key`.
     pub fn is_down(&self, key: K) -> bool {
         self.by_holder.values().any(|held| *held == key)
     }
@@ -246,7 +241,7 @@ mod tests {
         assert!(!held.any() && held.kept() == Some('c'), "it holds nothing");
         let pressed = held.set(Holder::Pointer, Some('r'));
         assert_eq!(pressed, [change('c', true), change('r', true)]);
-        // A second finger is not the key it was kept for.
+        // A second finger is not the key that the latch waits for.
         let finger = Holder::Finger(0, 1);
         held.set(finger, Some('x'));
         assert_eq!(held.set(finger, None), [change('x', false)]);

@@ -1,5 +1,6 @@
-//! Help: what is pointed at, or asked for in words, beside the panel (WINDOW-12); when an
-//! alarm was raised, and what can be shown of a topic (WINDOW-21).
+//! The help window: shows the topic about what the operator points at or searches for, beside
+//! the panel (WINDOW-12); lists when an alarm was raised, and starts demonstrations
+//! (WINDOW-21).
 
 mod raised;
 mod shown;
@@ -17,17 +18,17 @@ use crate::kernel::{LessonOrder, Snapshot};
 
 /// Size of the window, points.
 const SIZE: [f32; 2] = [440.0, 420.0];
-/// What the frame and the title of the window add, points.
+/// Width and height that the frame and the title add, points.
 const FRAME: egui::Vec2 = egui::vec2(20.0, 48.0);
-/// So many topics are listed for a question.
+/// Greatest count of topics in a search result.
 const LISTED: usize = 60;
 
-/// What is asked for in the help window.
+/// A request from the help window.
 #[derive(Clone, Debug)]
 pub enum Asked {
-    /// Something of the practice machine.
+    /// A command for the demonstration on the practice machine.
     Lesson(LessonOrder),
-    /// The program view, at the block that raised an alarm.
+    /// Show the program view at the block that raised this alarm.
     Block(Box<AlarmRecord>),
 }
 
@@ -36,18 +37,18 @@ pub enum Asked {
 pub struct Help {
     open: bool,
     question: String,
-    /// The question that was looked up last, and its topics: all texts are searched, too
-    /// much for every picture.
+    /// The last query with its model, and the topics found. The search reads all texts: too
+    /// slow for every frame.
     found: ((ModelId, String), Vec<&'static Topic>),
-    /// Topics that were read, the last one is shown.
+    /// The topics that were read; the last one is shown.
     read: Vec<&'static Topic>,
-    /// What is pressed on the panel is explained.
+    /// Whether a press on the panel shows its topic instead of pressing the key.
     explains: bool,
 }
 
 impl Help {
-    /// Opens it at a topic, or where one asks for one; closes it when it shows that
-    /// already.
+    /// Opens the window at a topic, or with `None` at the last one. Closes it when it already
+    /// shows that topic.
     pub fn ask(&mut self, about: Option<&'static Topic>) {
         let shown = self.read.last().copied();
         if self.open && (about.is_none() || about == shown) {
@@ -62,12 +63,12 @@ impl Help {
         }
     }
 
-    /// Whether what is pressed on the panel is explained instead.
+    /// Whether a press on the panel shows its topic instead of pressing the key.
     pub const fn explains(&self) -> bool {
         self.open && self.explains
     }
 
-    /// Shows what is said of something that was pressed to be explained.
+    /// Shows the topic of a part that was pressed while presses are explained.
     pub fn explain(&mut self, about: &'static Topic) {
         self.question.clear();
         self.turn_to(about);
@@ -79,7 +80,7 @@ impl Help {
         }
     }
 
-    /// Draws it, if it is open.
+    /// Draws the window, if it is open, and returns the operator's request.
     pub fn show(
         &mut self,
         context: &Context,
@@ -90,7 +91,7 @@ impl Help {
         if !self.open {
             return None;
         }
-        // Below the bar, and over no key that stops the machine.
+        // The window opens below the top bar and covers no key that stops the machine.
         let mut screen = context.content_rect();
         screen.min.y += super::BAR;
         let wanted = egui::Vec2::from(SIZE) + FRAME;
@@ -180,7 +181,8 @@ impl Help {
             ui.label(say::window_help_begin().text(language));
             return None;
         };
-        // Another model may have been turned on since: a code is explained as it acts there.
+        // Another model may have been turned on since then: a code is explained for the
+        // current model.
         let model = picture.map(|picture| picture.model).unwrap_or_default();
         let shown = topic_of(model, shown.subject).unwrap_or(shown);
         let asked = show_topic(ui, shown, language, picture);
@@ -191,7 +193,7 @@ impl Help {
     }
 }
 
-/// Topics by their headings; the one that was clicked.
+/// Draws topics by their headings. Returns the one that was clicked.
 fn list(ui: &mut Ui, topics: &[&'static Topic], language: Language) -> Option<&'static Topic> {
     let name = say::window_help_list_name().text(language);
     let count = topics.len().min(LISTED);
@@ -209,7 +211,7 @@ fn list(ui: &mut Ui, topics: &[&'static Topic], language: Language) -> Option<&'
     chosen
 }
 
-/// What belongs to a subject: the bits of a state parameter, the parameter of a bit, the
+/// Topics related to a subject: the bits of a state parameter, the parameter of a bit, the
 /// page of a field.
 fn related(subject: Subject<'_>) -> Vec<&'static Topic> {
     match subject {
@@ -223,7 +225,7 @@ fn related(subject: Subject<'_>) -> Vec<&'static Topic> {
     }
 }
 
-/// A topic with what can be shown of it, and when it happened.
+/// Draws a topic with its demonstrations and, for an alarm, its occurrences.
 fn show_topic(
     ui: &mut Ui,
     topic: &Topic,
@@ -231,7 +233,7 @@ fn show_topic(
     picture: Option<&Snapshot>,
 ) -> Option<Asked> {
     show_article(ui, topic, language);
-    // What is shown runs on a GSK980TD.
+    // Demonstrations run on a GSK980TD only.
     let asked = match topic.model {
         None => shown::offered(ui, topic.subject, language),
         Some(_) => None,
@@ -245,7 +247,7 @@ fn show_topic(
     asked.or(raised)
 }
 
-/// Draws what is said of a topic.
+/// Draws the article of a topic.
 pub fn show_article(ui: &mut Ui, topic: &Topic, language: Language) {
     let article = article(topic, language);
     ui.heading(article.heading);

@@ -1,4 +1,4 @@
-//! The map of PC keys, over the panel.
+//! Draws the map of PC keys over the panel.
 
 use egui::{Color32, Context, RichText, Vec2};
 use gsk_panel::keys::{KEYS, KeyRole, KeyRow};
@@ -9,16 +9,15 @@ use super::placing::View;
 use super::view::{VIEWS, key_name};
 use gsk_messages::{Language, say};
 
-/// Size of the map where there is room for it, its least size, and what frame and title add,
-/// points.
+/// Preferred and least size of the map, and the size that frame and title add, points.
 const SIZE: Vec2 = Vec2::new(980.0, 620.0);
 const LEAST: Vec2 = Vec2::new(240.0, 120.0);
 const FRAME: Vec2 = Vec2::new(20.0, 48.0);
 
-/// Draws the map; returns whether it stays open.
+/// Draws the map. Returns false when the operator closes it.
 pub fn show(context: &Context, language: Language, placed: &[View]) -> bool {
     let mut open = true;
-    // Over no key that stops the machine.
+    // The map covers no key that stops the machine.
     let room = clear::room(context.content_rect(), &clear::stops(placed), |room| {
         room.width().min(SIZE.x) * room.height().min(SIZE.y)
     });
@@ -66,7 +65,8 @@ pub fn show(context: &Context, language: Language, placed: &[View]) -> bool {
     open
 }
 
-/// Letters, digits and signs press what is printed on them: one line for all.
+/// The rows of the map. Letters, digits and signs press the key with their legend: one line
+/// describes them all.
 fn listed() -> impl Iterator<Item = &'static KeyRow> {
     KEYS.iter()
         .filter(|row| !matches!(row.role, KeyRole::Character(..)) && !row.pc.is_empty())
@@ -94,7 +94,7 @@ fn table(ui: &mut egui::Ui, rows: &[&KeyRow], language: Language) {
         });
 }
 
-/// A PC key as it is printed on keyboards.
+/// The name of a PC key as keyboards print it.
 pub fn pc_name(name: &str) -> String {
     name.replace("ArrowUp", "↑")
         .replace("ArrowDown", "↓")

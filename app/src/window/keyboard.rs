@@ -1,4 +1,4 @@
-//! The PC keyboard: which key of the panel an event presses.
+//! Maps events of the PC keyboard to panel keys.
 
 use egui::{Context, Event, Key as PcKey, Modifiers};
 use gsk_panel::keys::Key;
@@ -6,23 +6,23 @@ use gsk_panel::keys::Key;
 use super::focus;
 use super::held::Holder;
 
-/// What a PC key asks for.
+/// The action of a PC key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PcAction {
-    /// Hold a key of the panel.
+    /// Press a panel key.
     Press(Holder, Key),
-    /// Let it go.
+    /// Release the key that the holder presses.
     Release(Holder),
-    /// Enter a character that has no key of its own.
+    /// Enter a character for which the panel has no key.
     Type(char),
-    /// Turn the handwheel by so many graduations.
+    /// Turn the handwheel by this count of graduations, clockwise positive.
     Turn(i32),
-    /// Show or hide the key map.
+    /// Open the help.
     Help,
 }
 
-/// What an event of the PC keyboard asks for. Repeats of a held key ask for
-/// nothing: the control repeats by itself.
+/// The action of a keyboard event. Repeats of a held key have none: the control repeats keys
+/// itself.
 pub fn action(event: &Event) -> Option<PcAction> {
     if let Event::Text(text) = event {
         return typed(text);
@@ -38,7 +38,7 @@ pub fn action(event: &Event) -> Option<PcAction> {
         return None;
     };
     if let Some(graduations) = wheel(*key, *modifiers) {
-        // A held key goes on turning.
+        // A held key continues to turn the wheel.
         return pressed.then_some(PcAction::Turn(graduations));
     }
     let holder = Holder::Keyboard(*key);
@@ -48,15 +48,15 @@ pub fn action(event: &Event) -> Option<PcAction> {
     if *repeat {
         return None;
     }
-    // With Shift it opens a view.
+    // Shift+F1 opens a view.
     if *key == PcKey::F1 && !modifiers.shift {
         return Some(PcAction::Help);
     }
     panel_key(*key, *modifiers).map(|panel| PcAction::Press(holder, panel))
 }
 
-/// What of the events is the panel's while a button or a menu of the window has the focus:
-/// Enter and Space press that button alone. Whoever types anything else has left it.
+/// Filters the events for the panel while a button or a menu of the window has the focus:
+/// Enter and Space press that button and no panel key. Any other character removes the focus.
 pub fn beside_focus(context: &Context, mut events: Vec<Event>) -> Vec<Event> {
     let Some(focused) = context.memory(egui::Memory::focused) else {
         return events;
@@ -74,8 +74,8 @@ pub fn beside_focus(context: &Context, mut events: Vec<Event>) -> Vec<Event> {
     events
 }
 
-/// What of the events is the panel's while the keys of the cursor belong to a list or a bar
-/// (WINDOW-27): no axis is jogged. Whoever tries has left it; says whether somebody did.
+/// Removes the cursor keys from the events while a list or a splitter uses them (WINDOW-27):
+/// they jog no axis. Returns whether the operator pressed an axis key; this removes the focus.
 pub fn beside_keeper(context: &Context, events: &mut Vec<Event>) -> bool {
     let focused = context.memory(egui::Memory::focused);
     let Some(focused) = focused.filter(|_| focus::keeps_keys(context)) else {
@@ -90,9 +90,8 @@ pub fn beside_keeper(context: &Context, events: &mut Vec<Event>) -> bool {
     tried
 }
 
-/// What of the events is the panel's where a menu was open: the Escape that closes it is
-/// RESET, too, only where something may be stopped by it (WINDOW-26); the keys of the cursor
-/// move in the menu.
+/// Filters the events for the panel where a menu was open. The Escape that closes the menu is
+/// also RESET only if `may_stop` (WINDOW-26). The cursor keys move in the menu.
 pub fn beside_menu(mut events: Vec<Event>, may_stop: bool) -> Vec<Event> {
     let in_menu = |event: &Event| match event {
         Event::Key {
@@ -112,8 +111,8 @@ pub fn beside_menu(mut events: Vec<Event>, may_stop: bool) -> Vec<Event> {
     events
 }
 
-/// Whether a key is the panel's wherever it is typed and whatever else is held: feed hold,
-/// emergency stop, and every release.
+/// Whether an event always reaches the panel, whatever has the focus: feed hold, emergency
+/// stop, and every key release.
 pub fn stops(event: &Event) -> bool {
     match event {
         Event::Key { pressed: false, .. } => true,
@@ -122,7 +121,7 @@ pub fn stops(event: &Event) -> bool {
     }
 }
 
-/// Whether an event presses what has the focus.
+/// Whether an event presses the widget with the focus.
 fn presses_focused(event: &Event) -> bool {
     match event {
         Event::Key {
@@ -133,7 +132,7 @@ fn presses_focused(event: &Event) -> bool {
     }
 }
 
-/// The keys that turn the handwheel: `]` clockwise, `[` back, ten with Shift.
+/// Graduations of the keys that turn the handwheel: `]` clockwise, `[` back; ten with Shift.
 fn wheel(key: PcKey, modifiers: Modifiers) -> Option<i32> {
     let graduations = if modifiers.shift { 10 } else { 1 };
     match key {
@@ -144,8 +143,7 @@ fn wheel(key: PcKey, modifiers: Modifiers) -> Option<i32> {
     }
 }
 
-/// A character that no key of the table stands for: `D`, `Q`, `#`, … The others
-/// come as keys.
+/// The action of a character without a panel key: `D`, `Q`, `#`, … The others arrive as keys.
 fn typed(text: &str) -> Option<PcAction> {
     let mut characters = text.chars();
     let character = characters.next()?.to_ascii_uppercase();
@@ -155,7 +153,7 @@ fn typed(text: &str) -> Option<PcAction> {
     (printable && !has_key).then_some(PcAction::Type(character))
 }
 
-/// The key of the panel for a PC key with its modifiers.
+/// The panel key of a PC key with its modifiers.
 fn panel_key(key: PcKey, modifiers: Modifiers) -> Option<Key> {
     let name = plain_name(key);
     let mut combined = String::new();
@@ -169,8 +167,8 @@ fn panel_key(key: PcKey, modifiers: Modifiers) -> Option<Key> {
         }
     }
     combined.push_str(name);
-    // Shift makes no difference for letters and signs: `x` and `X` are one key. Feed hold
-    // and emergency stop stop whatever else is held.
+    // Shift makes no difference for letters and signs: `x` and `X` are one key. Feed hold and
+    // emergency stop work with every modifier.
     let only_shift = modifiers.shift && !modifiers.ctrl && !modifiers.alt;
     let stops = matches!(key, PcKey::F10 | PcKey::F12);
     Key::from_pc_key(&combined).or_else(|| {
@@ -183,7 +181,7 @@ fn panel_key(key: PcKey, modifiers: Modifiers) -> Option<Key> {
     })
 }
 
-/// The name of a PC key in the key table: what it types, else egui's name.
+/// The name of a PC key in the key table: the character that it types, else egui's name.
 fn plain_name(key: PcKey) -> &'static str {
     match key {
         PcKey::Minus => "-",
@@ -258,7 +256,7 @@ mod tests {
         assert_eq!(action(&Event::Text("]".to_owned())), None);
     }
 
-    /// Every PC key of the table is a key that egui knows, with modifiers.
+    /// Every PC key of the table exists in egui, with its modifiers.
     #[test]
     fn every_key_of_the_table_can_be_pressed() {
         for row in KEYS.iter().filter(|row| !row.pc.is_empty()) {
@@ -321,7 +319,7 @@ mod tests {
         }
     }
 
-    /// A key that stops opens no view and no layout.
+    /// No key of a view or a layout is a stop key.
     #[test]
     fn views_and_layouts_leave_the_stops_alone() {
         use crate::window::layout::LAYOUTS;

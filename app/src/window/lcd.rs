@@ -1,26 +1,26 @@
-//! The LCD in the window: whole dots wherever a whole zoom fits.
+//! Draws the LCD in the window, with whole pixels per dot wherever a whole zoom fits.
 
 use super::surroundings::fill_as_it_is;
 use egui::{Color32, ColorImage, Pos2, Rect, TextureHandle, TextureOptions, vec2};
 use gsk_panel::raster;
 use gsk_panel::screen::{HEIGHT, Screen, WIDTH};
 
-/// A whole zoom is taken if the picture fills at least this share of its place.
+/// A whole zoom is used if the image then fills at least this share of its rectangle.
 const ENOUGH: f32 = 0.88;
 
-/// How the dots are drawn, and where.
+/// Position and resolution of the LCD image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placing {
-    /// The picture, on whole pixels, in points.
+    /// The image on whole pixels, points.
     pub rect: Rect,
-    /// Texture pixels a dot: the picture is drawn larger than needed and made
-    /// smaller by the graphics card where no whole zoom fits.
+    /// Texture pixels per dot. Where no whole zoom fits, the image is larger than needed and
+    /// the graphics card reduces it.
     pub dots: u32,
     /// Whether each dot is a square of whole pixels.
     pub crisp: bool,
 }
 
-/// Where the picture lies inside its place, both in points.
+/// Fits the image into the rectangle `room`, points.
 pub fn place(room: Rect, pixels_per_point: f32) -> Placing {
     let zoom = (room.width() * pixels_per_point / WIDTH as f32)
         .min(room.height() * pixels_per_point / HEIGHT as f32)
@@ -47,7 +47,7 @@ pub fn place(room: Rect, pixels_per_point: f32) -> Placing {
     Placing { rect, dots, crisp }
 }
 
-/// The texture of the LCD, made anew only when the picture has changed.
+/// The texture of the LCD. It is made again only when the screen has changed.
 #[derive(Default)]
 pub struct Lcd {
     texture: Option<TextureHandle>,
@@ -56,17 +56,18 @@ pub struct Lcd {
 }
 
 impl Lcd {
-    /// Where it was drawn last.
+    /// The rectangle in which the LCD was drawn last; `None` if it is not visible.
     pub const fn place(&self) -> Option<Rect> {
         self.place
     }
 
-    /// It is not on the screen.
+    /// Marks the LCD as not visible.
     pub const fn hide(&mut self) {
         self.place = None;
     }
 
-    /// Draws a screen into its place.
+    /// Draws a screen in the rectangle `room`. `brightness` is the level of the control's
+    /// setting.
     pub fn paint(&mut self, painter: &egui::Painter, room: Rect, screen: &Screen, brightness: u8) {
         self.place = Some(room);
         let placing = place(room, painter.pixels_per_point());
@@ -100,8 +101,8 @@ impl Lcd {
     }
 }
 
-/// The picture with squares of `dots` texture pixels, written once: it is made
-/// anew for every change of the LCD.
+/// Converts the screen to an image with squares of `dots` texture pixels. Each pixel is
+/// written once, because every change of the LCD makes a new image.
 fn image(screen: &Screen, level: u8, dots: usize) -> ColorImage {
     let palette = raster::palette(level);
     let [dark, lit] = [palette.background, palette.text]

@@ -1,13 +1,13 @@
-//! A finger that stays where it is asks for help, as F1 does under the mouse.
+//! Opens help for a finger that stays in one position, as F1 does for the mouse.
 
 use egui::{Event, Pos2, TouchPhase};
 
-/// How long it stays, seconds.
+/// Time for which the finger must stay, s.
 const LONG: f64 = 0.8;
-/// How far it may slip meanwhile, points.
+/// Greatest movement during this time, points.
 const SLIP: f32 = 12.0;
 
-/// The one finger on the screen.
+/// The only finger on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Finger {
     id: (u64, u64),
@@ -15,17 +15,17 @@ struct Finger {
     since: f64,
 }
 
-/// Watches for a finger that stays.
+/// Detects a long press.
 #[derive(Clone, Debug, Default)]
 pub struct LongPress {
     finger: Option<Finger>,
-    /// Fingers that are down: two at once are a combination of keys.
+    /// Count of fingers that are down. Two at once are a combination of keys.
     down: usize,
 }
 
 impl LongPress {
-    /// Follows the events of one picture, `now` in seconds. Where a finger has stayed long
-    /// enough, once.
+    /// Handles the events of one frame, `now` in seconds. Returns the position of a finger
+    /// that has stayed long enough, once per press.
     pub fn follow(&mut self, events: &[Event], now: f64) -> Option<Pos2> {
         for event in events {
             let Event::Touch {
@@ -63,12 +63,13 @@ impl LongPress {
         stayed.map(|finger| finger.at)
     }
 
-    /// Whether a finger is being watched: a picture is wanted when its time has come.
+    /// Whether a finger is down that may become a long press: the window must draw frames
+    /// until then.
     pub const fn watches(&self) -> bool {
         self.finger.is_some()
     }
 
-    /// Every finger is gone: the window has lost the focus.
+    /// Drops all fingers: the window has lost the focus.
     pub fn forget(&mut self) {
         *self = Self::default();
     }

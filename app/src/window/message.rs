@@ -1,5 +1,5 @@
-//! What the line of messages says. It is put into words when it is drawn: who changes
-//! the language reads the last message in the new one.
+//! The messages of the message line. They become text when they are drawn: a change of the
+//! language also translates the current message.
 
 use std::path::Path;
 
@@ -14,34 +14,35 @@ use super::{alarm_line, key_label};
 use crate::kernel::{NotStored, Place};
 use gsk_messages::{Language, say};
 
-/// What the line of messages says.
+/// A message of the message line.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Message {
-    /// A sentence of somebody else.
+    /// A finished sentence of another module.
     Said(gsk_messages::Message),
-    /// The tool has hit something; it goes with the stock.
+    /// The tool has collided; cleared by a new stock.
     Collided(gsk_messages::Message),
-    /// Why a key did nothing; it goes with the next key that acts.
+    /// Why a key had no effect; cleared by the next key that acts.
     KeyRefused(gsk_messages::Message),
-    /// The control refused what was asked of it.
+    /// The control refused a command with this alarm.
     Refused(Alarm),
-    /// The control has sent something.
+    /// What the control has sent over the serial port.
     Sent(String),
-    /// A program was opened: its file's name.
+    /// A program was opened: its file name and where it is stored.
     Opened(String, Place),
-    /// A program was looked through: its file's name, and where it stands when that is
-    /// known already.
+    /// A program was previewed: its file name, where it is stored if that is known, and the
+    /// result.
     Looked(String, Option<Place>, Box<FirstLook>),
-    /// A file hangs over the window.
+    /// The operator drags a file over the window.
     DropHere,
-    /// A right click does not keep this key.
+    /// A right click does not latch this key.
     NotKept(Key),
-    /// The kernel has ended without being asked to.
+    /// The kernel has ended unexpectedly.
     KernelGone,
 }
 
 impl Message {
-    /// A program was opened; what is known of it already stays.
+    /// The message for an opened program. The result of a preview of the same file in `before`
+    /// is kept.
     pub fn opened(before: Option<Self>, file: String, place: Place) -> Self {
         match before {
             Some(Self::Looked(looked_at, _, look)) if looked_at == file => {
@@ -51,7 +52,7 @@ impl Message {
         }
     }
 
-    /// A program was looked through; where it stands stays known.
+    /// The message for a previewed program. The storage of the same file in `before` is kept.
     pub fn looked(before: Option<Self>, file: String, look: Box<FirstLook>) -> Self {
         match before {
             Some(Self::Opened(opened, place)) if opened == file => {
@@ -61,8 +62,8 @@ impl Message {
         }
     }
 
-    /// Takes the machine time of a newer preview of the program, s: parameters, offsets or
-    /// the start position have changed since it was opened.
+    /// Replaces the machine time by that of a newer preview of the program, s. Parameters,
+    /// offsets or the start position have changed since it was opened.
     pub fn update_time(&mut self, opened_file: &Path, time_s: f64) {
         if let Self::Looked(file, _, look) = self
             && opened_file
@@ -75,7 +76,7 @@ impl Message {
         }
     }
 
-    /// Whether it is what was found in this program of the memory.
+    /// Whether this is the preview of `program`, as it is stored in the memory.
     pub fn is_about(&self, program: ProgramId) -> bool {
         match (self, program) {
             (Self::Looked(_, Some(Place::OnlyRun(_)), _), _) => false,
@@ -86,7 +87,7 @@ impl Message {
         }
     }
 
-    /// Whether it is a warning.
+    /// Whether the message is drawn as a warning.
     pub fn is_warning(&self) -> bool {
         match self {
             Self::Sent(_) | Self::DropHere | Self::Opened(_, Place::Stored(_)) => false,
@@ -97,7 +98,7 @@ impl Message {
         }
     }
 
-    /// Its words.
+    /// The text of the message line.
     pub fn text(&self, language: Language) -> String {
         match self {
             Self::Said(said) | Self::Collided(said) | Self::KeyRefused(said) => said.text(language),
@@ -121,7 +122,7 @@ impl Message {
     }
 }
 
-/// Why a program is not in the memory.
+/// The reason why a program is not stored in the memory.
 pub fn why_not(why: &NotStored, language: Language) -> gsk_messages::Message {
     match why {
         NotStored::NoNumber => say::window_file_has_no_number(),

@@ -1,5 +1,5 @@
-//! The window: the panel as it is painted and operated. It knows nothing of
-//! threads and of eframe; a test drives it as the program does.
+//! Draws the main window (bars, panes, panel, dialogs) and dispatches its input. It uses
+//! neither threads nor eframe: tests drive it as the program does.
 
 mod alarm_line;
 mod answers;
@@ -73,14 +73,13 @@ pub use views::project::Chosen;
 
 pub use key_map::pc_name;
 
-/// Title of the window.
 pub const TITLE: &str = "GSK980TD";
-/// Height of the bar above and of the line below, points.
+/// Height of the bar at the top, points.
 const BAR: f32 = 28.0;
-/// Height of the line of messages, points.
+/// Height of the message line at the bottom, points.
 const STATUS: f32 = 22.0;
 
-/// The window's state.
+/// The state of the main window, from one frame to the next.
 pub struct Window {
     console: Console,
     picture: Option<Snapshot>,
@@ -92,7 +91,7 @@ pub struct Window {
     opener: Opener,
     key_map: bool,
     help: Help,
-    /// Where the panel lies, by its areas, and the pointer, where nothing covers it.
+    /// Where each area of the panel was drawn in the last frame.
     placed: Vec<placing::View>,
     pointer: Option<Pos2>,
     questions: Questions,
@@ -103,24 +102,24 @@ pub struct Window {
     models: Models,
     first_start: Option<FirstStart>,
     long_press: LongPress,
-    /// Which way the axis keys move, for their tips.
+    /// Directions of the axis keys that the machine reverses, for their tool tips.
     reversed: KeysReversed,
-    /// The kernel hands out the LCD in the other language, too.
+    /// Whether the kernel already sends the LCD in the other language, too.
     translates: bool,
     sounds: Sounds,
 }
 
-/// The control model, and the one that was asked for.
+/// The control model in use and the request for another one.
 #[derive(Clone, Copy, Debug, Default)]
 struct Models {
     shown: ModelId,
     asked: Option<ModelId>,
-    /// Whether it can be changed.
+    /// Whether the operator can choose another model.
     changeable: bool,
 }
 
 impl Window {
-    /// A window on a console.
+    /// Creates a window that is connected to the kernel's `console`.
     pub fn new(console: Console, settings: Settings) -> Self {
         let opener = Opener::new(console.clone());
         let views = Views::new(
@@ -157,7 +156,8 @@ impl Window {
         }
     }
 
-    /// Says which control model this is, and whether another one may be asked for.
+    /// Sets the name of the control model in use. `changeable` allows the operator to request
+    /// another one.
     pub const fn set_model(&mut self, shown: ModelId, changeable: bool) {
         self.models = Models {
             shown,
@@ -166,12 +166,12 @@ impl Window {
         };
     }
 
-    /// The model that was asked for.
+    /// Takes the control model that the operator requested since the last call.
     pub const fn take_model(&mut self) -> Option<ModelId> {
         self.models.asked.take()
     }
 
-    /// Opens a project and lists what differs from the control.
+    /// Opens the project in `folder` and lists its differences from the control.
     pub fn compare(&mut self, context: &egui::Context, folder: PathBuf) {
         self.views.project().open(folder, true, context);
         self.show_view(View::Project);
@@ -186,41 +186,43 @@ impl Window {
         }
     }
 
-    /// What the control is to take over while it is off.
+    /// Takes the project files that the operator chose to take over. The caller turns the
+    /// control off to do so.
     pub const fn take_chosen(&mut self) -> Option<Chosen> {
         self.views.project().take_chosen()
     }
 
-    /// From now on the panel is painted: for a real display.
+    /// Enables the drawing of the panel. Tests without a display leave it off.
     pub const fn paint_panel(&mut self) {
         self.face.turn_on();
     }
 
-    /// What is remembered for the next start.
+    /// What is stored for the next start.
     pub const fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// Remembers how large the window is.
+    /// Stores the size and position of the window in the settings.
     pub fn remember_place(&mut self, context: &egui::Context) {
         if let Some(place) = context.input(|input| layout::floating::place(input.viewport())) {
             self.settings.layouts.window = Some(place);
         }
     }
 
-    /// Says something on the line of messages.
+    /// Shows `said` on the message line.
     pub fn say(&mut self, said: impl Into<gsk_messages::Message>) {
         self.message = Some(Message::Said(said.into()));
     }
 
-    /// Lessons of a teacher beside those of the program, and what is wrong with others.
+    /// Sets the lessons of a teacher, which are listed with those of the program, and the
+    /// errors of the lessons that cannot be used.
     pub fn set_lessons(&mut self, lessons: Lessons) {
         let view = self.views.lessons();
         view.set_lessons(lessons.lessons, lessons.wrong);
     }
 
-    /// Opens a program file, or a project by its `project.gpr`; what comes of it is said on
-    /// the line of messages.
+    /// Opens a program file, or a project by its `project.gpr`. The result appears on the
+    /// message line.
     pub fn open(&mut self, context: &egui::Context, path: PathBuf) {
         let is_project = path
             .file_name()
@@ -235,33 +237,32 @@ impl Window {
         self.opener.open(path, context);
     }
 
-    /// Says that the kernel has ended without being asked to.
+    /// Shows that the kernel has ended unexpectedly, and lets the window close.
     pub fn kernel_gone(&mut self) {
         self.message = Some(Message::KernelGone);
         self.close_without_asking();
     }
 
-    /// A request to close it is not questioned any more.
+    /// Lets the window close without the question about unsaved work.
     pub const fn close_without_asking(&mut self) {
         self.questions.let_close();
     }
 
-    /// The window's title.
     pub fn title(&self) -> String {
         badge::title(self.models.shown.name(), self.board())
     }
 
-    /// State of the board that moves real slides, if there is one.
+    /// State of the board that moves real slides; `None` without a board.
     fn board(&self) -> Option<LinkState> {
         self.picture.as_ref().and_then(|picture| picture.board)
     }
 
-    /// The picture that is shown.
+    /// The latest state of the control that the window shows; `None` before the first one.
     pub const fn picture(&self) -> Option<&Snapshot> {
         self.picture.as_ref()
     }
 
-    /// Lets everything go: the window is hidden or has lost the focus.
+    /// Releases all held keys: the window is hidden or has lost the focus.
     pub fn let_go(&mut self) {
         self.pointing.forget();
         self.long_press.forget();
@@ -270,9 +271,9 @@ impl Window {
         self.send(&changes);
     }
 
-    /// Draws the window and takes its input.
+    /// Draws one frame and handles its input.
     pub fn ui(&mut self, ui: &mut Ui) {
-        // Before the key that closes it is taken.
+        // Checked here because the key that closes the menu is consumed later.
         let menu = egui::Popup::is_any_open(ui.ctx());
         self.receive();
         self.follow_sound();
@@ -309,7 +310,7 @@ impl Window {
             .frame(slim)
             .show_separator_line(false);
         line.show(ui, |ui| self.status(ui));
-        // What the panel leaves free is the colour that a picture is cleared with.
+        // The central panel has no frame: the clear colour fills what the panel leaves free.
         egui::CentralPanel::default()
             .frame(Frame::NONE)
             .show(ui, |ui| {
@@ -372,19 +373,19 @@ impl Window {
         }
         self.console.watch.set_holders(self.held.holders());
         if self.held.any() {
-            // The kernel lets go of keys when it hears nothing of the window, or when the
-            // display does not show them held.
+            // The kernel releases all keys when it receives no `Alive` command from the
+            // window, or when the display does not show the keys as held.
             self.console.send(Command::Alive);
             ui.ctx().request_repaint_after(QUERY_INTERVAL);
         }
     }
 
-    /// Pieces of the path in the machine view.
+    /// Count of the pieces of the tool path in the machine view.
     pub fn pieces_of_path(&mut self) -> usize {
         self.views.lathe().pieces()
     }
 
-    /// Whether RESET may have something to stop; unknown is yes.
+    /// Whether RESET may have something to stop; true while the state is unknown.
     fn may_stop(&self) -> bool {
         self.picture.as_ref().is_none_or(|it| {
             let board = matches!(it.board, Some(LinkState::Moving | LinkState::Homing));
@@ -392,8 +393,8 @@ impl Window {
         })
     }
 
-    /// The PC keyboard; while a text is being typed the panel has its stops alone. `menu`: one
-    /// was open when the keys came.
+    /// Handles the PC keyboard. While a text field has the focus, only the stop keys reach the
+    /// panel. `menu`: a menu was open when the keys arrived.
     fn keyboard(&mut self, ui: &Ui, menu: bool) {
         let events: Vec<Event> = ui.input(|input| input.events.clone());
         if ui.ctx().text_edit_focused() || self.first_start.is_some() {
@@ -418,7 +419,7 @@ impl Window {
         self.typed(&events);
     }
 
-    /// An axis key was pressed where the keys of the cursor move in a list: no axis moves.
+    /// Shows that an axis key moved the cursor of a list and no axis.
     fn axis_key_in_list(&mut self) {
         self.message = Some(Message::KeyRefused(
             gsk_messages::say::window_axis_key_in_list(),
@@ -435,7 +436,7 @@ impl Window {
         self.show_view(View::Program);
     }
 
-    /// What help says of the alarm that stands.
+    /// The help topic of the current alarm.
     fn standing(&self) -> Option<&'static Topic> {
         let alarm = self.picture.as_ref()?.alarm.as_ref()?;
         topic(Subject::Alarm(alarm.row()?.number))
@@ -476,7 +477,7 @@ impl Window {
     }
 }
 
-/// A key as it is printed, in brackets: `[超程解除]`.
+/// The key with its printed legend in brackets: `[超程解除]`.
 fn key_label(key: Key) -> String {
     let printed = key.row().legend.iter();
     let shown = printed.filter(|line| !line.is_ascii()).copied();

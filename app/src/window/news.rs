@@ -1,4 +1,4 @@
-//! What comes from outside: pictures and words of the kernel, files that are dropped.
+//! Receives what comes from outside: snapshots and notices of the kernel, dropped files.
 
 use std::path::PathBuf;
 
@@ -10,20 +10,20 @@ use crate::kernel::Notice;
 use crate::platform;
 
 impl Window {
-    /// Takes what the kernel has sent.
+    /// Takes the snapshots and notices that the kernel has sent.
     pub(super) fn receive(&mut self) {
-        // The program that is no longer the selected one.
+        // The program that was selected until now.
         let mut left = None;
         if let Some(picture) = self.console.pictures.pop() {
             let before = self.picture.as_ref();
             let alarm = before.and_then(|it| it.alarm.as_ref());
             let alarms = picture.alarm.is_some() && picture.alarm.as_ref() != alarm;
             let was_known = before.is_some_and(|it| !it.place_unknown);
-            // The alarm of a crash says less than the crash.
+            // The alarm of a crash says less than the crash itself.
             let crashed = picture.imposed.faults > 0
                 && matches!(self.message, Some(Message::Collided(_)));
             if (alarms && !crashed) || (picture.place_unknown && was_known) {
-                // The newest word stands on the line.
+                // The new alarm or the lost position replaces an older message.
                 self.message = None;
             }
             let was = before.and_then(|it| it.program);
@@ -60,7 +60,7 @@ impl Window {
                     }
                     self.opened = path;
                 }
-                // What it says of a file must not cover an alarm that stands by now.
+                // The result of a preview must not hide a current alarm.
                 Notice::Looked(..)
                     if self.picture.as_ref().is_some_and(|it| it.alarm.is_some()) => {}
                 Notice::Looked(file, look) => {
@@ -78,12 +78,13 @@ impl Window {
         {
             message.update_time(file, time_s);
         }
-        // What is said of the new one has come before its picture.
+        // The preview of the newly selected program arrived before this snapshot and stays.
         self.message
             .take_if(|message| left.is_some_and(|program| message.is_about(program)));
     }
 
-    /// Files that were dropped on the window.
+    /// Opens files that were dropped on the window, and shows a hint while files hover over
+    /// it.
     pub(super) fn take_files(&mut self, ui: &Ui) {
         let (dropped, hovering) = ui.input(|input| {
             let dropped = input.raw.dropped_files.clone();

@@ -1,5 +1,5 @@
-//! Choosing and reading program files beside the window: neither a dialog nor a
-//! large file holds it up.
+//! Chooses and reads program files in a thread: neither a dialog nor a large file delays the
+//! window.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -23,22 +23,22 @@ use crate::work_limit::WorkLimit;
 use crate::{loading, transfer};
 use gsk_messages::{Language, Message, say};
 
-/// Opens programs.
+/// Opens programs and previews them.
 #[derive(Clone, Debug)]
 pub struct Opener {
     console: Console,
-    /// Number of the program opened last: looking through an earlier one ends.
+    /// Number of the program that was opened last. The preview of an earlier one ends.
     newest: Arc<AtomicU64>,
 }
 
-/// Work of a look through a program.
+/// Work limit of a preview.
 const BUDGET: WorkBudget = WorkBudget::interactive(50_000_000);
 
-/// Between two words about a look that takes long.
+/// Interval between two progress messages of a preview.
 const NEWS: Duration = Duration::from_secs(2);
 
 impl Opener {
-    /// For a console.
+    /// Creates an opener that sends programs to `console`.
     pub fn new(console: Console) -> Self {
         Self {
             console,
@@ -46,7 +46,7 @@ impl Opener {
         }
     }
 
-    /// Lets the user choose a program, and opens it.
+    /// Shows a file dialog and opens the chosen program.
     pub fn choose(&self, language: Language, context: &egui::Context) {
         let opener = self.clone();
         let name = say::window_part_programs().text(language);
@@ -57,7 +57,7 @@ impl Opener {
         });
     }
 
-    /// Opens a program.
+    /// Opens a program file, or receives a data file, in a thread.
     pub fn open(&self, path: PathBuf, context: &egui::Context) {
         let opener = self.clone();
         files::beside(context, &self.console.say, move || {
@@ -66,7 +66,7 @@ impl Opener {
         });
     }
 
-    /// Opens a sample, and starts it if that is asked for.
+    /// Opens a sample program, and starts it if the request says so.
     pub fn open_sample(&self, request: SampleRequest, context: &egui::Context) {
         let opener = self.clone();
         files::beside(context, &self.console.say, move || {
@@ -79,10 +79,10 @@ impl Opener {
         });
     }
 
-    /// Hands a program to the control; meanwhile it is previewed.
+    /// Sends a program to the control and previews it.
     fn hand_over(&self, opened: Opened, command: fn(Box<Opened>) -> Command) {
         let shown = opened.clone();
-        // The queue has room for a program; the kernel empties it all the time.
+        // The queue has a slot for a program: the kernel empties it continuously.
         let _ = self.console.commands.send(command(Box::new(opened)));
         self.look_through(&shown);
     }
@@ -113,9 +113,9 @@ impl Opener {
 }
 
 impl Opener {
-    /// Looks a program through once: for the line that says what it does, and for the
-    /// extents of the graphic page. It says how far it has come, and gives up when that
-    /// takes too long or another program is opened.
+    /// Previews a program once, for its summary on the message line and for the extents of the
+    /// graphic page. Reports its progress, and ends when the work limit is reached or another
+    /// program is opened.
     fn look_through(&self, opened: &Opened) {
         let number = self.newest.fetch_add(1, Ordering::Relaxed) + 1;
         let is_newest = || self.newest.load(Ordering::Relaxed) == number;
@@ -154,14 +154,14 @@ impl Opener {
     }
 }
 
-/// The control with an opened program selected, and with those subprograms of its folder
-/// that the memory has not.
+/// The setup with the opened program selected, and with the subprograms of its folder that the
+/// memory does not have.
 fn selected(mut setup: Setup, opened: &Opened) -> Setup {
     let programs = &mut setup.memory.programs;
     for program in &opened.subprograms {
         let known = |number| programs.stored(number).is_some();
         if !program.number().is_some_and(known) {
-            // What does not fit the memory is missing here as in the control.
+            // A program that does not fit into the memory is missing here as in the control.
             let _ = programs.store(program.text());
         }
     }
@@ -170,7 +170,8 @@ fn selected(mut setup: Setup, opened: &Opened) -> Setup {
     setup
 }
 
-/// Reads a program and its subprograms.
+/// Reads a program file and the subprograms in its folder. Also returns the notices about
+/// them.
 pub fn read(path: &Path, model: &ControlModel) -> Result<(Opened, Vec<Message>), LoadError> {
     let mut programs = ProgramMemory::default();
     let (program, notices) = loading::open_into(&mut programs, model, path, &[])?;

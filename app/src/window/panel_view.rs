@@ -1,4 +1,4 @@
-//! The panel inside the window: parts, LCD, accessible names, pointer.
+//! Draws the panel in the window (parts, LCD, accessible names) and handles the pointer on it.
 
 use egui::{
     Color32, Event, Painter, Pos2, Role, Sense, Stroke, StrokeKind, TouchPhase, Ui, WidgetInfo,
@@ -12,10 +12,10 @@ use super::placing::{self, View};
 use super::{Command, Message, Window, reader, tips};
 use gsk_messages::{Language, say};
 
-/// The ring around a key that is kept for the next one.
+/// The ring around a latched key.
 const RING: Color32 = Color32::from_rgb(255, 150, 0);
 
-/// The ring around a key that a lesson asks for.
+/// The ring around a key that a lesson asks the operator to press.
 const ASKED: Color32 = Color32::from_rgb(60, 220, 255);
 
 /// Draws a ring around a key.
@@ -34,7 +34,7 @@ fn ring(painter: &Painter, view: View, part: &PanelPart, colour: Color32) {
     }
 }
 
-/// Where a mouse button or a finger goes down.
+/// The position at which a mouse button or a finger goes down.
 fn pressed_at(event: &Event) -> Option<Pos2> {
     match event {
         Event::PointerButton {
@@ -49,26 +49,26 @@ fn pressed_at(event: &Event) -> Option<Pos2> {
     }
 }
 
-/// Whether a key only ever stops the machine: it acts also while keys are explained.
+/// Whether a key only ever stops the machine. It also works while help explains pressed keys.
 const fn stops(key: Key) -> bool {
     matches!(key, Key::EmergencyStop | Key::Reset | Key::FeedHold)
 }
 
 impl Window {
-    /// Draws the panel and takes what mouse and fingers do to it.
+    /// Draws the panel and handles mouse and fingers on it.
     pub(super) fn panel(&mut self, ui: &mut Ui) {
         let views = placing::views(ui.max_rect(), ui.pixels_per_point());
         self.areas(ui, &views);
     }
 
-    /// Draws the keys that stop the machine while the panel is not on the screen.
+    /// Draws the keys that stop the machine while the panel is not visible.
     pub(super) fn stops(&mut self, ui: &mut Ui) {
         let views = placing::stops(ui.max_rect(), ui.pixels_per_point());
         self.lcd.hide();
         self.areas(ui, &views);
     }
 
-    /// Draws areas of the panel.
+    /// Draws the placed areas of the panel, with the LCD if it is among them.
     fn areas(&mut self, ui: &mut Ui, views: &[View]) {
         self.point(ui, views);
         let painter = ui.painter().clone();
@@ -143,8 +143,8 @@ impl Window {
         self.picture = picture;
     }
 
-    /// Gives a part its accessible name; returns the key that a screen reader has
-    /// pressed.
+    /// Gives a part its accessible name and tool tip. Returns the key if a screen reader has
+    /// pressed it.
     fn describe(
         &self,
         ui: &Ui,
@@ -157,7 +157,7 @@ impl Window {
         match part.what {
             PartKind::Key(key) => {
                 let row = key.row();
-                // Without FOCUSABLE: Tab and Space must never press a machine key.
+                // The sense has no FOCUSABLE: Tab and Space must never press a machine key.
                 let response = ui.interact(
                     rect,
                     ui.scope_id().with(key.id()),
@@ -226,8 +226,7 @@ impl Window {
         }
     }
 
-    /// The topic about what lies at a place of the window: a key, a lamp, what the LCD
-    /// shows there.
+    /// The help topic about a position in the window: a key, a lamp, a cell of the LCD.
     pub(super) fn pointed_at(&self, at: Pos2) -> Option<&'static Topic> {
         if let Some((row, column)) = self.cell(Some(at)) {
             let picture = self.picture.as_ref()?;
@@ -242,7 +241,7 @@ impl Window {
         }
     }
 
-    /// The row and the column of the LCD at a place of the window.
+    /// Row and column of the LCD at a position in the window.
     fn cell(&self, at: Option<Pos2>) -> Option<(usize, usize)> {
         let (x, y) = placing::units(&self.placed, at?)?;
         let lcd = faceplate::lcd();
@@ -252,7 +251,7 @@ impl Window {
         lcd.contains(x, y).then_some((row, column))
     }
 
-    /// The LCD is handed out in the other language, too, as long as somebody points at it.
+    /// Requests the LCD in the other language, too, while the pointer is on it.
     fn translate(&mut self, wanted: bool) {
         if self.translates != wanted {
             self.translates = wanted;
@@ -260,7 +259,8 @@ impl Window {
         }
     }
 
-    /// A finger that stays on the panel asks for help about what lies under it.
+    /// Opens help for a long press on the panel, or shows the tip of the LCD on the message
+    /// line.
     fn press_long(&mut self, ui: &Ui, events: &[Event], free: &dyn Fn(Pos2) -> bool) {
         let now = ui.input(|input| input.time);
         let stayed = self.long_press.follow(events, now);

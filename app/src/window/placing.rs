@@ -1,44 +1,43 @@
-//! Where the panel lies in the window: whole, or its areas by themselves where an upright
-//! window leaves the whole panel much less room.
+//! Positions the panel in the window: as a whole, or split into its areas where an upright
+//! window leaves the whole panel much less space.
 
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
 use gsk_panel::faceplate::{self, PanelArea, PanelPart, SIZE};
 use gsk_panel::keys::Key;
 
-/// Least side of a key for fingers, points: 9 mm at 96 points an inch.
+/// Least side of a key for fingers, points: 9 mm at 96 points per inch.
 pub const FINGER: f32 = 9.0 / 25.4 * 96.0;
 /// The keys that stop the machine, from the right.
 pub const STOPS: [Key; 3] = [Key::EmergencyStop, Key::FeedHold, Key::Reset];
-/// Room between them, points.
+/// Gap between them, points.
 const STOPS_APART: f32 = 8.0;
-/// The areas stand apart when that makes the keys larger at least by this factor.
+/// The panel is split when this makes the keys larger by at least this factor.
 const WORTH_IT: f32 = 1.15;
-/// Height over width of a room that is upright.
+/// Height over width from which the available area counts as upright.
 const UPRIGHT: f32 = 1.25;
-/// Share of the width that the keys beside the LCD take at most.
+/// Greatest share of the width for the keys beside the LCD.
 const MOST_BESIDE: f32 = 0.52;
 
-/// Where an area of the panel lies in the window.
+/// Position and scale of one area of the panel in the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// What of the panel it is.
+    /// The part of the panel.
     pub area: PanelArea,
-    /// Where the upper left corner of the whole panel would lie, points.
+    /// Where the upper left corner of the whole panel would be, points.
     pub origin: Pos2,
-    /// Points a panel unit.
+    /// Points per panel unit.
     pub scale: f32,
-    /// Physical pixels a point.
+    /// Physical pixels per point.
     pub pixels_per_point: f32,
 }
 
 impl View {
-    /// The largest picture of an area that fits into a room, in its middle, on whole
-    /// pixels.
+    /// Fits an area into `room`: as large as possible, centred, on whole pixels.
     fn fit(area: PanelArea, room: Rect, pixels_per_point: f32) -> Self {
         let faceplate::Rect { x, y, w, h } = area.rect;
         let scale = (room.width() / w).min(room.height() / h).max(0.01);
         let corner = room.center() - vec2(w, h) * scale / 2.0;
-        // The picture of the area begins at a whole pixel of the panel, too.
+        // The area also begins at a whole pixel of the panel.
         let snap = |at: f32| (at * pixels_per_point).round() / pixels_per_point;
         Self {
             area,
@@ -51,7 +50,7 @@ impl View {
         }
     }
 
-    /// A rectangle of the panel in the window, its edges on whole pixels.
+    /// Converts a rectangle of the panel to window points, with its edges on whole pixels.
     pub fn rect(&self, rect: faceplate::Rect) -> Rect {
         let snap = |at: f32| (at * self.pixels_per_point).round() / self.pixels_per_point;
         let x = |units: f32| snap(self.origin.x + units * self.scale);
@@ -62,19 +61,19 @@ impl View {
         )
     }
 
-    /// A place of the window in panel units.
+    /// Converts a position in the window to panel units.
     pub fn units(&self, at: Pos2) -> (f32, f32) {
         let from_origin = (at - self.origin) / self.scale;
         (from_origin.x, from_origin.y)
     }
 
-    /// The whole area, points.
+    /// The rectangle of the whole area in the window, points.
     pub fn whole(&self) -> Rect {
         self.rect(self.area.rect)
     }
 }
 
-/// The least side of a key of the panel in a room, points.
+/// Least side of a key when the panel is placed in `room`, points.
 pub fn least_key(room: Rect) -> f32 {
     let views = views(room, 1.0);
     let sides = finger_keys().filter_map(|part| {
@@ -84,14 +83,14 @@ pub fn least_key(room: Rect) -> f32 {
     sides.fold(f32::INFINITY, f32::min)
 }
 
-/// The width of the whole panel with keys of so many points at least.
+/// Width of the whole panel whose keys are at least `key` points large.
 pub fn width_for(key: f32) -> f32 {
     let sides = finger_keys().map(|part| part.rect.w.min(part.rect.h));
     key / sides.fold(f32::INFINITY, f32::min) * SIZE.0
 }
 
-/// The keys that are for fingers; the release of the overtravel is a button to be pressed on
-/// purpose, as small as it is built.
+/// The keys that must be large enough for fingers. The overtravel release is as small as on
+/// the machine: it must be pressed on purpose.
 fn finger_keys() -> impl Iterator<Item = &'static PanelPart> {
     let keys = faceplate::parts()
         .iter()
@@ -99,8 +98,8 @@ fn finger_keys() -> impl Iterator<Item = &'static PanelPart> {
     keys.filter(|part| part.key() != Some(Key::OvertravelRelease))
 }
 
-/// The keys that stop the machine, one beside the other at the right end of a bar: they stay
-/// on the screen while a view is shown in place of the panel (WINDOW-22).
+/// Places the keys that stop the machine side by side at the right end of a bar. They stay
+/// visible while a view is shown instead of the panel (WINDOW-22).
 pub fn stops(bar: Rect, pixels_per_point: f32) -> Vec<View> {
     let mut right = bar.right() - STOPS_APART;
     let mut placed = Vec::new();
@@ -117,7 +116,7 @@ pub fn stops(bar: Rect, pixels_per_point: f32) -> Vec<View> {
     placed
 }
 
-/// The panel in a room: as it is built, or its areas by themselves.
+/// Places the panel in `room`: as a whole, or split into its areas.
 pub fn views(room: Rect, pixels_per_point: f32) -> Vec<View> {
     let whole = View::fit(PanelArea::WHOLE, room, pixels_per_point);
     let (keys, rooms) = by_themselves(room);
@@ -130,9 +129,10 @@ pub fn views(room: Rect, pixels_per_point: f32) -> Vec<View> {
         .collect()
 }
 
-/// Rooms for the areas in an upright room, and points a unit of their keys: the LCD with the
-/// name plate beside what runs and stops the machine, below that the edit keyboard, then modes
-/// and directions. All keys are as large as the room allows, for fingers.
+/// Rectangles of the areas in an upright `room`, and points per unit of their keys. The LCD
+/// and the name plate are beside the keys that run and stop the machine; below are the edit
+/// keyboard and then the keys for modes and directions. All keys are as large as the space
+/// allows, for fingers.
 fn by_themselves(room: Rect) -> (f32, [Rect; 6]) {
     let [screen, name, edit, modes, run, additional] =
         PanelArea::SECTIONS.map(|area| vec2(area.rect.w, area.rect.h));
@@ -145,7 +145,7 @@ fn by_themselves(room: Rect) -> (f32, [Rect; 6]) {
     let left = room.width() - beside * keys;
     let (screen, name) = (screen * (left / screen.x), name * (left / name.x));
     let upper = (run.y + additional.y) * keys;
-    // A room that is higher still has its space between the rows.
+    // Space that is left in a higher rectangle goes between the rows.
     let rest = (room.height() - high * keys).max(0.0) / 4.0;
     let top = room.top() + rest;
     let right = room.left() + left;
@@ -174,7 +174,7 @@ fn by_themselves(room: Rect) -> (f32, [Rect; 6]) {
     (keys, rooms)
 }
 
-/// A place of the window in panel units, if the panel lies there.
+/// Converts a position in the window to panel units; `None` outside the panel.
 pub fn units(views: &[View], at: Pos2) -> Option<(f32, f32)> {
     views.iter().find_map(|view| {
         let (x, y) = view.units(at);
@@ -182,12 +182,12 @@ pub fn units(views: &[View], at: Pos2) -> Option<(f32, f32)> {
     })
 }
 
-/// The view that shows a part.
+/// The placed area that contains a part of the panel.
 pub fn of_part<'a>(views: &'a [View], part: &PanelPart) -> Option<&'a View> {
     views.iter().find(|view| view.area.contains(part))
 }
 
-/// Points a panel unit of the LCD in a room, were the panel whole.
+/// Points per panel unit of the whole panel in an area of this size.
 pub fn whole_scale(room: Vec2) -> f32 {
     (room.x / SIZE.0).min(room.y / SIZE.1)
 }
@@ -212,7 +212,7 @@ mod tests {
         }
     }
 
-    /// A tablet of 10.1 inches upright: 800 x 1280 pixels, 149 of them an inch; the bars of the
+    /// A 10.1-inch tablet held upright: 800 × 1280 pixels, 149 per inch. The bars of the
     /// window take 50.
     #[test]
     fn keys_are_as_large_as_a_finger_on_a_tablet() {
@@ -220,7 +220,7 @@ mod tests {
         let views = views(room, 1.0);
         for part in parts().iter().filter(|part| part.key().is_some()) {
             if part.key() == Some(Key::OvertravelRelease) {
-                continue; // A button to be pressed on purpose, as small as it is built.
+                continue; // It must be pressed on purpose: as small as on the machine.
             }
             let rect = of_part(&views, part).unwrap().rect(part.rect);
             let side = rect.size().min_elem() / 149.0 * 25.4;

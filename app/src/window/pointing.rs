@@ -1,4 +1,4 @@
-//! Mouse and fingers on the panel: which key they hold, and the handwheel.
+//! Handles mouse and fingers on the panel: the keys that they hold, and the handwheel.
 
 use std::collections::BTreeSet;
 
@@ -9,36 +9,36 @@ use gsk_panel::keys::Key;
 use super::held::{Change, Held, Holder, may_be_kept};
 use super::placing::{self, View};
 
-/// Points of scrolling that make one detent of the handwheel.
+/// Points of scrolling per detent of the handwheel.
 const POINTS_A_DETENT: f32 = 24.0;
-/// Detents of one turn.
+/// Detents per turn of the handwheel.
 const DETENTS: f32 = 100.0;
 
-/// What one picture's worth of events did.
+/// The result of the events of one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Done {
     /// Keys that went down or came up, in order.
     pub changes: Vec<Change<Key>>,
-    /// Detents the handwheel was turned by.
+    /// Turn of the handwheel, detents, clockwise positive.
     pub detents: i32,
-    /// A key that a right click does not keep.
+    /// A key that was right-clicked and cannot be latched.
     pub not_kept: Option<Key>,
 }
 
-/// Mouse and fingers.
+/// The state of mouse and fingers between frames.
 #[derive(Clone, Debug, Default)]
 pub struct Pointing {
     fingers: BTreeSet<(u64, u64)>,
-    /// Angle under the pointer that drags the handwheel.
+    /// Angle of the pointer that drags the handwheel, rad.
     drag: Option<f32>,
-    /// Turning that is less than a detent so far.
+    /// Turn of less than one detent that is left over, detents.
     rest: f32,
     last: Option<Pos2>,
 }
 
 impl Pointing {
-    /// Follows the events of one picture. `free` tells whether a place is the
-    /// panel and not something that lies over it.
+    /// Handles the events of one frame. `free` reports whether a position belongs to the panel
+    /// and is not covered.
     pub fn follow(
         &mut self,
         events: &[Event],
@@ -63,7 +63,7 @@ impl Pointing {
                     let finger = (device_id.0, id.0);
                     self.finger(finger, *phase, *pos, views, held, free, &mut done);
                 }
-                // What a finger does also arrives as the mouse: not twice.
+                // A finger's events also arrive as mouse events: these are skipped.
                 Event::PointerButton { .. } | Event::PointerMoved(_) | Event::PointerGone
                     if by_finger => {}
                 Event::PointerButton {
@@ -112,13 +112,13 @@ impl Pointing {
         done
     }
 
-    /// Forgets everything that was held.
+    /// Drops the fingers and the drag of the handwheel.
     pub fn forget(&mut self) {
         self.fingers.clear();
         self.drag = None;
     }
 
-    #[allow(clippy::too_many_arguments)] // One event with all it may touch.
+    #[allow(clippy::too_many_arguments)] // One event and everything that it can change.
     fn finger(
         &mut self,
         finger: (u64, u64),
@@ -135,8 +135,8 @@ impl Pointing {
                 self.fingers.insert(finger);
                 let key = if free(at) { key_at(at, views) } else { None };
                 done.changes.extend(hold(holder, key, held));
-                // A browser says it as the mouse first, in a picture of its own: the
-                // mouse lets go when the finger does.
+                // A browser first reports the finger as the mouse, in an earlier frame. The
+                // finger takes over and the mouse releases its key.
                 done.changes.extend(held.set(Holder::Pointer, None));
                 if key.is_none() && free(at) {
                     self.drag = wheel_angle(at, views);
@@ -167,7 +167,7 @@ impl Pointing {
     }
 
     fn scroll(&mut self, unit: MouseWheelUnit, delta: Vec2, done: &mut Done) {
-        // Up and right are clockwise.
+        // Scrolling up or right turns the wheel clockwise.
         let amount = if delta.y == 0.0 { delta.x } else { delta.y };
         self.turn_by(
             match unit {
@@ -187,7 +187,7 @@ impl Pointing {
     }
 }
 
-/// The right button keeps a key for the next one, so that one mouse can press two.
+/// Latches a key for the next one, for a right click: one mouse can press two keys.
 fn keep(key: Option<Key>, held: &mut Held<Key>, done: &mut Done) {
     let kept = key.filter(|key| may_be_kept(*key));
     if kept != key {
@@ -196,7 +196,7 @@ fn keep(key: Option<Key>, held: &mut Held<Key>, done: &mut Done) {
     done.changes.extend(held.keep(kept));
 }
 
-/// A holder is on a key from now on, or on none.
+/// Sets the key that a holder presses; `None` releases it.
 fn hold(holder: Holder, key: Option<Key>, held: &mut Held<Key>) -> Vec<Change<Key>> {
     match key {
         Some(key) => held.press(holder, key),
@@ -204,7 +204,8 @@ fn hold(holder: Holder, key: Option<Key>, held: &mut Held<Key>) -> Vec<Change<Ke
     }
 }
 
-/// A holder that leaves its key lets it go; it does not press the next one.
+/// Releases the key of a holder that has left it. The key under the new position is not
+/// pressed.
 fn slide(holder: Holder, at: Pos2, views: &[View], held: &mut Held<Key>, done: &mut Done) {
     if let Some(key) = held.of(holder)
         && key_at(at, views) != Some(key)
@@ -218,7 +219,7 @@ fn key_at(at: Pos2, views: &[View]) -> Option<Key> {
     faceplate::part_at(x, y)?.key()
 }
 
-/// The angle of a place around the handwheel, if it is on it.
+/// The angle of a position around the centre of the handwheel, rad; `None` outside the wheel.
 fn wheel_angle(at: Pos2, views: &[View]) -> Option<f32> {
     let (x, y) = placing::units(views, at)?;
     let part = faceplate::part_at(x, y)?;
@@ -228,7 +229,7 @@ fn wheel_angle(at: Pos2, views: &[View]) -> Option<f32> {
     angle(at, views)
 }
 
-/// The angle of a place around the handwheel, also beside it.
+/// The same angle for any position, also outside the wheel.
 fn angle(at: Pos2, views: &[View]) -> Option<f32> {
     let wheel = faceplate::parts()
         .iter()

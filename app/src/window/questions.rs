@@ -1,5 +1,5 @@
-//! What the window asks before something is ended or overwritten. The panel stays
-//! within reach beside a question: a stop must not wait for an answer.
+//! Asks for confirmation before something is ended or overwritten. The keys that stop the
+//! machine stay uncovered: a stop must not wait for an answer.
 
 use egui::{Align2, Context, ViewportCommand, Window};
 use gsk_core::operation::RunState;
@@ -8,31 +8,27 @@ use super::clear;
 use crate::kernel::{Command, Console, Opened, Snapshot, Storing};
 use gsk_messages::{Language, Message, say};
 
-/// Whether the window may close.
+/// Progress of a request to close the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Closing {
-    /// Nobody asked for it.
     #[default]
     Open,
-    /// It was asked for while a program runs.
+    /// The close was requested while a program runs or work is unsaved.
     Asked,
-    /// It closes without a question.
+    /// The window closes without a question.
     Agreed,
 }
 
-/// What somebody made and did not save.
+/// The operator's work that is not saved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unsaved {
-    /// The text of the program view.
     Text,
-    /// Tools and stock of the machine view.
     Job,
-    /// The project.
     Project,
 }
 
 impl Unsaved {
-    /// The question, and what comes of closing.
+    /// The question, and the consequence of closing.
     fn words(self) -> [Message; 2] {
         match self {
             Self::Text => [say::question_text_unsaved(), say::question_text_is_lost()],
@@ -42,29 +38,29 @@ impl Unsaved {
     }
 }
 
-/// Room that a question wants, points.
+/// Preferred size of a question, points.
 const ROOM: egui::Vec2 = egui::vec2(520.0, 180.0);
 
-/// The questions that stand.
+/// The open questions.
 #[derive(Debug, Default)]
 pub struct Questions {
     closing: Closing,
-    /// A program whose number belongs to another one.
+    /// A program file to open, and its program number, which the memory already has.
     taken: Option<(Box<Opened>, u16)>,
 }
 
 impl Questions {
-    /// The window closes without a question from now on.
+    /// Lets the window close without a question from now on.
     pub const fn let_close(&mut self) {
         self.closing = Closing::Agreed;
     }
 
-    /// The memory has another program of this number.
+    /// Asks what to do with an opened program whose `number` the memory already has.
     pub fn ask_for_place(&mut self, opened: Box<Opened>, number: u16) {
         self.taken = Some((opened, number));
     }
 
-    /// Draws the questions that stand and does what was answered.
+    /// Draws the open questions and carries out the answers.
     pub fn show(
         &mut self,
         context: &Context,
@@ -139,8 +135,8 @@ impl Questions {
     }
 }
 
-/// What closing the window would end or lose: the question, what comes of it, and the
-/// answer that agrees.
+/// What closing the window would end or lose: the question, the consequence, and the answer
+/// that confirms. `None`: nothing.
 fn loss(picture: Option<&Snapshot>, unsaved: Option<Unsaved>) -> Option<[Message; 3]> {
     let run = picture.map(|picture| picture.run);
     let title = match run {
@@ -160,7 +156,7 @@ fn loss(picture: Option<&Snapshot>, unsaved: Option<Unsaved>) -> Option<[Message
     Some([title, consequence, say::question_stop_and_close()])
 }
 
-/// Draws a question; the answer that was clicked.
+/// Draws a question and returns the index of the clicked answer.
 pub fn ask(
     context: &Context,
     id: &str,

@@ -1,20 +1,20 @@
-//! What a screen reader is given that egui does not give it by itself: the rows of the
-//! LCD as text it can walk through, and the state of a lamp as words after its name.
+//! Completes egui's data for screen readers: the rows of the LCD as text, and the state of a
+//! lamp as words after its name.
 //!
-//! Both stand in the value of their parts, too. Narrator reads that; the readers of
-//! Linux take a value only where it is a number.
+//! Both are in the value of their widgets, too. Narrator reads it; the screen readers of Linux
+//! read a value only if it is a number.
 
 use egui::emath::TSTransform;
 use egui::text_selection::accesskit_text::update_accesskit_for_text_widget;
 use egui::{Color32, FontId, Rect, Response, Ui};
 use gsk_panel::screen::{ROWS, Screen};
 
-/// Gives the LCD its 15 rows as runs of text.
+/// Adds the 15 rows of the LCD as runs of text.
 pub fn rows(ui: &Ui, lcd: &Response, place: Rect, screen: &Screen) {
     if !ui.ctx().has_accesskit_node(lcd.id) {
         return;
     }
-    // Never drawn: it only holds the rows, as high together as the LCD.
+    // The text is never drawn. It only carries the rows, scaled to the height of the LCD.
     let font = FontId::monospace(place.height() / ROWS as f32);
     let text = ui
         .painter()
@@ -24,7 +24,7 @@ pub fn rows(ui: &Ui, lcd: &Response, place: Rect, screen: &Screen) {
     update_accesskit_for_text_widget(ui.ctx(), lcd.id, None, placed, &text);
 }
 
-/// Gives a part its state in words: `on`, `off`, `kept for the next key`.
+/// Adds the state of a part in words: `on`, `off`, `kept for the next key`.
 pub fn state(ui: &Ui, part: &Response, words: &str) {
     ui.ctx()
         .accesskit_node_builder(part.id, |node| node.set_description(words));

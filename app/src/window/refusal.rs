@@ -1,5 +1,5 @@
-//! A dialog in place of the window, when the window cannot be opened: another one is
-//! open, or the data directory takes nothing.
+//! Shows an error dialog when the window cannot be opened: another one is open, or the data
+//! directory cannot be written.
 
 use eframe::egui::{self, Button};
 
@@ -10,7 +10,7 @@ use gsk_messages::{Language, Message, say};
 /// Size of the dialog, points.
 const SIZE: [f32; 2] = [560.0, 230.0];
 
-/// Shows a message until it is closed: in a language, or in both when none was chosen.
+/// Shows a message until it is closed: in one language, or in both when none was chosen.
 /// Without a display nothing is shown.
 pub fn tell(said: &Message, language: Option<Language>) {
     let sentences = sentences(said, language);
@@ -19,7 +19,7 @@ pub fn tell(said: &Message, language: Option<Language>) {
         .with_app_id("gsk980td")
         .with_inner_size(SIZE)
         .with_resizable(false);
-    // The sentence stands on standard error as well.
+    // The caller has printed the message on standard error as well.
     let _ = platform::open_window(
         "gsk980td",
         viewport,
@@ -41,7 +41,7 @@ fn sentences(said: &Message, language: Option<Language>) -> Vec<String> {
     sentences
 }
 
-/// In English and Chinese.
+/// The message in English and Chinese.
 fn in_both(message: &Message) -> String {
     let texts = [Language::En, Language::Zh].map(|language| message.text(language));
     texts.join(" / ")

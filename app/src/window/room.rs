@@ -1,4 +1,5 @@
-//! The room between the bars: the panel and the docked views in panes, together or in turn.
+//! Draws the area between the bars: the panel and the docked views in panes, together or as
+//! tabs.
 
 use egui::{Align, Button, Color32, Layout, Ui, UiBuilder};
 use gsk_messages::say;
@@ -7,9 +8,9 @@ use super::layout::{self, InTurn, Pane};
 use super::views::header;
 use super::{Window, focus, placing};
 
-/// Ground of the bar to change from one pane to another.
+/// Background of the tab bar.
 const GROUND: Color32 = Color32::from_gray(40);
-/// Least size of what is pressed there, points.
+/// Least size of a tab, points.
 const BUTTON: egui::Vec2 = egui::vec2(64.0, 34.0);
 
 impl Window {
@@ -53,7 +54,7 @@ impl Window {
         layout::drag(ui, &arranged.splitters, layouts, language);
     }
 
-    /// The bar to change from one pane to another.
+    /// Draws the tab bar that switches between the panes.
     fn turns(&mut self, ui: &mut Ui, turns: &InTurn, front: Option<Pane>) {
         let language = self.settings.language;
         ui.painter().rect_filled(turns.bar, 0.0, GROUND);
@@ -93,7 +94,7 @@ impl Window {
     }
 }
 
-/// A child of the window for a pane.
+/// Creates a child region of the window for a pane.
 fn child(ui: &mut Ui, name: &str, place: egui::Rect) -> Ui {
     let inside = UiBuilder::new().id_salt(name).max_rect(place);
     let mut ui = ui.new_child(inside);

@@ -1,4 +1,4 @@
-//! The sample programs that come with the program itself, for its menu.
+//! The sample programs that the executable contains.
 
 use std::path::Path;
 
@@ -8,17 +8,16 @@ use crate::job::{self, Chosen};
 use crate::kernel::{Opened, Storing};
 use gsk_messages::{Language, Message, say};
 
-/// A sample.
 #[derive(Debug)]
 pub struct Sample {
     /// Name of its file.
     pub name: &'static str,
-    /// What it shows.
+    /// Description of what it demonstrates.
     shows: fn() -> Message,
     text: &'static str,
-    /// Its job file, if it has one.
+    /// Text of its job file (stock and tools), if it has one.
     job: Option<&'static str>,
-    /// Subprograms that it calls.
+    /// Texts of the subprograms that it calls.
     calls: &'static [&'static str],
 }
 
@@ -90,12 +89,12 @@ pub fn good_samples() -> impl Iterator<Item = &'static Sample> {
 }
 
 impl Sample {
-    /// What it shows.
+    /// What the sample demonstrates, for the menu.
     pub fn shows(&self, language: Language) -> String {
         (self.shows)().text(language)
     }
 
-    /// Ready for the control.
+    /// The sample as a program to open in the control.
     pub fn opened(&self) -> Opened {
         let called = self.calls.iter().map(|text| Program::new(*text));
         let mut parts = program::split(self.text).into_iter();
@@ -110,7 +109,7 @@ impl Sample {
     }
 }
 
-/// The job of a sample, by the text of its program.
+/// The job of a sample, which is found by the text of its program; `None` for other programs.
 pub fn job_of(program: &Program) -> Option<Chosen> {
     let is_it = |sample: &&Sample| sample.opened().program.text() == program.text();
     let sample = SAMPLES.iter().find(is_it)?;

@@ -1,4 +1,4 @@
-//! What the window remembers from one start to the next.
+//! The settings of the window that are stored from one start to the next.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -10,38 +10,38 @@ use super::views::project::Projects;
 use crate::pc::Remembered;
 use gsk_messages::Language;
 
-/// Programs that are remembered.
+/// Greatest count of recent programs.
 const MOST: usize = 10;
 
-/// What the window remembers.
+/// The stored settings of the window.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
     /// Language of menus and messages.
     pub language: Language,
-    /// The last programs, the newest first.
+    /// The recently opened programs, the newest first.
     pub recent: Vec<PathBuf>,
-    /// Layouts, and where windows are.
+    /// Layouts, and positions of windows.
     pub layouts: Layouts,
-    /// What surrounds panel and pictures is light, else dark.
+    /// Whether the light theme is used, else the dark one.
     pub light: bool,
-    /// The machine view shows the part as a solid, else as a half section.
+    /// Whether the machine view shows the part as a solid, else as a half section.
     pub solid: bool,
-    /// Lessons that were done to their end, by name.
+    /// Names of the finished lessons.
     pub lessons: BTreeSet<String>,
-    /// Port, speed and files of the view that is the PC's side of the serial port.
+    /// Port, baud rate and files of the transfer view.
     pub transfer: Remembered,
-    /// Projects of the last time.
+    /// The last projects.
     pub projects: Projects,
-    /// The questions of the first start wait to be answered.
+    /// Whether the questions of the first start are still unanswered.
     pub first_start: bool,
-    /// The lathe that was chosen at the first start; none: the simulated one as delivered.
+    /// The lathe that was chosen at the first start; `None`: the simulated lathe as delivered.
     pub machine: Option<PathBuf>,
-    /// How large everything is, per cent; none: as the monitor asks for.
+    /// Zoom of the whole window, per cent; `None`: chosen by the monitor.
     pub zoom: Option<u16>,
-    /// Keys of the panel are at least as large as fingers.
+    /// Whether the keys of the panel are at least as large as a finger.
     pub fingers: bool,
-    /// Volume of the machine's sound, per cent; none: it is silent.
+    /// Volume of the machine's sound, per cent; `None`: no sound.
     pub sound: Option<u8>,
 }
 
@@ -66,7 +66,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Puts a program in front of the last ones.
+    /// Adds a program at the front of the recent ones.
     pub fn remember(&mut self, path: &Path) {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         self.recent.retain(|known| *known != path);

@@ -1,4 +1,4 @@
-//! The line of messages: the one thing that is worth most to be said.
+//! Chooses the most important message for the message line.
 
 use egui::Ui;
 use gsk_messages::say;
@@ -9,7 +9,7 @@ use super::{Window, alarm_line, focus, key_label, top_bar};
 use crate::kernel::Command;
 
 impl Window {
-    /// Draws the line.
+    /// Draws the message line.
     pub(super) fn status(&self, ui: &mut Ui) {
         let language = self.settings.language;
         if let Some(key) = self.held.kept() {
@@ -38,7 +38,7 @@ impl Window {
             .as_ref()
             .is_some_and(|picture| picture.pressed.contains(&Key::EmergencyStop));
         let alarm = self.picture.as_ref().and_then(|it| it.alarm.as_ref());
-        // With a board the alarm says where the slides stand.
+        // With a board the alarm's detail reports the position of the slides.
         if pressed && alarm.is_none_or(|alarm| alarm.detail.is_none()) {
             return top_bar::status(
                 ui,
@@ -67,7 +67,7 @@ impl Window {
         }
         let unknown = self.picture.as_ref().is_some_and(|it| it.place_unknown);
         let program = self.picture.as_ref().and_then(|it| it.program);
-        // A lesson says by itself what is to be done.
+        // A lesson shows its own instructions.
         let in_lesson = self.picture.as_ref().is_some_and(|it| it.lesson.is_some());
         if in_lesson && self.message.is_none() {
             return top_bar::status(ui, None, false, "");

@@ -1,6 +1,6 @@
-//! Light surroundings: the window is drawn for dark ones, and each colour has a light
-//! counterpart by one rule, laid over the frame just before it is shown. Panel, LCD and
-//! the lit part are pictures: they look the same in both.
+//! Recolours the window for light surroundings. The window is drawn in dark colours; one rule
+//! gives each colour its light counterpart, just before a frame is shown. Panel, LCD and the
+//! lit part are images and look the same in both themes.
 
 use std::cell::Cell;
 
@@ -10,12 +10,13 @@ use egui::{
     TextureOptions, pos2,
 };
 
-/// The ground that the window is cleared with, in dark surroundings.
+/// The background colour of the window in the dark theme.
 const GROUND: Color32 = Color32::from_gray(22);
 
-/// Lightness in light surroundings over that in dark ones, as a polynomial: the darkest
-/// ground (0.15) becomes white, a pale ink (0.65) half dark, white (1.0) nearly black. Each
-/// ink has at least the contrast to its ground that it has in the dark, or 7.
+/// Lightness in the light theme as a polynomial of the lightness in the dark theme, constant
+/// term first: the darkest background (0.15) becomes white, a pale ink (0.65) half dark, white
+/// (1.0) nearly black. Each ink keeps at least its contrast to the background in the dark
+/// theme, or a contrast of 7.
 const TURNED: [f32; 4] = [0.9915, 0.4878, -3.1663, 1.9369];
 
 #[derive(Default)]
@@ -37,28 +38,28 @@ impl Plugin for Surroundings {
     }
 }
 
-/// Prepares a context: its surroundings are dark.
+/// Registers the plugin that recolours frames. The theme is dark at first.
 pub fn install(context: &Context) {
     context.add_plugin(Surroundings::default());
 }
 
-/// Changes the surroundings of everything a context draws.
+/// Sets the theme of everything that the context draws.
 pub fn set(context: &Context, light: bool) {
     context.with_plugin(|surroundings: &mut Surroundings| surroundings.light = light);
 }
 
-/// The ground that a window is cleared with.
+/// The background colour of a window in the light or the dark theme.
 pub fn ground(light: bool) -> Color32 {
     if light { turned(GROUND) } else { GROUND }
 }
 
-/// Fills a room with a colour that is the same in any surroundings, as that of the panel.
+/// Fills a rectangle with a colour that is the same in both themes, such as that of the panel.
 pub fn fill_as_it_is(painter: &Painter, room: Rect, color: Color32) {
     let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
     painter.image(white(painter.ctx()), room, whole, color);
 }
 
-/// A picture of one white dot: what is drawn with it keeps its colours.
+/// A texture of one white pixel. Shapes with this texture keep their colours in both themes.
 pub fn white(context: &Context) -> TextureId {
     let id = Id::unique("white");
     let known: Option<TextureHandle> = context.data(|data| data.get_temp(id));
@@ -71,7 +72,7 @@ pub fn white(context: &Context) -> TextureId {
     made.id()
 }
 
-/// Gives a shape its light colours, unless it is a picture.
+/// Gives a shape its light colours, unless it is an image.
 fn lighten(shape: &mut Shape) {
     match shape {
         Shape::Vec(shapes) => shapes.iter_mut().for_each(lighten),
@@ -84,11 +85,11 @@ fn lighten(shape: &mut Shape) {
 /// The light counterpart of a colour.
 fn turned(color: Color32) -> Color32 {
     thread_local! {
-        /// Neighbouring vertices are of one colour.
+        /// The last conversion: neighbouring vertices usually have the same colour.
         static LAST: Cell<(Color32, Color32)> =
             const { Cell::new((Color32::TRANSPARENT, Color32::TRANSPARENT)) };
     }
-    // egui puts another colour in place of this one later.
+    // egui replaces this colour later.
     if color == Color32::PLACEHOLDER || color == Color32::TRANSPARENT {
         return color;
     }
@@ -103,13 +104,13 @@ fn turned(color: Color32) -> Color32 {
     light
 }
 
-/// The same hue with the lightness turned over, in Oklab: there, equal steps look equally
-/// large, so that what can be told apart in the dark can be told apart in the light.
+/// Maps the lightness in Oklab and keeps the hue. Equal steps in Oklab look equally large:
+/// colours that differ in the dark theme differ in the light one.
 fn counterpart(color: [u8; 3]) -> [u8; 3] {
     let [lightness, a, b] = oklab(color.map(linear));
     let [constant, first, second, third] = TURNED;
     let lightness = constant + (first + (second + third * lightness) * lightness) * lightness;
-    // What no screen shows that light or dark gets paler until one does.
+    // A colour outside the range of sRGB becomes paler until it is inside.
     let shades = [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1];
     let colors = shades.map(|pale| linear_of([lightness, a * pale, b * pale]));
     let shown = colors
@@ -119,7 +120,7 @@ fn counterpart(color: [u8; 3]) -> [u8; 3] {
     shown.map(gamma)
 }
 
-/// Oklab of linear sRGB (B. Ottosson, 2020).
+/// Converts linear sRGB to Oklab (B. Ottosson, 2020).
 fn oklab([r, g, b]: [f32; 3]) -> [f32; 3] {
     let l = (0.412_221_46 * r + 0.536_332_55 * g + 0.051_445_995 * b).cbrt();
     let m = (0.211_903_5 * r + 0.680_699_5 * g + 0.107_396_96 * b).cbrt();
@@ -131,7 +132,7 @@ fn oklab([r, g, b]: [f32; 3]) -> [f32; 3] {
     ]
 }
 
-/// Linear sRGB of Oklab.
+/// Converts Oklab to linear sRGB.
 fn linear_of([lightness, a, b]: [f32; 3]) -> [f32; 3] {
     let l = (lightness + 0.396_337_78 * a + 0.215_803_76 * b).powi(3);
     let m = (lightness - 0.105_561_346 * a - 0.063_854_17 * b).powi(3);
@@ -155,7 +156,7 @@ fn gamma(part: f32) -> u8 {
 mod tests {
     use super::*;
 
-    /// The contrast of two colours as the accessibility guidelines of the W3C count it.
+    /// The contrast ratio of two colours by the W3C accessibility guidelines.
     fn contrast(one: Color32, other: Color32) -> f32 {
         let luminance = |color: Color32| {
             let [r, g, b] = [color.r(), color.g(), color.b()].map(linear);
@@ -169,7 +170,7 @@ mod tests {
     fn what_is_read_in_the_dark_is_read_in_the_light() {
         let ground = turned(GROUND);
         assert!(ground.r() > 215, "{ground:?}");
-        // Hints and marks on the bars, the brightest of the grounds.
+        // Inks of hints and marks on the bars, the brightest backgrounds.
         for ink in [140, 150, 160, 190].map(Color32::from_gray) {
             let bar = Color32::from_gray(40);
             let (dark, light) = (contrast(ink, bar), contrast(turned(ink), turned(bar)));

@@ -1,5 +1,5 @@
-//! What the pointer is told of the panel without a help window: the other language of what
-//! is printed there, and which way an axis key moves (WINDOW-18).
+//! Tool tips of the panel: the legend in the other language, and the direction of an axis key
+//! (WINDOW-18).
 
 use egui::{RichText, Ui};
 use gsk_help::{article, topic_at};
@@ -11,7 +11,7 @@ use super::key_map::pc_name;
 use crate::kernel::{KeysReversed, Snapshot};
 use gsk_messages::{Language, Message, say};
 
-/// Where an axis key moves the tool.
+/// The direction in which an axis key moves the tool; `None` for other keys.
 pub fn motion(key: Key, reversed: KeysReversed) -> Option<Message> {
     let (positive, [minus, plus]): (bool, [fn() -> Message; 2]) = match key {
         Key::XUp => (reversed.x, [say::tip_x_minus, say::tip_x_plus]),
@@ -23,7 +23,7 @@ pub fn motion(key: Key, reversed: KeysReversed) -> Option<Message> {
     Some(if positive { plus() } else { minus() })
 }
 
-/// The names of something on the panel, that of the reader first.
+/// Both names of a part of the panel, the one in `language` first.
 fn names(language: Language, zh: &str, en: &str) -> String {
     match language {
         Language::Zh => format!("{zh}   {en}"),
@@ -31,7 +31,7 @@ fn names(language: Language, zh: &str, en: &str) -> String {
     }
 }
 
-/// What is said of a key.
+/// Draws the tip of a key.
 pub fn key(ui: &mut Ui, language: Language, row: &KeyRow, reversed: KeysReversed) {
     let mut text = names(language, row.name_zh, row.name_en);
     if !row.pc.is_empty() {
@@ -43,7 +43,7 @@ pub fn key(ui: &mut Ui, language: Language, row: &KeyRow, reversed: KeysReversed
     }
 }
 
-/// What is said of a lamp.
+/// Draws the tip of a lamp.
 pub fn lamp(ui: &mut Ui, language: Language, lamp: &StripLamp, lit: bool) {
     let state = match lit {
         true => say::window_lamp_on(),
@@ -53,15 +53,15 @@ pub fn lamp(ui: &mut Ui, language: Language, lamp: &StripLamp, lit: bool) {
     ui.label(format!("{names}   {}", state.text(language)));
 }
 
-/// A row of a screen without the space around it; empty where only a frame stands.
+/// The text of a row without the frame and extra spaces; empty if there is only a frame.
 fn row_of(screen: &Screen, row: usize) -> String {
     let text = screen.row(row);
     let text = text.trim_matches(|it: char| it.is_whitespace() || it == '_' || it == '|');
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// What is said of a cell of the LCD: the row in the other language, and what stands there.
-/// Nothing where no text is.
+/// The tip of a cell of the LCD: the row in the other language, and the heading of the help
+/// topic about the cell. Empty where the row has no text.
 pub fn lcd(picture: &Snapshot, row: usize, column: usize, language: Language) -> Vec<String> {
     let mut lines = Vec::new();
     if row_of(&picture.screen, row).is_empty() {
@@ -83,8 +83,8 @@ pub fn lcd(picture: &Snapshot, row: usize, column: usize, language: Language) ->
     lines
 }
 
-/// Whether a finger that stays on a key asks for help: not where holding it down is what
-/// the key is for, or stops the machine, or starts it.
+/// Whether a long press on the key opens help. It does not for keys that are held down in
+/// normal use, or that start or stop the machine.
 pub const fn explains_when_held(key: Key) -> bool {
     may_be_kept(key)
         && !matches!(

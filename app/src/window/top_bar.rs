@@ -1,4 +1,4 @@
-//! The slim bar above the panel and the line of messages below it.
+//! Draws the top bar with its menus, and the message line at the bottom.
 
 mod menus;
 
@@ -23,65 +23,63 @@ use crate::kernel::{Imposed, Snapshot, Times};
 use crate::pace::Speed;
 use gsk_messages::{Language, Message, say};
 
-/// The group at the right end of the bar.
+/// Widget name of the group at the right end of the bar.
 const RIGHT: &str = "bar right";
-/// Where less room is left for the menus, points, those of programs are one.
+/// Below this width the program menus become one menu, points.
 const NARROW: f32 = 620.0;
 
-/// Ground of the sign that something is imposed.
+/// Background of the sign that inputs are forced or faults are set.
 const IMPOSED: Color32 = Color32::from_rgb(255, 196, 90);
 
-/// Ink of an alarm.
 const ALARM: Color32 = Color32::from_rgb(255, 120, 96);
 
-/// What was asked for in the bar.
+/// A request from the top bar.
 #[derive(Clone, Debug)]
 pub enum Asked {
-    /// Choose a program and open it.
+    /// Choose a program file and open it.
     Choose,
-    /// Open this program.
+    /// Open this program file or project.
     Open(PathBuf),
-    /// Open a sample.
+    /// Open a sample program.
     Sample(&'static Sample),
-    /// Do something with a project.
+    /// Carry out a command of the project view.
     Project(ProjectCommand),
     /// Use a layout.
     Layout(Layout),
-    /// Light surroundings, or dark ones again.
+    /// Switch between the light and the dark theme.
     Light,
-    /// The sound of the machine so loud, per cent; none: off.
+    /// Set the volume of the machine's sound, per cent; `None`: off.
     Sound(Option<u8>),
-    /// Keys as large as fingers, or any size again.
+    /// Switch between keys as large as a finger and keys of any size.
     Fingers,
-    /// Everything so large, per cent; none: as the monitor asks for.
+    /// Set the zoom, per cent; `None`: chosen by the monitor.
     Zoom(Option<u16>),
-    /// Open a view, or close it.
+    /// Open or close a view.
     View(View),
-    /// Open the lessons, or close them.
+    /// Open or close the lessons.
     Lessons,
-    /// Give the learner his own machine back.
+    /// End the lesson and return to the learner's machine.
     LeaveLesson,
-    /// Run programs at this speed.
+    /// Set the speed at which programs run.
     Speed(Speed),
-    /// Let every forced bit go.
+    /// Release all forced bits.
     FreeBits,
-    /// Mend every fault and let every held input go.
+    /// Clear all faults and release all held inputs.
     Mend,
     /// Turn another control model on.
     Model(ModelId),
-    /// Ask the questions of the first start again.
+    /// Show the questions of the first start again.
     FirstStart,
-    /// Show the key map.
+    /// Show or hide the key map.
     Keys,
     /// Open the help.
     Help,
-    /// The other language.
+    /// Switch to the other language.
     Language,
 }
 
 impl Asked {
-    /// Whether something comes onto the screen that the questions of the first start would
-    /// hide.
+    /// Whether the request shows something that the questions of the first start would cover.
     pub const fn shows_something(&self) -> bool {
         matches!(
             self,
@@ -99,15 +97,15 @@ impl Asked {
 /// The control models to choose from.
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
-    /// The one that is turned on.
+    /// The model that is on.
     pub shown: ModelId,
-    /// Whether there is a choice at all.
+    /// Whether another model can be chosen at all.
     pub offered: bool,
-    /// Why another one cannot be turned on now.
+    /// Why another model cannot be turned on now; `None`: it can.
     pub why_not: Option<Message>,
 }
 
-/// Draws the bar.
+/// Draws the bar and returns the operator's request.
 pub fn show(
     ui: &mut Ui,
     settings: &Settings,
@@ -120,7 +118,7 @@ pub fn show(
     let is_open = |view| layouts.is_open(view);
     let mut asked = None;
     ui.horizontal_centered(|ui| {
-        // What does not fit beside the right side is scrolled: nothing lies over anything.
+        // Menus that do not fit beside the right group scroll: nothing overlaps.
         let right = at_end::width(ui, RIGHT, 320.0);
         let room = (ui.available_width() - right - ui.spacing().item_spacing.x).max(40.0);
         ScrollArea::horizontal()
@@ -179,7 +177,7 @@ pub fn show(
     asked
 }
 
-/// The speed at which programs run; a board has one speed only.
+/// Draws the menu of program speeds. With a board the speed is fixed.
 fn speeds(ui: &mut Ui, language: Language, picture: &Snapshot) -> Option<Asked> {
     let name = |speed: Speed| match speed {
         Speed::Percent(percent) => format!("{}x", f64::from(percent) / 100.0),
@@ -216,7 +214,7 @@ fn speeds(ui: &mut Ui, language: Language, picture: &Snapshot) -> Option<Asked> 
     asked
 }
 
-/// A sign that a practice machine stands in the place of the learner's own.
+/// Draws the sign that the practice machine replaces the learner's machine, with its menu.
 fn practises(ui: &mut Ui, language: Language, is_open: bool) -> Option<Asked> {
     let mut asked = None;
     let text = RichText::new(say::window_lesson_menu().text(language)).color(Color32::BLACK);
@@ -237,8 +235,8 @@ fn practises(ui: &mut Ui, language: Language, is_open: bool) -> Option<Asked> {
     asked
 }
 
-/// A sign that something is forced or broken, also when its view is closed; it opens
-/// the view or takes everything back.
+/// Draws the sign that bits or inputs are forced or faults are set, even while their view is
+/// closed. Its menu opens the view or clears them.
 fn standing(
     ui: &mut Ui,
     language: Language,
@@ -283,7 +281,7 @@ fn standing(
     asked
 }
 
-/// Draws the line of messages.
+/// Draws the text of the message line: a message, else a hint.
 pub fn status(ui: &mut Ui, message: Option<&str>, warning: bool, hint: &str) {
     ui.horizontal_centered(|ui| {
         let (text, colour) = match message {
@@ -297,8 +295,8 @@ pub fn status(ui: &mut Ui, message: Option<&str>, warning: bool, hint: &str) {
     });
 }
 
-/// Draws a crash that has stopped the lathe, with the way out of it before the words, where
-/// no length of theirs hides it. Returns whether it is chosen.
+/// Draws a crash that has stopped the lathe. The button is left of the text, where a long text
+/// does not hide it. Returns true when the button is clicked.
 pub fn crash(ui: &mut Ui, text: &str, language: Language) -> bool {
     ui.horizontal_centered(|ui| {
         let words = RichText::new(say::window_free_lathe().text(language)).color(Color32::BLACK);
@@ -311,8 +309,8 @@ pub fn crash(ui: &mut Ui, text: &str, language: Language) -> bool {
     .inner
 }
 
-/// Draws the alarm that stands on the line of messages. Cause and way out are shown
-/// upon the LCD: no key of the panel lies under them.
+/// Draws the current alarm on the message line. Its tool tip with cause and remedy is drawn
+/// over the LCD: it covers no key of the panel.
 pub fn alarm(ui: &mut Ui, alarm: &Alarm, language: Language, lcd: Option<Rect>) {
     ui.horizontal_centered(|ui| {
         let text = RichText::new(alarm_line::short(alarm, language)).color(ALARM);

@@ -1,5 +1,5 @@
-//! The table of views: names, keys, sizes. What a view shows is in `views/`, where it
-//! stands in `layout/`.
+//! The table of views: names, keys, sizes. `views/` draws the views; `layout/` decides where
+//! they are.
 
 use egui::{Event, Key};
 use serde::{Deserialize, Serialize};
@@ -7,35 +7,25 @@ use serde::{Deserialize, Serialize};
 use crate::platform;
 use gsk_messages::{Message, say};
 
-/// A view.
+/// A view that can be docked beside the panel or have a separate window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum View {
-    /// The scope.
     Scope,
-    /// The fault bench.
     Bench,
-    /// The ladder.
     Ladder,
-    /// The link page.
     Link,
-    /// The program text.
     Program,
-    /// Part, tool and path.
     Machine,
-    /// Guided lessons.
     Lesson,
-    /// The PC's side of the serial port.
     Transfer,
-    /// Commissioning.
     Commission,
-    /// Parameters, offsets and variables.
     Data,
-    /// All that a control holds, as a folder.
+    /// Everything that a control stores, as a folder of text files.
     Project,
 }
 
 impl View {
-    /// Whether it shows the machine and the PLC as they are.
+    /// Whether the view shows the live state of the machine and the PLC.
     pub const fn monitors(self) -> bool {
         matches!(
             self,
@@ -43,7 +33,7 @@ impl View {
         )
     }
 
-    /// Whether there is one here: a page in a browser has neither ports nor folders.
+    /// Whether this platform has the view. A page in a browser has neither ports nor folders.
     pub const fn is_there(self) -> bool {
         match self {
             Self::Transfer => platform::has_ports(),
@@ -52,27 +42,23 @@ impl View {
         }
     }
 
-    /// Its row of the table.
     pub fn row(self) -> &'static ViewRow {
         let row = VIEWS.iter().find(|row| row.view == self);
         row.unwrap_or(&VIEWS[0])
     }
 }
 
-/// A row of the table of views.
 pub struct ViewRow {
-    /// The view.
     pub view: View,
-    /// Its name.
     pub name: fn() -> Message,
-    /// The key that opens and closes it, with Shift; else it is opened in the menu.
+    /// The key that opens and closes the view, pressed with Shift; `None`: menu only.
     pub key: Option<Key>,
-    /// It is read beside the panel: opened first it stands in a pane, not in a window of its
-    /// own.
+    /// Whether the view is docked when it opens for the first time. Otherwise it opens in a
+    /// separate window.
     pub docks: bool,
-    /// Size of its window, points.
+    /// Initial size of its separate window, points.
     pub size: [f32; 2],
-    /// Least size of its window, points.
+    /// Least size of its separate window, points.
     pub least: [f32; 2],
 }
 
@@ -168,14 +154,14 @@ pub static VIEWS: [ViewRow; 11] = [
     },
 ];
 
-/// The view that a key opens or closes.
+/// The view whose key is pressed in `events`, if any.
 pub fn toggled(events: &[Event]) -> Option<View> {
     let mut rows = VIEWS.iter().filter(|row| row.view.is_there());
     let row = rows.find(|row| row.key.is_some_and(|key| shifted(events, key)));
     row.map(|row| row.view)
 }
 
-/// Whether a key is pressed together with Shift alone.
+/// Whether `wanted` is pressed with Shift as the only modifier.
 pub fn shifted(events: &[Event], wanted: Key) -> bool {
     events.iter().any(|event| {
         matches!(
@@ -186,7 +172,7 @@ pub fn shifted(events: &[Event], wanted: Key) -> bool {
     })
 }
 
-/// The name of a key of a view or a layout.
+/// The text of a view's or a layout's key: `Shift+F6`.
 pub fn key_name(key: Key) -> String {
     format!("Shift+{}", key.name())
 }

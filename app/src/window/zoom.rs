@@ -1,36 +1,36 @@
-//! How large everything is: as the monitor asks for, or as somebody has chosen.
+//! Sets the zoom of the window: suitable for the monitor, or as the operator has chosen.
 
 use egui::{Context, Event, Id, Key, Vec2};
 
 use super::Settings;
 
-/// The choices, per cent.
+/// The choices of the menu, per cent.
 pub const CHOICES: [u16; 8] = [75, 100, 125, 150, 175, 200, 250, 300];
-/// Pixels of the shorter side of a monitor for which the window is drawn.
+/// Pixels of the shorter side of a monitor at which the zoom is 100 per cent.
 const SHORTER_SIDE: f32 = 1080.0;
 
-/// What a monitor asks for that has so many pixels and whose system says nothing of it
-/// (`native`: pixels a point as the system wants them): whole halves, never smaller.
+/// Zoom for a monitor with `pixels` whose system reports no scale, per cent: a multiple of 50,
+/// at least 100. `native`: physical pixels per point that the system reports.
 pub fn by_monitor(pixels: Vec2, native: f32) -> u16 {
     let times = pixels.min_elem() / SHORTER_SIDE / native.max(0.1);
     let halves = (times * 2.0).floor().clamp(2.0, 6.0);
     (halves * 50.0) as u16
 }
 
-/// The monitor that the window opened on.
+/// The monitor on which the window opened.
 #[derive(Clone, Copy, Debug)]
 struct Monitor {
     pixels: Vec2,
-    /// Pixels a point, as the system wants them.
+    /// Physical pixels per point that the system reports.
     native: f32,
 }
 
 impl Monitor {
-    /// As soon as it is known.
+    /// The monitor of the context, as soon as the system reports it.
     fn of(context: &Context) -> Option<Self> {
         let id = Id::unique("monitor");
         let known = context.data(|data| data.get_temp(id));
-        // Once there is a zoom, its size in points lags behind.
+        // With a zoom, the reported size in points is out of date for some frames.
         if known.is_some() || (context.zoom_factor() - 1.0).abs() > 0.001 {
             return known;
         }
@@ -49,8 +49,8 @@ impl Monitor {
     }
 }
 
-/// Draws everything as large as it is to be from the next picture on. The monitor in points
-/// of that size, once they are in force.
+/// Applies the zoom of the settings, or of the monitor, from the next frame on. Returns the
+/// size of the monitor in points of this zoom, once it is in effect.
 pub fn follow(context: &Context, settings: &Settings) -> Option<Vec2> {
     let monitor = Monitor::of(context);
     let asked = monitor.map_or(100, |it| by_monitor(it.pixels, it.native));
@@ -62,8 +62,8 @@ pub fn follow(context: &Context, settings: &Settings) -> Option<Vec2> {
     Some(monitor?.pixels / context.pixels_per_point())
 }
 
-/// The next choice above or below, when Ctrl and plus or minus are pressed; Ctrl+0 leaves it
-/// to the monitor.
+/// Handles the zoom keys: Ctrl with plus or minus selects the next choice, Ctrl+0 leaves the
+/// zoom to the monitor.
 pub fn typed(context: &Context, events: &[Event], settings: &mut Settings) {
     let now = (context.zoom_factor() * 100.0).round() as u16;
     for event in events {

@@ -1,4 +1,4 @@
-//! `lesson` as a teacher calls it.
+//! The command `lesson` as a teacher calls it.
 
 use super::{Scratch, said};
 

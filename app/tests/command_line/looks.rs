@@ -1,4 +1,4 @@
-//! What `check` and `plot` say of a program.
+//! The output of `check` and `plot`.
 
 use std::path::Path;
 
@@ -58,7 +58,7 @@ fn check_speaks_chinese_and_english() {
     ] {
         assert!(chinese.contains(line), "{line}\n{chinese}");
     }
-    // No English word is left but for the options; codes are capital letters.
+    // Without the options no English word remains. Codes are capital letters.
     let rest = chinese
         .replace(program.path(), "")
         .replace("--work-zero", "")
@@ -79,13 +79,14 @@ fn check_speaks_chinese_and_english() {
     assert_ne!(text, chinese);
 }
 
-/// The points of the rapids in a picture, X as a diameter, by the grid around them.
+/// The points of the rapid moves in an SVG picture, X as a diameter. The labels of the grid
+/// give the scale.
 fn rapids(svg: &str) -> Vec<(f64, f64)> {
     let value = |text: &str, name: &str| -> f64 {
         let rest = text.split_once(&format!(" {name}=\"")).unwrap().1;
         rest.split('"').next().unwrap().parse().unwrap()
     };
-    // A line of the grid: its pixel and its label. Those along Z stand first.
+    // A grid line: its pixel and its label. The lines along Z come first.
     let scale = |across: &str, along: &str| {
         let lines = svg
             .lines()
@@ -157,7 +158,7 @@ fn the_machine_zero_is_drawn_where_it_lies() {
         assert!(near((100.0, 50.0))(&points[0]), "{points:?}");
         let end = points.last().unwrap();
         match zero {
-            // Away from the part, up to the edge: its end is unknown.
+            // The end is unknown: the line leads away from the part to the edge.
             None => {
                 let (x, z) = (end.0 - 50.0, end.1 + 20.0);
                 assert!(x > 50.0 && (z - x / 2.0).abs() < 0.5, "{points:?}");
@@ -348,7 +349,7 @@ fn how_a_picture_looks_needs_a_picture() {
     assert!(err.contains("--plot"), "{err}");
 }
 
-/// Alarms, warnings and a block of a subprogram beside their files, for other programs.
+/// Alarms, warnings and a block of a subprogram, formatted for other programs.
 #[test]
 fn what_is_wrong_is_written_for_editors_and_workflows() {
     let text = b"M98 P0002\nM03 S500\nG54\nG00 X50 Z2\nM05\nG01 Z-5 F100\nM77\nM30\n";
@@ -371,7 +372,7 @@ fn what_is_wrong_is_written_for_editors_and_workflows() {
         let found = lines.lines().filter(|line| line.starts_with(&start));
         assert_eq!(found.count(), 1, "{start}\n{lines}");
     }
-    // Its line is one of the subprogram's file.
+    // The line number is one of the subprogram's file.
     assert!(lines.contains("O0002, line 2: G01 X10"), "{lines}");
 
     let log: serde_json::Value = serde_json::from_str(&formatted("sarif")).unwrap();

@@ -1,4 +1,4 @@
-//! Programs of a mill on the command line.
+//! The command line with programs of a mill.
 
 use super::{Scratch, said};
 

@@ -1,4 +1,4 @@
-//! Commands at a virtual board that has its settings.
+//! Runs commands at a virtual board whose settings are written.
 
 #![allow(
     dead_code,
@@ -12,7 +12,7 @@ use std::process::Command;
 use crate::process::executable;
 use crate::twin::Twin;
 
-/// So often the computer may be too busy.
+/// Attempts of a test that may fail because the computer is too busy.
 pub const ATTEMPTS: u32 = 20;
 
 pub fn gsk(arguments: &[&str]) -> Command {
@@ -21,7 +21,7 @@ pub fn gsk(arguments: &[&str]) -> Command {
     command
 }
 
-/// A folder with files and the machine file of the virtual board.
+/// A temporary folder with files and the machine file of the virtual board.
 pub struct Folder {
     path: PathBuf,
     firmware: &'static str,
@@ -45,7 +45,7 @@ impl Folder {
         self.path.join(name).display().to_string()
     }
 
-    /// A board, its settings written, as the owner does first.
+    /// Starts a board and writes its settings, as its owner does first.
     pub fn board(&self) -> Twin {
         let twin = Twin::play(&["--firmware", self.firmware]);
         if self.firmware != "klipper" {
@@ -57,7 +57,7 @@ impl Folder {
         twin
     }
 
-    /// A command at a board.
+    /// A command that runs at a board.
     pub fn at(&self, twin: &Twin, arguments: &[&str]) -> Command {
         let mut command = gsk(arguments);
         command
@@ -67,7 +67,7 @@ impl Folder {
         command
     }
 
-    /// The last comparison of commanded and counted pulses.
+    /// The last comparison of commanded and counted pulses in the log.
     pub fn last_count(&self) -> String {
         let log = std::fs::read_to_string(self.path.join("data").join("link.log"));
         let log = log.unwrap_or_default();

@@ -1,4 +1,4 @@
-//! A folder of its own for a test, and the program called in it.
+//! A temporary folder for a test, and calls of the program in it.
 
 use std::fs;
 use std::ops::Deref;
@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 
 use crate::process::executable;
 
-/// A new folder; it is gone with the test.
+/// A temporary folder. It is removed when it is dropped.
 pub struct Folder(pub PathBuf);
 
 impl Folder {
-    /// An empty one; no other test has this name.
+    /// Creates an empty folder. `name` is unique among the tests.
     pub fn new(name: &str) -> Self {
         let name = format!("gsk980td-{}-{name}", std::process::id());
         let folder = std::env::temp_dir().join(name);
@@ -19,14 +19,14 @@ impl Folder {
         Self(folder)
     }
 
-    /// Writes a file, and the folders that it stands in.
+    /// Writes a file and the folders that contain it.
     pub fn write(&self, file: &str, content: impl AsRef<[u8]>) {
         let path = self.0.join(file);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, content).unwrap();
     }
 
-    /// Exit code, standard output, standard error of a command in this folder.
+    /// Runs a command in this folder. Returns exit code, standard output and standard error.
     pub fn call(&self, command: &str) -> (i32, String, String) {
         let output = executable()
             .args(command.split_whitespace())

@@ -1,5 +1,5 @@
-//! One hand with a mouse in front of the window: every key is clicked at its place on the
-//! panel, the wheel is turned with the mouse.
+//! Operates the window with one mouse: clicks each key at its position on the panel, turns the
+//! handwheel with the mouse wheel.
 
 use std::collections::BTreeMap;
 
@@ -11,15 +11,15 @@ use gsk_panel::emulator::WaitCondition;
 use gsk_panel::keys::{KEYS, Key, KeyRole};
 use gsk_panel::script::{Expectation, Script, ScriptAction};
 
-/// A press and the rest after it, ms.
+/// Duration of a click and the pause after it, ms.
 const CLICK: u64 = 200;
-/// Ticks between two looks while something is waited for.
+/// Ticks between two checks of a condition.
 const LOOK: u64 = 10;
-/// Detents that the mouse wheel turns at once, and the time they take, ms.
+/// Detents that the mouse wheel turns at once, and the time that they take, ms.
 const DETENTS: i32 = 10;
 const DETENTS_TIME: u64 = 50;
 
-/// One hand with a mouse in front of the window.
+/// An operator with one mouse.
 pub struct Hand {
     pub bench: Bench,
     places: BTreeMap<Key, Pos2>,
@@ -27,12 +27,12 @@ pub struct Hand {
 }
 
 impl Hand {
-    /// In front of the panel alone.
+    /// Operates a window with the panel alone.
     pub fn new(setup: Setup) -> Self {
         Self::at(Bench::with(setup))
     }
 
-    /// In front of a window.
+    /// Operates an existing window.
     pub fn at(bench: Bench) -> Self {
         let place = |name: &str| bench.harness.get_by_label(name).rect().center();
         let places = KEYS.iter().map(|row| (row.key, place(row.name_en)));
@@ -61,13 +61,14 @@ impl Hand {
         self.button(key, PointerButton::Primary);
     }
 
-    /// Pictures are drawn only where one is looked at.
+    /// Runs the control. A frame is drawn only for the input.
     fn run(&mut self, ms: u64) {
         self.bench.harness.step();
         self.bench.kernel.run(ms);
     }
 
-    /// The keys of a character: a compound key is clicked twice for its second one.
+    /// Clicks the keys of a character: a compound key is clicked twice for its second
+    /// character.
     fn type_character(&mut self, character: char) {
         for row in &KEYS {
             match row.role {
@@ -118,7 +119,7 @@ impl Hand {
         Err(format!("{condition:?} not within {limit} ms"))
     }
 
-    /// What the control says, and what the window shows of it.
+    /// Checks what the control shows, and that the window shows the same.
     fn expect(&mut self, expect: &Expectation) -> Result<(), String> {
         expect
             .check(self.bench.kernel.emulator())
@@ -144,7 +145,7 @@ impl Hand {
     fn act(&mut self, action: &ScriptAction) -> Result<(), String> {
         match action {
             ScriptAction::Press(key) => self.click(*key),
-            // A right click keeps the key for the next one, and no longer.
+            // A right click latches the key for the next one only.
             ScriptAction::Down(key) => self.button(*key, PointerButton::Secondary),
             ScriptAction::Up(key) if self.is_up(*key) => {}
             ScriptAction::Up(key) => return Err(format!("{} is still down", key.id())),
@@ -158,7 +159,7 @@ impl Hand {
         Ok(())
     }
 
-    /// Does what a script says, and sees what it expects.
+    /// Runs a script and checks its expectations.
     #[track_caller]
     pub fn follow(&mut self, text: &str) {
         let script = Script::parse(text).expect("a script");

@@ -1,4 +1,4 @@
-//! A window without a display with its kernel, for the tests of the window.
+//! A window without a display, with its kernel, for the tests of the window.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
 pub mod folder;
@@ -17,26 +17,26 @@ use gsk_core::setup::Setup;
 use gsk_messages::Language;
 use gsk_panel::emulator::Emulator;
 
-/// A window with its kernel, which runs only when it is told to.
+/// A window with its kernel. The kernel runs only when the test calls it.
 pub struct Bench {
     pub kernel: Kernel,
-    /// What the window has, too.
+    /// A second handle of the window's console.
     pub console: Console,
     pub harness: Harness<'static, Window>,
 }
 
 impl Bench {
-    /// Switched on, the self-test over.
+    /// A control that is on and has finished its self-test.
     pub fn new() -> Self {
         Self::with(Setup::default())
     }
 
-    /// The same with a setup of its own.
+    /// The same with a setup.
     pub fn with(setup: Setup) -> Self {
         Self::sized(setup, Layouts::of(Layout::Panel), egui::vec2(1280.0, 806.0))
     }
 
-    /// With layouts, in a window of so many points.
+    /// The same with layouts, in a window of `size` points.
     pub fn sized(setup: Setup, layouts: Layouts, size: egui::Vec2) -> Self {
         let settings = Settings {
             language: Language::En,
@@ -46,7 +46,7 @@ impl Bench {
         Self::remembering(setup, settings, size)
     }
 
-    /// With all that the window remembers.
+    /// The same with stored settings.
     pub fn remembering(setup: Setup, settings: Settings, size: egui::Vec2) -> Self {
         let (kernel, console) = Kernel::new(Emulator::new(setup));
         let harness = Harness::builder()
@@ -65,7 +65,7 @@ impl Bench {
         bench
     }
 
-    /// Lets the control run so many milliseconds and draws what there is to see.
+    /// Runs the control for `ms` milliseconds and draws the result.
     pub fn run(&mut self, ms: u64) {
         self.harness.step();
         self.kernel.run(ms);
@@ -84,7 +84,7 @@ impl Bench {
         self.harness.get_by_label("LCD").value().unwrap_or_default()
     }
 
-    /// What the kernel shows, whatever the window draws.
+    /// The LCD as the kernel sends it, whatever the window draws.
     pub fn lcd_of_kernel(&self) -> String {
         self.kernel.snapshot().screen.text()
     }
@@ -95,7 +95,7 @@ impl Bench {
         assert!(lcd.contains(text), "no `{text}` on the LCD:\n{lcd}");
     }
 
-    /// The figure behind U on the relative position page.
+    /// The number after U on the relative position page.
     pub fn shown_u(&self) -> f64 {
         let lcd = self.lcd();
         let row = lcd.lines().nth(3).unwrap_or_default();
@@ -117,7 +117,7 @@ impl Bench {
         let opened = (0..1000).any(|_| {
             std::thread::sleep(Duration::from_millis(10));
             self.run(1);
-            // The program view may say it, too.
+            // The program view may show the message, too.
             let says = |words| {
                 let mut all = self.harness.query_all_by_label_contains(words);
                 all.next().is_some()

@@ -1,8 +1,8 @@
-//! The program as a process of its own.
+//! Runs the program in a separate process.
 
 use std::process::Command;
 
-/// A call of the program that says what it says on any system, a Chinese one, too.
+/// A command that runs the program with English messages on every system.
 pub fn executable() -> Command {
     let mut call = Command::new(env!("CARGO_BIN_EXE_gsk980td"));
     call.env("LC_ALL", "C");

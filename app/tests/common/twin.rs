@@ -1,4 +1,4 @@
-//! A virtual board in a process of its own.
+//! A virtual board in a separate process.
 
 #![allow(
     dead_code,
@@ -11,16 +11,16 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-/// A board behind a pseudo terminal.
+/// A virtual board at a pseudo terminal.
 pub struct Twin {
     child: Child,
     said: Receiver<String>,
-    /// Its port.
+    /// The path of its port.
     pub port: String,
 }
 
 impl Twin {
-    /// `gsk980td link twin` with these options.
+    /// Starts `gsk980td link twin` with these options.
     pub fn play(options: &[&str]) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
             .args(["link", "twin", "--seconds", "1800"])
@@ -34,14 +34,14 @@ impl Twin {
         let (sender, said) = channel();
         std::thread::spawn(move || {
             for line in lines.map_while(Result::ok) {
-                // The test may be over.
+                // The test may have ended.
                 let _ = sender.send(line);
             }
         });
         Self { child, said, port }
     }
 
-    /// The next line it prints that has this in it, with the time in front taken away.
+    /// Waits for the next printed line that contains `what`, and returns it without its time.
     pub fn says(&self, what: &str, longest: Duration) -> Option<String> {
         let end = Instant::now() + longest;
         loop {
@@ -54,14 +54,14 @@ impl Twin {
         }
     }
 
-    /// What it has printed and was not read yet.
+    /// The lines that it has printed and that were not read yet.
     pub fn has_said(&self) -> Vec<String> {
         self.said.try_iter().collect()
     }
 
-    /// It is gone.
+    /// Ends the process, as if the board were unplugged.
     pub fn unplug(&mut self) {
-        // One that has ended cannot be ended again.
+        // The process may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -73,7 +73,7 @@ impl Drop for Twin {
     }
 }
 
-/// Sends a process a signal by its name.
+/// Sends a signal, by its name, to a process.
 pub fn signal(name: &str, process: u32) {
     let sent = Command::new("kill")
         .args([format!("-{name}"), process.to_string()])

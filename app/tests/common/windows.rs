@@ -1,4 +1,4 @@
-//! Windows of views as a system draws them, which a harness without a display has not.
+//! Renders the separate windows of views. A test harness without a display does not have them.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -10,16 +10,17 @@ use egui::{
 
 use super::Bench;
 
-/// A window of its own as it was drawn.
+/// A separate window as it was drawn.
 pub struct Shown {
-    /// Its place on the screen without frame and title, if it asked for one.
+    /// Its rectangle on the screen without frame and title; `None` if it requested no
+    /// position.
     pub place: Option<Rect>,
-    /// What is written in it, and where.
+    /// Its labels, each with its centre.
     pub labels: Vec<(String, Pos2)>,
 }
 
 impl Shown {
-    /// Where something is written.
+    /// The centre of a label.
     pub fn label(&self, words: &str) -> Option<Pos2> {
         let label = self.labels.iter().find(|(label, _)| label == words);
         label.map(|(_, place)| *place)
@@ -29,12 +30,12 @@ impl Shown {
 /// The windows beside the main one.
 pub struct Windows {
     all: Rc<RefCell<Vec<Shown>>>,
-    /// What happens in the first of them.
+    /// Input for the first of them.
     events: Rc<RefCell<Vec<Event>>>,
 }
 
 impl Windows {
-    /// From now on views may have windows of their own.
+    /// Lets views have separate windows from now on.
     pub fn of(bench: &Bench) -> Self {
         bench.harness.ctx.set_embed_viewports(false);
         let windows = Self {
@@ -49,14 +50,14 @@ impl Windows {
         windows
     }
 
-    /// Those of the next picture.
+    /// Draws the next frame and returns its windows.
     pub fn look(&self, bench: &mut Bench) -> Vec<Shown> {
         self.all.borrow_mut().clear();
         bench.harness.step();
         self.all.take()
     }
 
-    /// Clicks in the first of them.
+    /// Clicks a label in the first window.
     #[track_caller]
     pub fn click(&self, bench: &mut Bench, label: &str) {
         let shown = self.look(bench);
@@ -87,7 +88,7 @@ fn draw(context: &Context, mut window: ImmediateViewport<'_>, events: Vec<Event>
         ..RawInput::default()
     };
     let mut output = context.run_ui(input, |ui| (window.viewport_ui_cb)(ui));
-    // Nothing paints these windows, so their textures have no owner.
+    // No renderer paints these windows: their textures are dropped.
     output.textures_delta.clear();
     let update = output.platform_output.accesskit_update;
     let nodes = update.into_iter().flat_map(|update| update.nodes);

@@ -1,5 +1,4 @@
-//! The file dialog of this program, in a window of its own: folders, files, a line for
-//! the name.
+//! The file dialog of this program in a separate window: folders, files, a field for the name.
 
 use std::path::{Path, PathBuf};
 
@@ -22,12 +21,12 @@ const LEAST: [f32; 2] = [420.0, 260.0];
 /// An entry of a folder.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Entry {
-    /// Folders stand first.
+    /// First field: folders sort before files.
     is_file: bool,
     name: String,
 }
 
-/// What a folder holds, or why it cannot be read.
+/// The content of a folder, or why it cannot be read.
 type Listing = Result<Vec<Entry>, Message>;
 
 /// The dialog while it is open.
@@ -36,35 +35,35 @@ struct Open {
     folder: PathBuf,
     reading: Option<Receiver<Listing>>,
     listing: Listing,
-    /// The line for the name.
+    /// The content of the name field.
     typed: String,
-    /// Files with other endings are shown, too.
+    /// Whether files with other extensions are shown, too.
     all: bool,
     /// A file that would be overwritten.
     overwrites: Option<PathBuf>,
     focus: bool,
-    /// Where its window opened, and how large.
+    /// Position and size with which its window opened.
     placed: Option<(Option<Pos2>, Vec2)>,
 }
 
-/// What was typed into the window of the dialog and is the panel's all the same.
+/// Input of the dialog's window that belongs to the panel.
 #[derive(Debug, Default)]
 pub struct Typed {
-    /// That window has the focus.
+    /// Whether the dialog's window has the focus.
     pub focused: bool,
-    /// Feed hold and emergency stop, and what was let go.
+    /// Feed hold, emergency stop and key releases.
     pub stops: Vec<Event>,
 }
 
-/// The dialog.
+/// The file dialog.
 #[derive(Default)]
 pub struct Browser {
     open: Option<Open>,
-    /// The folder that was looked at last.
+    /// The folder that was shown last.
     last: Option<PathBuf>,
 }
 
-/// What became of the dialog in one picture.
+/// The result of the dialog in one frame.
 enum Outcome {
     Stays,
     GivenUp,
@@ -72,8 +71,8 @@ enum Outcome {
 }
 
 impl Browser {
-    /// Draws the dialog, if a file is to be chosen. Its window opens beside the keys that
-    /// stop the machine and, where there is room, beside the LCD (WINDOW-25).
+    /// Draws the dialog, if a file is to be chosen. Its window covers no key that stops the
+    /// machine and, if it fits, leaves the LCD visible (WINDOW-25).
     pub fn show(&mut self, context: &Context, language: Language, lcd: Option<Rect>) -> Typed {
         let mut typed = Typed::default();
         if self.open.is_none()
@@ -101,7 +100,7 @@ impl Browser {
     }
 }
 
-/// Where the first dialog begins: where the program was called, else at home.
+/// The folder of the first dialog: the working directory, else the home folder.
 fn first_folder() -> PathBuf {
     let called = std::env::current_dir().ok();
     let called = called.filter(|folder| folder.parent().is_some());
@@ -110,7 +109,8 @@ fn first_folder() -> PathBuf {
         .unwrap_or_else(|| PathBuf::from("/"))
 }
 
-/// A window of its own, or one inside the window where the system has only one.
+/// Draws the dialog in a separate window, or inside the main window where the system has only
+/// one.
 fn in_window(
     context: &Context,
     language: Language,
@@ -187,7 +187,7 @@ impl Open {
         open
     }
 
-    /// Looks into a folder; a slow disk does not hold up the window.
+    /// Reads a folder in a thread: a slow disk does not delay the window.
     fn go(&mut self, folder: PathBuf, context: &Context) {
         let (deliver, reading) = bounded(1);
         self.reading = Some(reading);
@@ -195,7 +195,7 @@ impl Open {
         self.folder.clone_from(&folder);
         let waker = context.clone();
         beside(context, &self.ask.say, move || {
-            // A dialog that was closed meanwhile reads nothing.
+            // A dialog that is closed by now reads nothing.
             let _ = deliver.send(listing(&folder));
             waker.request_repaint();
             None
@@ -266,7 +266,8 @@ impl Open {
         let name = say::browser_list_name().text(language);
         let list = focus::List::begin(ui, "entries", &name, shown.len(), None);
         let of = |at: usize| shown.get(at).cloned();
-        // Moving names a file, Enter takes it, or goes into a folder.
+        // Moving the cursor takes over the file name. Enter chooses the file or enters the
+        // folder.
         let moved = list.moved().and_then(of).filter(|entry| entry.is_file);
         let entered = list.entered().and_then(of).map(|entry| (entry, true));
         let mut clicked = entered.or(moved.map(|entry| (entry, false)));
@@ -337,7 +338,7 @@ impl Open {
         outcome
     }
 
-    /// The name as it stands in the line is meant: a folder is looked into.
+    /// Chooses the file in the name field. A folder is entered instead.
     fn choose(&mut self, context: &Context) -> Outcome {
         if self.ask.wanted == Wanted::Folder && self.typed.is_empty() {
             return Outcome::Chosen(self.folder.clone());
@@ -361,7 +362,7 @@ impl Open {
     }
 }
 
-/// Whether a name has one of these endings, in either case.
+/// Whether a name has one of these extensions, in either case.
 fn ends_so(name: &str, endings: &[&str]) -> bool {
     let ending = Path::new(name).extension();
     ending.is_some_and(|ending| {
@@ -371,7 +372,7 @@ fn ends_so(name: &str, endings: &[&str]) -> bool {
     })
 }
 
-/// What a folder holds, folders first, without what begins with a point.
+/// Reads the content of a folder, folders first, without names that begin with a dot.
 fn listing(folder: &Path) -> Listing {
     let wrong =
         |error: std::io::Error| say::subject_reason(folder.display(), say::as_written(error));

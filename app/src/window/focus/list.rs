@@ -1,4 +1,4 @@
-//! A list that is one stop of Tab: the keys of the cursor move in it (WINDOW-27).
+//! A list that is one stop for Tab: the cursor keys move inside it (WINDOW-27).
 
 use egui::style::ScrollAnimation;
 use egui::{
@@ -8,19 +8,19 @@ use egui::{
 
 use super::{keep_keys, take_keys};
 
-/// Rows that a page has as long as none was drawn.
+/// Rows per page before the list has been drawn.
 const PAGE: usize = 10;
 
-/// What is remembered of a list from one picture to the next.
+/// State of a list that is kept between frames.
 #[derive(Clone, Copy, Debug, Default)]
 struct Remembered {
-    /// The row that the focus stands on.
+    /// The row with the cursor.
     at: usize,
-    /// Rows in view.
+    /// Count of visible rows.
     page: usize,
 }
 
-/// A list whose rows are drawn now.
+/// A list whose rows are being drawn.
 #[derive(Debug)]
 pub struct List {
     id: Id,
@@ -31,10 +31,9 @@ pub struct List {
 }
 
 impl List {
-    /// Begins a list of so many rows where they are drawn next, and takes the keys that move
-    /// in it, if it has the focus. `chosen`: the row that is chosen, in a list where moving
-    /// chooses; its rows are drawn with [`ROW`] as their sense, each followed by
-    /// [`List::row`].
+    /// Starts a list of `count` rows at the next widget position and, with the focus, handles
+    /// its keys. `chosen` is the selected row of a list in which moving selects. Draw the rows
+    /// with [`ROW`] as their sense, each followed by [`List::row`].
     pub fn begin(ui: &Ui, salt: &str, name: &str, count: usize, chosen: Option<usize>) -> Self {
         let id = ui.scope_id().with(salt);
         let mut list = Self {
@@ -59,13 +58,13 @@ impl List {
             (ui.painter()).rect_stroke(place.expand(1.0), 2.0, line, StrokeKind::Inside);
             list.keys(ui, count, before.page);
         }
-        // Whoever comes in sees where he is.
+        // Scrolls to the cursor when the list gains the focus.
         list.moved |= response.gained_focus();
         list.remember(ui.ctx(), before.page);
         list
     }
 
-    /// Takes the keys that move in it: those that nothing is held with.
+    /// Handles the keys without modifiers that move in the list.
     fn keys(&mut self, ui: &Ui, count: usize, page: usize) {
         let page = match page {
             0 => PAGE,
@@ -95,23 +94,23 @@ impl List {
         self.entered = entered;
     }
 
-    /// The row that the focus has come to, where it has moved.
+    /// The row to which the cursor has moved in this frame.
     pub fn moved(&self) -> Option<usize> {
         (self.focused && self.moved).then_some(self.at)
     }
 
-    /// The row that Enter or Space was pressed at.
+    /// The row on which Enter or Space was pressed in this frame.
     pub fn entered(&self) -> Option<usize> {
         (self.focused && self.entered).then_some(self.at)
     }
 
-    /// Whether a row is where the focus stands.
+    /// Whether the list has the focus and its cursor is on `row`.
     pub const fn is_at(&self, row: usize) -> bool {
         self.focused && self.at == row
     }
 
-    /// Scrolls to the row of the focus in a list that draws the rows in view alone. To be
-    /// called before the first of them is drawn, `first`.
+    /// Scrolls to the cursor in a list that draws only the visible rows. `first` is the first
+    /// of them, `height` the height of a row in points. Call it before `first` is drawn.
     pub fn follow(&self, ui: &Ui, first: usize, height: f32) {
         let pitch = height + ui.spacing().item_spacing.y;
         let room = ui.clip_rect();
@@ -125,8 +124,8 @@ impl List {
         }
     }
 
-    /// Shows that a row is where the focus stands; a list that draws all its rows is scrolled
-    /// there. Says whether the row was clicked.
+    /// Marks the row if the cursor is on it, and scrolls to it after a move. Returns whether
+    /// the row was clicked.
     pub fn row(&self, ui: &Ui, row: usize, response: &Response) -> bool {
         if self.is_at(row) {
             let line = ui.visuals().widgets.hovered.fg_stroke;
@@ -159,7 +158,7 @@ fn remembered(context: &Context, id: Id) -> Remembered {
     own.unwrap_or_default()
 }
 
-/// Draws a row as a text that can be chosen.
+/// Draws a row as a selectable text.
 pub fn row(ui: &mut Ui, chosen: bool, words: String) -> Response {
     let said = words.clone();
     let row = ui.add(Button::selectable(chosen, words).truncate().sense(ROW));
@@ -167,7 +166,7 @@ pub fn row(ui: &mut Ui, chosen: bool, words: String) -> Response {
     row
 }
 
-/// Draws a row as a text that leads somewhere.
+/// Draws a row as an underlined link.
 pub fn link(ui: &mut Ui, words: RichText) -> Response {
     let said = words.text().to_owned();
     let colour = ui.visuals().hyperlink_color;
@@ -181,7 +180,7 @@ pub fn link(ui: &mut Ui, words: RichText) -> Response {
     row
 }
 
-/// Draws a row as a box that is ticked or not.
+/// Draws a row as a check box.
 pub fn tick(ui: &mut Ui, ticked: bool, words: &str, height: f32) -> Response {
     let galley = egui::WidgetText::from(words).into_galley(
         ui,
@@ -221,5 +220,5 @@ pub fn tick(ui: &mut Ui, ticked: bool, words: &str, height: f32) -> Response {
     row
 }
 
-/// What a row of a list feels: it is no stop of its own.
+/// The sense of a row: it reacts to clicks and is no Tab stop.
 pub const ROW: Sense = Sense::CLICK;

@@ -1,4 +1,4 @@
-//! When an alarm was raised, and where.
+//! Lists when and where an alarm was raised.
 
 use egui::{RichText, Ui};
 use gsk_core::command::ProgramId;
@@ -8,11 +8,11 @@ use gsk_panel::alarm_log::AlarmRecord;
 use super::Asked;
 use crate::window::alarm_line;
 
-/// So many are listed of one alarm.
+/// Greatest count of listed occurrences.
 const LISTED: usize = 5;
 
-/// The last occurrences of an alarm, the newest first; nothing where there was none.
-/// `number`: the first one of its row in the table.
+/// Draws the last occurrences of an alarm, the newest first; nothing if there are none.
+/// `number` is the first alarm number of its row in the alarm table.
 pub fn of(ui: &mut Ui, number: u16, raised: &[AlarmRecord], language: Language) -> Option<Asked> {
     let is_it = |it: &&AlarmRecord| it.alarm.row().map(|row| row.number) == Some(number);
     let mut of_it = raised.iter().filter(is_it).take(LISTED).peekable();
@@ -41,7 +41,7 @@ pub fn of(ui: &mut Ui, number: u16, raised: &[AlarmRecord], language: Language) 
     asked
 }
 
-/// `2024-02-29 23:59:58, 0:12:03 after power-on`.
+/// Formats the time of an occurrence: `2024-02-29 23:59:58, 0:12:03 after power-on`.
 fn moment(occurrence: &AlarmRecord, language: Language) -> String {
     let AlarmRecord {
         date, time, at_ms, ..

@@ -1,5 +1,5 @@
-//! What can be shown of a topic, and what is being shown: on a practice machine, so that the
-//! learner's own stays as it is.
+//! Offers demonstrations of a topic and shows the running one. It runs on a practice machine:
+//! the learner's machine keeps its state.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::kernel::{LessonOrder, LessonState};
 
 const SHOWN: Color32 = Color32::from_rgb(90, 200, 255);
 
-/// What there is to show of a subject: of itself, then of its family.
+/// The demonstrations of a subject and of its family.
 fn of(subject: Subject<'_>) -> impl Iterator<Item = &'static Demonstration> {
     let own = subject.to_string();
     let family = subject.family();
@@ -23,7 +23,7 @@ fn of(subject: Subject<'_>) -> impl Iterator<Item = &'static Demonstration> {
     })
 }
 
-/// A button for whatever can be shown of a subject.
+/// Draws a button for each demonstration of a subject.
 pub fn offered(ui: &mut Ui, subject: Subject<'_>, language: Language) -> Option<Asked> {
     let mut asked = None;
     for shown in of(subject) {
@@ -37,7 +37,8 @@ pub fn offered(ui: &mut Ui, subject: Subject<'_>, language: Language) -> Option<
     asked.map(Asked::Lesson)
 }
 
-/// What is being shown, and the way back; nothing where a lesson is under way, or neither.
+/// Draws the running demonstration with the buttons to continue, repeat and leave it. Draws
+/// nothing for a lesson.
 pub fn under_way(ui: &mut Ui, state: &LessonState, language: Language) -> Option<Asked> {
     let lesson = &demonstration_named(&state.name)?.lesson;
     let mut asked = None;

@@ -1,26 +1,26 @@
-//! Where a view's own window opens: where it was, else beside the LCD; never larger than the
-//! screen, and over no key that stops the machine (WINDOW-25).
+//! Positions the separate windows of views: at their last position, else beside the LCD. They
+//! are never larger than the screen and cover no key that stops the machine (WINDOW-25).
 
 use egui::{Context, Pos2, Rect, Vec2, ViewportInfo, pos2, vec2};
 
 use super::Place;
 use crate::window::clear;
 
-/// What the frame and the title of a window take, points.
+/// Width and height that the frame and the title of a window add, points.
 const FRAME: Vec2 = vec2(12.0, 44.0);
 
-/// The screen with what must stay in sight on it, points.
+/// The screen and the rectangles that must stay visible on it, points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Screen {
     size: Option<Vec2>,
-    /// The LCD; none where the system does not tell where the window is.
+    /// The LCD on the screen; `None` where the system does not report the window's position.
     lcd: Option<Rect>,
-    /// The keys that stop the machine; none there either.
+    /// The keys that stop the machine; empty where the position is unknown.
     stops: Vec<Rect>,
 }
 
 impl Screen {
-    /// The screen that the main window is on; `lcd` is the LCD inside the window.
+    /// The screen of the main window. `lcd` is the rectangle of the LCD inside the window.
     pub fn of(context: &Context, lcd: Option<Rect>) -> Self {
         let stops = clear::remembered(context);
         context.input(|input| {
@@ -39,8 +39,8 @@ impl Screen {
         })
     }
 
-    /// Where a window opens, with its size: where it was last, else where it leaves the
-    /// LCD free.
+    /// Position and size for a new window: those of `last`, else where it leaves the LCD
+    /// visible. The position is `None` where the system has to choose it.
     pub fn open(&self, last: Option<Place>, wanted: Vec2, least: Vec2) -> (Option<Pos2>, Vec2) {
         let wanted = last.map_or(wanted, |place| {
             vec2(place.size.0 as f32, place.size.1 as f32)
@@ -50,7 +50,7 @@ impl Screen {
         };
         let wanted = wanted.min(size - FRAME).max(vec2(1.0, 1.0));
         if let Some((x, y)) = last.and_then(|place| place.corner) {
-            // A screen that is gone, or a smaller one.
+            // The stored position may lie on a screen that is gone, or on a smaller one.
             let most = (size - wanted - FRAME).max(Vec2::ZERO);
             let corner = pos2((x as f32).clamp(0.0, most.x), (y as f32).clamp(0.0, most.y));
             let window = Rect::from_min_size(corner, wanted + FRAME);
@@ -58,7 +58,7 @@ impl Screen {
                 return (Some(corner), wanted);
             }
         }
-        // On another screen of several the LCD's place says nothing about this one.
+        // With several screens, an LCD on another one says nothing about this one.
         let screen = Rect::from_min_size(Pos2::ZERO, size);
         let lcd = self.lcd.filter(|lcd| screen.contains_rect(*lcd));
         if lcd.is_none() && self.stops.is_empty() {
@@ -69,8 +69,8 @@ impl Screen {
     }
 }
 
-/// Where the main window opens, with its size: where it was last, else in the middle of
-/// the screen, with a share of its width and height.
+/// Position and size of the main window: those of `last`, else centred on the screen with the
+/// share `share` of its width and height.
 pub fn main_window(last: Option<Place>, screen: Vec2, share: f32) -> (Pos2, Vec2) {
     let most = screen * share;
     let size = last.map_or(most, |place| vec2(place.size.0 as f32, place.size.1 as f32));
@@ -84,7 +84,7 @@ pub fn main_window(last: Option<Place>, screen: Vec2, share: f32) -> (Pos2, Vec2
     (corner, size)
 }
 
-/// Where a window is that is neither maximized nor hidden.
+/// Position and size of a window that is neither maximized nor hidden, else `None`.
 pub fn place(viewport: &ViewportInfo) -> Option<Place> {
     let unusual = [viewport.maximized, viewport.fullscreen, viewport.minimized];
     if unusual.contains(&Some(true)) {
@@ -98,8 +98,8 @@ pub fn place(viewport: &ViewportInfo) -> Option<Place> {
     })
 }
 
-/// The largest window, at most as large as wanted, beside the LCD and the keys that stop the
-/// machine; where there is no room for it, beside these keys alone.
+/// The largest rectangle, at most `wanted`, beside the LCD and the keys that stop the machine.
+/// Where it is smaller than `least`, only these keys stay visible.
 fn beside(
     screen: Rect,
     lcd: Option<Rect>,
@@ -118,7 +118,7 @@ fn beside(
         return (corner, size);
     }
     let (corner, size) = fitted(stops);
-    // Over the LCD it is as small as it can be.
+    // The window covers a part of the LCD with its least size.
     let small = least.min(size);
     (corner + size - small, small)
 }

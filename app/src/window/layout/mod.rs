@@ -1,5 +1,5 @@
-//! Layouts of the window: which views are docked beside the panel, and how the room is
-//! shared. Everything here is remembered from one start to the next.
+//! Layouts of the window: which views are docked beside the panel, and how the window is
+//! divided. The settings store all of it.
 
 pub mod floating;
 mod panes;
@@ -19,51 +19,48 @@ pub use panes::{Arranged, InTurn, Pane, arrange};
 pub use splitters::drag;
 use turns::in_turn;
 
-/// Units a pixel of the LCD's dots: the panel is drawn with half a dot a unit.
+/// Panel units per dot of the LCD.
 const UNITS_A_DOT: f32 = 2.0;
 
-/// How a layout shares out a wide window as long as nobody drags a splitter.
+/// How a layout divides a wide window whose splitters were not dragged.
 #[derive(Clone, Copy, Debug)]
 pub struct Proportions {
-    /// The most of the window's width that the panel takes.
+    /// Greatest share of the window's width for the panel, 0–1.
     panel_at_most: f32,
-    /// Share of the column that the panel stands in; None: as wide as the panel.
+    /// Share of the window's width for the column with the panel; `None`: the panel's width.
     column: Option<f32>,
-    /// Which of the docked views stands below the panel, counted from 0.
+    /// Index of the docked view below the panel, from 0.
     below: usize,
 }
 
-/// The panel as large as it goes.
+/// The panel is as large as possible.
 const LARGE_PANEL: Proportions = Proportions {
     panel_at_most: 0.75,
     column: None,
     below: 2,
 };
 
-/// A layout.
+/// A predefined arrangement that the operator chooses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Layout {
     /// The panel alone.
     Panel,
-    /// Panel and machine.
+    /// The panel and the machine.
     Machine,
-    /// Program text, machine and a smaller panel: for whoever writes programs.
+    /// Program text, machine and a smaller panel: for programming.
     Programmer,
-    /// Panel, machine, scope and fault bench: for whoever teaches.
+    /// Panel, machine, scope and fault bench: for teaching.
     Instructor,
     /// Panel and lessons beside the machine: for the operator in training.
     Learner,
 }
 
-/// A row of the table of layouts.
 pub struct LayoutRow {
-    /// The layout.
     pub layout: Layout,
-    /// Its name.
     pub name: fn() -> Message,
-    /// The key that chooses it, with Shift.
+    /// The key that chooses the layout, pressed with Shift.
     pub key: Key,
-    /// What is docked in it as long as nobody has changed it.
+    /// The docked views until the operator changes them.
     docked: &'static [View],
     proportions: Proportions,
 }
@@ -120,7 +117,7 @@ pub static LAYOUTS: [LayoutRow; 5] = [
 ];
 
 impl Layout {
-    /// The one of the first start: with the machine where the LCD keeps a pixel a dot.
+    /// The layout of the first start: with the machine where the LCD keeps a pixel per dot.
     fn first(room: Rect, pixels_per_point: f32) -> Self {
         match pixels_a_dot(room, LARGE_PANEL.panel_at_most, pixels_per_point) < 1.0 {
             true => Self::Panel,
@@ -134,7 +131,7 @@ impl Layout {
     }
 }
 
-/// The layout that a key chooses.
+/// The layout whose key is pressed in `events`, if any.
 pub fn chosen(events: &[Event]) -> Option<Layout> {
     let row = LAYOUTS.iter().find(|row| shifted(events, row.key));
     row.map(|row| row.layout)
@@ -143,54 +140,54 @@ pub fn chosen(events: &[Event]) -> Option<Layout> {
 /// Position and size of a window on the screen, points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Place {
-    /// Upper left corner, frame and all; None where the system does not tell it.
+    /// Upper left corner including the frame; `None` where the system does not report it.
     pub corner: Option<(i32, i32)>,
-    /// Size without the frame.
+    /// Width and height without the frame.
     pub size: (u32, u32),
 }
 
-/// What somebody has made of a layout.
+/// The operator's changes to a layout.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 struct Changes {
-    /// The views that are docked, if they are others than those of the table.
+    /// The docked views, if they differ from those of the table.
     docked: Option<Vec<View>>,
-    /// Where splitters were dragged to: share of the first side, thousandths.
+    /// Dragged splitters by number: share of the first side, thousandths.
     shares: BTreeMap<u8, u16>,
 }
 
-/// Where a view goes when it is opened.
+/// Where a view opens.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 struct Home {
-    /// Into the window, not into one of its own.
+    /// Whether it opens docked. Otherwise it opens in a separate window.
     docks: bool,
-    /// Its own window, when it was open last.
+    /// Position and size of its separate window when it was last open.
     place: Option<Place>,
 }
 
-/// The layouts as they are remembered.
+/// The chosen layout and the operator's changes, as the settings store them.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Layouts {
-    /// The one in use; none was chosen yet.
+    /// The layout in use; `None` before the first start has chosen one.
     chosen: Option<Layout>,
     changes: BTreeMap<Layout, Changes>,
     homes: BTreeMap<View, Home>,
-    /// The main window, when it was not maximized.
+    /// Position and size of the main window before it was maximized.
     pub window: Option<Place>,
-    /// Views in windows of their own; at the start there is none.
+    /// Views in separate windows; none is open at the start.
     #[serde(skip)]
     floating: Vec<View>,
-    /// The system has one window only, as a page in a browser: views are docked.
+    /// Whether the system has one window only, as a page in a browser: all views are docked.
     #[serde(skip)]
     only_docks: bool,
-    /// What is shown where there is no room for panel and views together; none: the panel.
+    /// The pane that is shown where panel and views do not fit together; `None`: the panel.
     front: Option<View>,
 }
 
 impl Layouts {
-    /// With a layout chosen.
+    /// The layouts with one chosen and no changes.
     pub fn of(layout: Layout) -> Self {
         Self {
             chosen: Some(layout),
@@ -198,12 +195,11 @@ impl Layouts {
         }
     }
 
-    /// The layout in use.
     pub fn current(&self) -> Layout {
         self.chosen.unwrap_or(Layout::Panel)
     }
 
-    /// At the first start: what the room is large enough for.
+    /// Chooses the layout for the first start by the available size, unless one is chosen.
     pub fn begin(&mut self, room: Rect, pixels_per_point: f32) {
         let first = || Layout::first(room, pixels_per_point);
         self.chosen.get_or_insert_with(first);
@@ -215,7 +211,6 @@ impl Layouts {
         self.front = None;
     }
 
-    /// The docked views.
     pub fn docked(&self) -> Vec<View> {
         let layout = self.current();
         let changed = self.changes.get(&layout);
@@ -223,14 +218,14 @@ impl Layouts {
         changed.unwrap_or_else(|| layout.row().docked.to_vec())
     }
 
-    /// The views in windows of their own.
+    /// The views in separate windows.
     pub fn floating(&self) -> Vec<View> {
         let docked = self.docked();
         let own = self.floating.iter().copied();
         own.filter(|view| !docked.contains(view)).collect()
     }
 
-    /// Whether a view is open.
+    /// Whether a view is docked or has a separate window.
     pub fn is_open(&self, view: View) -> bool {
         self.floating.contains(&view) || self.docked().contains(&view)
     }
@@ -248,7 +243,7 @@ impl Layouts {
         }
     }
 
-    /// Puts a view into the window.
+    /// Docks a view in the main window.
     pub fn dock(&mut self, view: View) {
         self.take_away(view);
         let mut docked = self.docked();
@@ -265,30 +260,31 @@ impl Layouts {
         self.front = front;
     }
 
-    /// Says whether the system has one window only: views then open in panes, where they
-    /// cover no key that stops the machine (WINDOW-25).
+    /// Sets whether the system has one window only. Views then open in panes, where they cover
+    /// no key that stops the machine (WINDOW-25).
     pub const fn set_only_docks(&mut self, only_docks: bool) {
         self.only_docks = only_docks;
     }
 
-    /// Shows a docked view, none: the panel, where there is no room for all of them.
+    /// Brings a docked view, or with `None` the panel, to the front where they do not fit
+    /// together.
     pub const fn bring(&mut self, front: Option<View>) {
         self.front = front;
     }
 
-    /// Gives a view a window of its own.
+    /// Opens a view in a separate window.
     pub fn float(&mut self, view: View) {
         self.take_away(view);
         self.floating.push(view);
         self.home(view).docks = false;
     }
 
-    /// Where a view's own window was last.
+    /// Last position and size of a view's separate window.
     pub fn place(&self, view: View) -> Option<Place> {
         self.homes.get(&view).and_then(|home| home.place)
     }
 
-    /// Remembers where a view's own window is.
+    /// Stores the position and size of a view's separate window.
     pub fn remember(&mut self, view: View, place: Place) {
         self.home(view).place = Some(place);
     }
@@ -315,8 +311,8 @@ impl Layouts {
         self.changes.entry(layout).or_default().docked = Some(docked);
     }
 
-    /// The panes in a room: together, or one of them with a bar to change to the others.
-    /// Keys are at least so large, points, where there is room for it.
+    /// Arranges the panes in `room`: all together, or one of them with a bar to switch to the
+    /// others. Keys are at least `key` points large where they fit.
     pub fn arrange(&self, room: Rect, pixels_per_point: f32, key: f32) -> Arranged {
         let shares = self.changes.get(&self.current());
         let share = |split: u8| {
@@ -329,7 +325,7 @@ impl Layouts {
             key,
         };
         let together = arrange(room, &self.docked(), proportions, scales, &share);
-        // Whoever has dragged a bar wants it so.
+        // After the operator has dragged a splitter, the panes stay together.
         let dragged = shares.is_some_and(|changes| !changes.shares.is_empty());
         match !dragged && turns::is_crowded(&together, scales) {
             true => in_turn(room, together, self.front),
@@ -337,14 +333,14 @@ impl Layouts {
         }
     }
 
-    /// From now on panel and views are shown together, whatever room there is.
+    /// Shows panel and views together from now on, whatever the available size.
     pub fn keep_together(&mut self, arranged: &Arranged) {
         if let Some(splitter) = arranged.splitters.first() {
             self.set_share(splitter.split, Some(splitter.at()));
         }
     }
 
-    /// Moves a splitter; `None`: back to where it stands by itself.
+    /// Moves a splitter; `None` restores its default position.
     pub fn set_share(&mut self, split: u8, share: Option<f32>) {
         let layout = self.current();
         let shares = &mut self.changes.entry(layout).or_default().shares;
@@ -360,26 +356,27 @@ impl Layouts {
     }
 }
 
-/// What decides how large the panel is to be.
+/// The scales that determine the size of the panel.
 #[derive(Clone, Copy, Debug)]
 pub struct Scales {
-    /// Physical pixels a point.
+    /// Physical pixels per point.
     pixels_per_point: f32,
-    /// Least side of a key, points; 0: any.
+    /// Least side of a key, points; 0: no limit.
     key: f32,
 }
 
-/// Whole pixels that a dot of the LCD has beside views.
+/// Whole pixels per dot of the LCD when the panel takes at most the share `at_most` of the
+/// width.
 fn pixels_a_dot(room: Rect, at_most: f32, pixels_per_point: f32) -> f32 {
     let at_most = egui::vec2(room.width() * at_most, room.height());
     let scale = placing::whole_scale(at_most) * pixels_per_point;
     (scale * UNITS_A_DOT).floor()
 }
 
-/// The share of a room's width that the panel takes by itself beside views: the most
-/// that shows the dots of the LCD as whole pixels.
+/// The panel's share of the width beside views: the largest share up to `at_most` that shows
+/// the dots of the LCD as whole pixels.
 fn panel_share(room: Rect, at_most: f32, scales: Scales) -> f32 {
-    // Its pane ends at half a bar.
+    // The panel's pane ends at the middle of the splitter.
     let for_keys = (placing::width_for(scales.key) + BAR / 2.0) / room.width();
     dots_share(room, at_most, scales.pixels_per_point).max(for_keys.min(1.0))
 }

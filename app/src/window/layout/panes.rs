@@ -1,6 +1,5 @@
-//! The room of the window shared out: the panel and the docked views in panes, with
-//! splitters between them. In a wide window the panel stands in the left column, in a
-//! high one below the views.
+//! Divides the window into panes for the panel and the docked views, with splitters between
+//! them. In a wide window the panel is in the left column, in a high one below the views.
 
 use egui::{Pos2, Rect, pos2};
 
@@ -12,8 +11,8 @@ use gsk_panel::faceplate::SIZE;
 pub(super) const BAR: f32 = 6.0;
 /// Least side of a pane, points.
 const LEAST: f32 = 90.0;
-/// Numbers of splitters: between the columns, in the left, in the right column, and in
-/// the single column of a high window.
+/// Numbers of the splitters: between the columns, in the left column, in the right column, and
+/// in the single column of a high window. The settings store them.
 const COLUMNS: u8 = 0;
 const LEFT: u8 = 1;
 const RIGHT: u8 = 10;
@@ -22,27 +21,25 @@ const SINGLE: u8 = 20;
 /// What a pane shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pane {
-    /// The panel.
     Panel,
     /// A docked view.
     View(View),
 }
 
-/// A bar between two sides that share a room.
+/// The movable bar between two sides that share a rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splitter {
-    /// Its number.
+    /// Its number; the settings store its position under this number.
     pub split: u8,
-    /// Where it is.
     pub bar: Rect,
-    /// The room of both sides.
+    /// The rectangle of both sides, points.
     pub room: Rect,
-    /// The sides are beside each other, not one above the other.
+    /// Whether the sides are beside each other. Otherwise one is above the other.
     pub beside: bool,
 }
 
 impl Splitter {
-    /// The share of the first side when the bar lies at a place.
+    /// The share of the first side, 0–1, with the bar at `at`.
     pub fn share(&self, at: Pos2) -> f32 {
         let share = match self.beside {
             true => (at.x - self.room.left()) / self.room.width(),
@@ -51,35 +48,35 @@ impl Splitter {
         share.clamp(0.0, 1.0)
     }
 
-    /// The share of the first side as it is.
+    /// The current share of the first side, 0–1.
     pub fn at(&self) -> f32 {
         self.share(self.bar.center())
     }
 }
 
-/// The room shared out.
+/// The panes and splitters of the window.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Arranged {
-    /// The panes, the panel first.
+    /// Each pane with its rectangle, the panel first.
     pub panes: Vec<(Pane, Rect)>,
-    /// The bars between them.
     pub splitters: Vec<Splitter>,
-    /// What else there is, if one pane is all that is shown.
+    /// The tab bar, where only one pane fits.
     pub turns: Option<InTurn>,
 }
 
-/// What there is beside the one pane that is shown.
+/// The tab bar that switches between panes, of which one is shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InTurn {
-    /// The bar to change from one to another.
+    /// The rectangle of the tab bar.
     pub bar: Rect,
     /// All panes, the panel first.
     pub all: Vec<Pane>,
-    /// How they would stand together.
+    /// The arrangement with all panes together.
     pub together: Box<Arranged>,
 }
 
-/// Shares out a room. `share` is where a splitter was dragged to.
+/// Arranges the panel and the docked views in `room`. `share` returns the position of a
+/// dragged splitter.
 pub fn arrange(
     room: Rect,
     docked: &[View],
@@ -121,7 +118,7 @@ pub fn arrange(
     let panel = if below.is_empty() {
         left
     } else {
-        // In a column of its own width the panel is as large as it wants to be.
+        // In a wider column the panel keeps its largest width.
         let panel = match proportions.column {
             Some(_) => left.width().min(panel_share * room.width()),
             None => left.width(),
@@ -138,7 +135,8 @@ pub fn arrange(
 }
 
 impl Arranged {
-    /// Panes one above the other.
+    /// Stacks `panes` in `room`, one above the other. `split` is the number of the first
+    /// splitter.
     fn column(&mut self, room: Rect, panes: &[Pane], split: u8, share: &dyn Fn(u8) -> Option<f32>) {
         match panes {
             [] => {}
@@ -153,7 +151,7 @@ impl Arranged {
         }
     }
 
-    /// Cuts a room in two with a bar between, no side smaller than can be used.
+    /// Divides `room` in two with a splitter between. No side becomes smaller than [`LEAST`].
     fn split(&mut self, room: Rect, split: u8, beside: bool, share: f32) -> (Rect, Rect) {
         let length = if beside { room.width() } else { room.height() };
         let least = LEAST.min(length / 2.0);

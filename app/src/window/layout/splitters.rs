@@ -1,5 +1,6 @@
-//! The bars between panes: dragged with mouse or finger, a double click puts one back. With
-//! the focus they are moved by the keys of the cursor, Enter puts one back (WINDOW-27).
+//! Draws the splitters between panes and moves them: mouse or finger drag one, a double click
+//! restores its default position. With the focus, the cursor keys move it and Enter restores
+//! it (WINDOW-27).
 
 use egui::{Color32, CursorIcon, Key, Role, Sense, Ui, WidgetInfo};
 
@@ -9,14 +10,14 @@ use super::Layouts;
 use super::panes::Splitter;
 use gsk_messages::{Language, say};
 
-/// How far a key moves a bar, a share of its room.
+/// Distance that a cursor key moves a splitter, as a share of both sides.
 const STEP: f32 = 0.02;
 
-/// A bar at rest, and one that is held.
+/// Colours of an idle splitter, and of one that is pointed at or has the focus.
 const REST: Color32 = Color32::from_gray(44);
 const HELD: Color32 = Color32::from_rgb(88, 140, 196);
 
-/// Draws the bars and moves the one that is dragged.
+/// Draws the splitters and moves the one that is dragged.
 pub fn drag(ui: &Ui, splitters: &[Splitter], layouts: &mut Layouts, language: Language) {
     for splitter in splitters {
         let id = ui.scope_id().with(("splitter", splitter.split));
@@ -56,7 +57,7 @@ pub fn drag(ui: &Ui, splitters: &[Splitter], layouts: &mut Layouts, language: La
     }
 }
 
-/// Takes the keys that move a bar: those that nothing is held with.
+/// Moves the focused splitter with the cursor keys that hold no panel key.
 fn by_keys(ui: &Ui, splitter: &Splitter, layouts: &mut Layouts) {
     let (back, forth) = match splitter.beside {
         true => (Key::ArrowLeft, Key::ArrowRight),

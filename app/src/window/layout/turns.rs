@@ -1,5 +1,5 @@
-//! Panel and docked views in turn, where the window has no room for all of them
-//! (WINDOW-22).
+//! Shows panel and docked views as tabs, one at a time, where the window is too small for all
+//! of them (WINDOW-22).
 
 use egui::{Rect, Vec2};
 
@@ -8,14 +8,14 @@ use super::{Scales, UNITS_A_DOT};
 use crate::window::placing;
 use crate::window::view::View;
 
-/// Height of the bar to change from one to another, points: as high as keys for fingers.
+/// Height of the tab bar, points: large enough for fingers.
 const BAR: f32 = 42.0;
-/// Share of the least size of its own window that a view needs in a pane: what is a little
-/// lower is scrolled.
+/// Share of a view's least window size that a pane must have. A pane that is a little lower
+/// scrolls.
 const ENOUGH: Vec2 = Vec2::new(0.95, 0.7);
 
-/// Whether a pane is too small for what it shows: fewer pixels than dots of the LCD, keys
-/// smaller than they are to be, a view of less than its least size.
+/// Whether a pane is too small for its content: the LCD has fewer pixels than dots, the keys
+/// are smaller than the limit, or a view is smaller than its least size.
 pub fn is_crowded(arranged: &Arranged, scales: Scales) -> bool {
     if arranged.panes.len() < 2 {
         return false;
@@ -33,7 +33,7 @@ pub fn is_crowded(arranged: &Arranged, scales: Scales) -> bool {
     })
 }
 
-/// One pane in the whole room, below the bar.
+/// Shows one pane in `room`, below the tab bar.
 pub fn in_turn(room: Rect, together: Arranged, front: Option<View>) -> Arranged {
     let all: Vec<Pane> = together.panes.iter().map(|(pane, _)| *pane).collect();
     let front = front.map_or(Pane::Panel, Pane::View);
@@ -86,7 +86,7 @@ mod tests {
         assert_eq!(shown(&layouts, small, 0.0).len(), 3);
         layouts.set_share(0, None);
         assert_eq!(shown(&layouts, small, 0.0), [Pane::Panel]);
-        // A view that was closed leaves the panel.
+        // Closing the front view shows the panel.
         layouts.dock(View::Data);
         layouts.toggle(View::Data);
         assert_eq!(shown(&layouts, small, 0.0), [Pane::Panel, machine]);

@@ -1,4 +1,4 @@
-//! The menus of the bar.
+//! Draws the menus of the top bar.
 
 use std::path::PathBuf;
 
@@ -16,7 +16,7 @@ use crate::window::view::{VIEWS, key_name};
 use crate::window::views::project::COMMANDS;
 use crate::window::zoom;
 
-/// Programs: to be opened, those of the last time, samples, the lessons; and projects.
+/// Draws the entries for programs: open, recent, samples, lessons; and projects.
 pub fn programs(ui: &mut Ui, settings: &Settings, opened: Option<&PathBuf>) -> Option<Asked> {
     let language = settings.language;
     let mut asked = None;
@@ -69,7 +69,7 @@ pub fn programs(ui: &mut Ui, settings: &Settings, opened: Option<&PathBuf>) -> O
     asked
 }
 
-/// How the window looks: layouts, surroundings, size, and which control it is.
+/// Draws the entries for the look of the window: layouts, theme, zoom, sound, control model.
 pub fn looks(ui: &mut Ui, settings: &Settings, models: &ModelChoice) -> Option<Asked> {
     let language = settings.language;
     let mut asked = None;
@@ -116,7 +116,7 @@ pub fn looks(ui: &mut Ui, settings: &Settings, models: &ModelChoice) -> Option<A
     asked
 }
 
-/// The views.
+/// Draws the entries for the views.
 pub fn views(ui: &mut Ui, settings: &Settings) -> Option<Asked> {
     let language = settings.language;
     let mut asked = None;
@@ -134,7 +134,7 @@ pub fn views(ui: &mut Ui, settings: &Settings) -> Option<Asked> {
     asked
 }
 
-/// How large everything is.
+/// Draws the menu of zooms.
 fn zooms(ui: &mut Ui, language: Language, chosen: Option<u16>) -> Option<Asked> {
     let mut asked = None;
     ui.menu_button(say::window_zoom().text(language), |ui| {
@@ -156,7 +156,7 @@ fn zooms(ui: &mut Ui, language: Language, chosen: Option<u16>) -> Option<Asked> 
     asked
 }
 
-/// How loud the machine is.
+/// Draws the menu of volumes.
 fn volumes(ui: &mut Ui, language: Language, chosen: Option<u8>) -> Option<Asked> {
     let mut asked = None;
     ui.menu_button(say::window_sound().text(language), |ui| {
@@ -175,7 +175,7 @@ fn volumes(ui: &mut Ui, language: Language, chosen: Option<u8>) -> Option<Asked>
     asked
 }
 
-/// The control models; another one is turned on while nothing runs.
+/// Draws the control models. Another one can be turned on while nothing runs.
 fn models_of(ui: &mut Ui, language: Language, models: &ModelChoice) -> Option<Asked> {
     let mut asked = None;
     for id in ModelId::ALL.into_iter().filter(|id| !id.is_mill()) {

@@ -1,4 +1,4 @@
-//! What is typed into the fields of the steps.
+//! The input of all commissioning steps.
 
 use egui::{Role, TextEdit, Ui, WidgetInfo};
 use gsk_commission::{BacklashReading, DriveKind, SlideTravel, ZeroMethod};
@@ -11,27 +11,27 @@ const WIDTH: f32 = 90.0;
 /// The texts and choices of all steps.
 #[derive(Clone, Debug)]
 pub struct Fields {
-    /// Gear: by measurement, or from the plates.
+    /// Gear: whether it is computed from a measured move, else from the data plates.
     pub measured_gear: bool,
-    /// Gear from the plates: pulses, lead, teeth of screw and motor.
+    /// Gear from the plates: pulses per turn, lead of the screw, teeth of screw and motor.
     pub plates: [String; 4],
-    /// Gear by measurement: commanded and measured.
+    /// Gear from a move: commanded and measured distance.
     pub moved: [String; 2],
     /// The kind of the drives.
     pub kind: DriveKind,
-    /// Following error: seen and allowed.
+    /// Following error: measured and allowed.
     pub lag: [String; 2],
     /// How the machine zero is found.
     pub method: ZeroMethod,
     /// Spindle: gear, speed, voltage.
     pub spindle: [String; 3],
-    /// Backlash: a pair of readings a line.
+    /// Backlash: a pair of readings per line.
     pub readings: String,
-    /// Pitch: the interval.
+    /// Pitch: the interval of the points.
     pub interval: String,
-    /// Pitch: measured with an empty table.
+    /// Pitch: whether the table was empty during the measurement.
     pub clear: bool,
-    /// Pitch: targets are diameters.
+    /// Pitch: whether the X targets are diameters.
     pub diameters: bool,
 }
 
@@ -54,12 +54,12 @@ impl Default for Fields {
     }
 }
 
-/// A number, with a point or a comma.
+/// Parses a number with a decimal point or comma.
 pub fn number(text: &str) -> Result<f64, Message> {
     parse_finite(&text.trim().replace(',', ".")).ok_or_else(say::commission_numbers)
 }
 
-/// A number that may be left out.
+/// Parses a number that may be missing.
 pub fn optional(text: &str) -> Result<Option<f64>, Message> {
     match text.trim().is_empty() {
         true => Ok(None),
@@ -67,7 +67,7 @@ pub fn optional(text: &str) -> Result<Option<f64>, Message> {
     }
 }
 
-/// Pairs of readings, one a line.
+/// Parses pairs of readings, one per line.
 pub fn readings(text: &str) -> Result<Vec<BacklashReading>, Message> {
     let lines = text.lines().filter(|line| !line.trim().is_empty());
     lines
@@ -84,7 +84,7 @@ pub fn readings(text: &str) -> Result<Vec<BacklashReading>, Message> {
         .collect()
 }
 
-/// Rows of a name and a field; whether one was changed.
+/// Draws rows of a field and its name.
 pub fn rows(ui: &mut Ui, language: Language, rows: &mut [(Message, &mut String)]) {
     for (name, text) in rows {
         ui.horizontal(|ui| {

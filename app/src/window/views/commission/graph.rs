@@ -1,14 +1,15 @@
-//! Pitch errors along an axis: what is in force, what was measured, what is proposed.
+//! Draws the pitch errors along an axis: the current correction, the measured deviation, the
+//! proposed correction.
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 use gsk_commission::DeviationCurve;
 use gsk_messages::{Language, Message, say};
 
-/// Height of the picture, points.
+/// Height of the graph, points.
 const HEIGHT: f32 = 190.0;
-/// Room for the figures of the scale, points.
+/// Width of the scale, points.
 const GUTTER: f32 = 56.0;
-/// Room for positions below, and for the legend above, points.
+/// Height of the positions below, and of the legend above, points.
 const FOOT: f32 = 18.0;
 
 const GRID: Color32 = Color32::from_gray(52);
@@ -20,11 +21,11 @@ const NEW: Color32 = Color32::from_rgb(90, 200, 255);
 /// The curves of an axis.
 #[derive(Clone, Debug, Default)]
 pub struct Curves {
-    /// The correction in force.
+    /// The current correction.
     pub old: DeviationCurve,
-    /// The deviation that was measured.
+    /// The measured deviation.
     pub measured: DeviationCurve,
-    /// The correction that is proposed.
+    /// The proposed correction.
     pub new: DeviationCurve,
 }
 
@@ -38,7 +39,6 @@ impl Curves {
     }
 }
 
-/// Draws them.
 pub fn show(ui: &mut Ui, language: Language, curves: &Curves) {
     let size = vec2(ui.available_width(), HEIGHT);
     let (room, response) = ui.allocate_exact_size(size, Sense::HOVER);

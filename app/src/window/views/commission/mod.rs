@@ -1,5 +1,5 @@
-//! Commissioning: step by step from what is measured at the lathe to the parameters of the
-//! control (manual III-12). It moves no axis; it writes as the control lets it.
+//! The commissioning view: leads step by step from measurements at the lathe to the parameters
+//! of the control (manual III-12). It moves no axis, and writes only what the control allows.
 
 mod fields;
 mod graph;
@@ -32,11 +32,11 @@ const STEPS: f32 = 210.0;
 const CHANGES: f32 = 160.0;
 
 const WRONG: Color32 = Color32::from_rgb(255, 150, 110);
-/// What the control does not take now.
+/// Colour of the reason why the control refuses values now.
 const NOT_NOW: Color32 = Color32::from_rgb(255, 214, 110);
 const FINE: Color32 = Color32::from_rgb(110, 230, 120);
 
-/// The view of commissioning.
+/// The commissioning view.
 pub struct CommissionView {
     console: Console,
     step: CommissioningStep,
@@ -45,12 +45,12 @@ pub struct CommissionView {
     pitch: PitchStep,
     proposal: Option<Result<Proposal, Message>>,
     undo: UndoList<CommissioningStep, ParameterChange>,
-    /// The largest following error since it was cleared, mm of slide travel.
+    /// The largest following error since the last clearing, mm of slide travel.
     lag: PerAxis<f64>,
 }
 
 impl CommissionView {
-    /// At its first step.
+    /// Creates the view with its first step.
     pub fn new(console: Console) -> Self {
         Self {
             console,
@@ -64,7 +64,7 @@ impl CommissionView {
         }
     }
 
-    /// Draws the view and takes its input; whether the scope is wanted.
+    /// Draws the view. Returns whether the operator wants to see the scope.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -136,7 +136,7 @@ impl CommissionView {
         scope
     }
 
-    /// What was written so far, and the button that takes the last of it back.
+    /// Draws the list of written values with the undo button.
     fn written(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
         let taken = written::show(
             ui,
@@ -266,7 +266,7 @@ impl CommissionView {
         }
     }
 
-    /// Whether a file has come.
+    /// Draws the fields of the pitch errors. Returns whether a file has been read.
     fn pitch_fields(&mut self, ui: &mut Ui, language: Language) -> bool {
         let come = self.pitch.show(ui, language, &self.console);
         let interval = &mut self.fields.interval;
@@ -279,7 +279,7 @@ impl CommissionView {
         come
     }
 
-    /// What the step proposes; none where something is still missing.
+    /// Computes the proposal of the step. `None` while input is missing.
     fn propose(&mut self, machine: &MachineView) -> Result<Option<Proposal>, Message> {
         let (axis, own) = (self.axis, &machine.parameters);
         let fields = &self.fields;
@@ -295,7 +295,7 @@ impl CommissionView {
             }
             CommissioningStep::Gear => {
                 let [pulses, lead, screw, motor] = &fields.plates;
-                // Teeth are whole: what is none becomes 0, and is refused.
+                // Teeth are whole numbers. Any other text becomes 0, which is refused.
                 let teeth = |text: &str| text.trim().parse().unwrap_or(0);
                 let drive = DriveTrain {
                     pulses_per_turn: number(pulses)?,
@@ -339,7 +339,7 @@ impl CommissionView {
         proposal.map(Some)
     }
 
-    /// What is to be written, beside what stands there, and the button that writes it.
+    /// Draws the proposed values beside the current ones, and the write button.
     fn proposed(
         &mut self,
         ui: &mut Ui,

@@ -1,4 +1,5 @@
-//! The step of pitch errors: a file, what it says, the table for it, beside the one in force.
+//! The step for pitch errors: reads a measurement file, proposes a table for it, and compares
+//! it with the current one.
 
 use std::path::Path;
 
@@ -18,22 +19,22 @@ use crate::kernel::Console;
 use crate::pitch::{Found, found, read_file};
 use crate::window::files::{self, Wanted};
 
-/// Positions of the drawn corrections.
+/// Count of intervals of the drawn corrections.
 const DRAWN: i32 = 600;
 /// Height of the list of points, points.
 const LIST: f32 = 150.0;
 
-/// The files that hold measurements.
+/// Extensions of measurement files.
 const ENDINGS: [&str; 4] = ["csv", "ren", "rtl", "txt"];
 
-/// What was read.
+/// A file that was read: its name and content.
 #[derive(Clone, Debug)]
 struct Measured {
     name: String,
     imported: ImportedFile,
 }
 
-/// The file under way, the one that was read, and what came of it.
+/// The file and the result of the step.
 #[derive(Default)]
 pub struct PitchStep {
     reading: Option<Receiver<Measured>>,
@@ -43,7 +44,8 @@ pub struct PitchStep {
 }
 
 impl PitchStep {
-    /// The button, and what is known of the file; whether another one has come.
+    /// Draws the button and the summary of the file. Returns whether another file has been
+    /// read.
     pub fn show(&mut self, ui: &mut Ui, language: Language, console: &Console) -> bool {
         let come = self.reading.as_ref().and_then(|it| it.try_recv().ok());
         let new = come.is_some();
@@ -80,7 +82,7 @@ impl PitchStep {
                 Ok(imported) => {
                     let name = path.file_name().map(Path::new);
                     let name = name.unwrap_or(&path).display().to_string();
-                    // A window that is gone shows nothing.
+                    // A closed window shows nothing.
                     let _ = deliver.send(Measured { name, imported });
                     None
                 }
@@ -89,7 +91,7 @@ impl PitchStep {
         });
     }
 
-    /// What the file says for the control as it is; none: there is no file.
+    /// Computes the proposal for the current parameters; `None` without a file.
     pub fn propose(
         &mut self,
         axis: Axis,
@@ -138,7 +140,7 @@ impl PitchStep {
         Ok(Some(found))
     }
 
-    /// The graph, and the corrections at the targets as a list.
+    /// Draws the graph, and the corrections at the targets as a list.
     pub fn result(&self, ui: &mut Ui, language: Language) {
         for said in &self.said {
             ui.label(said.text(language));
@@ -165,7 +167,7 @@ impl PitchStep {
     }
 }
 
-/// How far the points of a table reach.
+/// The range of the axis that the points of a table cover.
 fn reach(
     axis: Axis,
     parameters: &Parameters,

@@ -1,4 +1,4 @@
-//! A value that is being edited: where it stands, what is typed, what is asked of the
+//! A value under edit in the data view: its field, the typed text, and the request to the
 //! control.
 
 use std::collections::BTreeMap;
@@ -12,7 +12,7 @@ use gsk_messages::{Message, say};
 use super::values::Values;
 use crate::kernel::monitor::VariableTable;
 
-/// Millimetres of an inch.
+/// Millimetres per inch.
 const INCH: f64 = 25.4;
 
 /// A column of the tool offsets.
@@ -25,10 +25,10 @@ pub enum Part {
 }
 
 impl Part {
-    /// All of them, as the page has them.
+    /// The columns in the order of the page.
     pub const ALL: [Self; 4] = [Self::X, Self::Z, Self::R, Self::T];
 
-    /// Its heading.
+    /// The heading of the column.
     pub const fn letter(self) -> &'static str {
         match self {
             Self::X => "X",
@@ -38,7 +38,7 @@ impl Part {
         }
     }
 
-    /// Its value in a row: mm, or the number of the nose.
+    /// The value of this column in a row: mm, or the tool nose number.
     fn of(self, row: ToolOffset) -> f64 {
         match self {
             Self::X => row.x,
@@ -48,7 +48,7 @@ impl Part {
         }
     }
 
-    /// A value of it as the page writes it.
+    /// Formats a value of this column as the page of the control does.
     fn text(self, value: f64, machine: &Values<'_>) -> String {
         match self {
             Self::T => format!("{value:.0}"),
@@ -57,25 +57,24 @@ impl Part {
     }
 }
 
-/// Where a value stands.
+/// The field that shows a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Spot {
-    /// A parameter, a state parameter as a whole.
+    /// A parameter; a state parameter as a whole.
     Parameter(u16),
     /// Row and column of the tool offsets.
     Offset(u8, Part),
     /// A point of the pitch errors of X.
     PitchX(u8),
-    /// One of Z.
+    /// A point of the pitch errors of Z.
     PitchZ(u8),
-    /// A macro variable.
+    /// A macro variable by its number.
     Variable(u16),
 }
 
-/// A value for a place.
+/// A new value for a field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Edit {
-    /// A parameter.
     Parameter(ParameterChange),
     /// A tool offset.
     Offset {
@@ -83,22 +82,22 @@ pub enum Edit {
         number: u8,
         /// Column.
         part: Part,
-        /// mm, or the number of the nose.
+        /// New value, mm, or the tool nose number.
         value: f64,
     },
     /// A macro variable.
     Variable {
-        /// Number.
+        /// Number of the variable.
         number: u16,
-        /// Value; none: null.
+        /// New value; `None` is null.
         value: Option<f64>,
-        /// It takes values with a fraction, and null.
+        /// Whether the variable takes fractions and null.
         real: bool,
     },
 }
 
 impl Edit {
-    /// What is asked of the control.
+    /// The request that writes the value into the control.
     pub const fn request(self) -> Request {
         match self {
             Self::Parameter(change) => change.to_request(),
@@ -111,7 +110,7 @@ impl Edit {
                     Part::X => OffsetEntry::Stored(Axis::X, value),
                     Part::Z => OffsetEntry::Stored(Axis::Z, value),
                     Part::R => OffsetEntry::StoredRadius(value),
-                    // Checked when it was read.
+                    // Checked when the text was parsed.
                     Part::T => OffsetEntry::NoseNumber(value as u8),
                 };
                 Request::SetOffset { number, entry }
@@ -123,7 +122,8 @@ impl Edit {
             } => Request::SetMacroVariable { number, value },
             Self::Variable { number, value, .. } => Request::SetVariable {
                 number,
-                // Whole, and checked when it was read; none of these is null.
+                // A whole number, checked when the text was parsed; such a variable is never
+                // null.
                 value: match value {
                     Some(value) => value as i64,
                     None => 0,
@@ -132,7 +132,7 @@ impl Edit {
         }
     }
 
-    /// What stands where, as `No.035 = 12`.
+    /// The field and its new value as text: `No.035 = 12`.
     pub fn message(self) -> Message {
         match self {
             Self::Parameter(change) => change.message(),
@@ -150,7 +150,7 @@ impl Edit {
         }
     }
 
-    /// The same with what the control has there.
+    /// The same edit with the current value of the control.
     pub fn now(self, machine: &Values<'_>) -> Self {
         match self {
             Self::Parameter(change) => {
@@ -169,7 +169,7 @@ impl Edit {
         }
     }
 
-    /// Why the control would not take it now.
+    /// Why the control would refuse the edit now; `None`: it would accept it.
     pub const fn refused(self, machine: &Values<'_>) -> Option<Refusal> {
         match self {
             Self::Parameter(_) => machine.parameters_refused,
@@ -184,12 +184,12 @@ fn variable(table: &VariableTable, number: u16) -> Option<f64> {
     row.and_then(|(_, value)| *value)
 }
 
-/// Whether a parameter is one of eight bits.
+/// Whether a parameter consists of eight bits.
 pub fn is_state(number: u16) -> bool {
     memory::row(number, None).is_some_and(|row| row.state)
 }
 
-/// A parameter as its page writes it: eight binary digits, or a number.
+/// Formats a parameter as its page does: eight binary digits, or a number.
 pub fn parameter_text(number: u16, value: i32) -> String {
     match is_state(number) {
         true => format!("{value:08b}"),
@@ -198,7 +198,7 @@ pub fn parameter_text(number: u16, value: i32) -> String {
 }
 
 impl Spot {
-    /// A point of the pitch errors of an axis.
+    /// The field of a point of an axis's pitch errors.
     pub const fn pitch(axis: Axis, point: u8) -> Self {
         match axis {
             Axis::X => Self::PitchX(point),
@@ -206,7 +206,7 @@ impl Spot {
         }
     }
 
-    /// What the control has there, as it is typed.
+    /// The current value of the control as the operator would type it.
     pub fn text(self, machine: &Values<'_>) -> String {
         match self {
             Self::Parameter(number) => parameter_text(number, machine.parameters.value(number)),
@@ -222,7 +222,6 @@ impl Spot {
         }
     }
 
-    /// How it is called.
     pub fn name(self) -> Message {
         match self {
             Self::Parameter(number) => say::data_value_of(number),
@@ -233,10 +232,11 @@ impl Spot {
         }
     }
 
-    /// What is typed, as a value for the control.
+    /// Parses a typed text as a new value.
     ///
     /// # Errors
-    /// What is none, and what the control does not take there (alarms 030, 043, 111).
+    ///
+    /// The text is invalid, or the control does not accept the value (alarms 030, 043, 111).
     pub fn read(self, typed: &str, machine: &Values<'_>) -> Result<Edit, Message> {
         let text = typed.trim();
         match self {
@@ -278,7 +278,7 @@ impl Spot {
         value.ok_or_else(|| say::data_not_bits(self.name(), text))
     }
 
-    /// A whole number, as the table takes it.
+    /// Parses a pitch error: a whole number in the range of the table.
     fn pitch_error(self, axis: Axis, point: u8, text: &str) -> Result<Edit, Message> {
         let value = text.parse().ok();
         let value = value.ok_or_else(|| say::data_not_a_value(self.name(), text))?;
@@ -292,13 +292,14 @@ impl Spot {
         }))
     }
 
-    /// A number, with a point or a comma.
+    /// Parses a number with a decimal point or comma.
     fn number(self, text: &str) -> Result<f64, Message> {
         parse_finite(&text.replace(',', "."))
             .ok_or_else(|| say::data_not_a_value(self.name(), text))
     }
 
-    /// An offset; after U or W what is added to it (decision DATA-3, manual III-7).
+    /// Parses an offset. After U or W the number is added to the current value (decision
+    /// DATA-3, manual III-7).
     fn offset(
         self,
         number: u8,
@@ -331,7 +332,8 @@ impl Spot {
                 then.t = nose.ok_or_else(|| say::data_not_a_value(self.name(), text))?;
             }
         }
-        // As the control rounds and bounds it; 000 has the bounds of the others.
+        // The table rounds and limits the value as the control does. Row 000 has the limits of
+        // the others.
         let mut table = Offsets::default();
         table.set(1, then).map_err(|alarm| {
             let why = alarm.further_detail().cloned();
@@ -345,30 +347,30 @@ impl Spot {
     }
 }
 
-/// What has been typed and is not written yet.
+/// Typed texts that are not written yet.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Drafts {
     typed: BTreeMap<Spot, String>,
 }
 
 impl Drafts {
-    /// What stands in the field of a place: what was typed, else what the control has.
+    /// The text of a field: what was typed, else the current value of the control.
     pub fn text(&self, spot: Spot, machine: &Values<'_>) -> String {
         let typed = self.typed.get(&spot).cloned();
         typed.unwrap_or_else(|| spot.text(machine))
     }
 
-    /// Whether something was typed there.
+    /// Whether the field has a typed text.
     pub fn has(&self, spot: Spot) -> bool {
         self.typed.contains_key(&spot)
     }
 
-    /// Something is typed there.
+    /// Stores the typed text of a field.
     pub fn set(&mut self, spot: Spot, text: String) {
         self.typed.insert(spot, text);
     }
 
-    /// The keyboard has left a field: what says nothing new is forgotten.
+    /// Drops the text of a field that has lost the focus, if it equals the current value.
     pub fn left(&mut self, spot: Spot, machine: &Values<'_>) {
         let text = self.typed.get(&spot);
         if text.is_some_and(|text| is_there(spot, text, machine)) {
@@ -376,8 +378,7 @@ impl Drafts {
         }
     }
 
-    /// These were made of what was typed: what was to be added stands there as a value, so
-    /// that it is added once.
+    /// Replaces typed additions by their results. Each addition is applied once.
     pub fn counted(&mut self, edits: &[Edit], machine: &Values<'_>) {
         for edit in edits {
             if let Edit::Offset {
@@ -392,35 +393,36 @@ impl Drafts {
         }
     }
 
-    /// Forgets what the control has by now.
+    /// Drops all texts that equal the current values by now.
     pub fn settle(&mut self, machine: &Values<'_>) {
         self.typed
             .retain(|spot, text| !is_there(*spot, text, machine));
     }
 
-    /// Forgets everything.
+    /// Drops all typed texts.
     pub fn discard(&mut self) {
         self.typed.clear();
     }
 
-    /// How many places.
+    /// Count of fields with a typed text.
     pub fn count(&self) -> usize {
         self.typed.len()
     }
 
-    /// All of it as values for the control.
+    /// Parses all typed texts.
     ///
     /// # Errors
-    /// The first one that is none.
+    ///
+    /// The error of the first text that is invalid.
     pub fn edits(&self, machine: &Values<'_>) -> Result<Vec<Edit>, Message> {
         let edits = self.typed.iter();
         edits.map(|(spot, text)| spot.read(text, machine)).collect()
     }
 }
 
-/// Whether the control has what is typed.
+/// Whether the typed text equals the current value.
 fn is_there(spot: Spot, text: &str, machine: &Values<'_>) -> bool {
-    // An addition never is.
+    // An addition is never equal.
     let added = matches!(spot, Spot::Offset(..)) && text.trim().starts_with(['U', 'u', 'W', 'w']);
     let edit = spot.read(text, machine).ok().filter(|_| !added);
     edit.is_some_and(|edit| edit.now(machine) == edit) || text == spot.text(machine)

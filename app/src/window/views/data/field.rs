@@ -1,4 +1,4 @@
-//! The field of a value.
+//! Draws the input field of a value.
 
 use egui::{Color32, Response, Role, TextEdit, Ui, WidgetInfo};
 use gsk_messages::Language;
@@ -7,7 +7,7 @@ use super::edit::{Drafts, Spot};
 use super::values::Values;
 use super::{TYPED, WRONG};
 
-/// Draws the field of a place and takes what is typed into it; `width` in points.
+/// Draws a field of `width` points and stores what is typed into it in `drafts`.
 pub fn show(
     ui: &mut Ui,
     language: Language,

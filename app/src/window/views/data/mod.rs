@@ -1,6 +1,6 @@
-//! The data of the control at a PC, as GSKCC edits them (manual V-3): parameters by number
-//! and by function, tool offsets, pitch errors, macro variables. What is typed is written together, as
-//! the control lets it, and taken back by an undo list (decision DATA-2).
+//! The data view, after GSKCC (manual V-3): parameters by number and by function, tool
+//! offsets, pitch errors, macro variables. All drafts are written together, if the control
+//! allows it. An undo list restores the previous values (decision DATA-2).
 
 mod edit;
 mod field;
@@ -25,37 +25,31 @@ pub use values::{Tables, Values};
 
 const WRONG: Color32 = Color32::from_rgb(255, 150, 110);
 const FINE: Color32 = Color32::from_rgb(110, 230, 120);
-/// What is typed and not written yet.
+/// Colour of drafts that are not written yet.
 const TYPED: Color32 = Color32::from_rgb(255, 214, 110);
 
-/// What is edited.
+/// A sheet of the data view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Page {
-    /// Parameters by number.
     Numbers(Kind),
-    /// Parameters by function.
     Group(ParameterGroup),
-    /// Tool offsets.
     Offsets,
-    /// The pitch error table.
     Pitch,
-    /// Macro variables.
     Variables,
 }
 
 /// The kinds of parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// All of them.
+    /// State and data parameters.
     All,
-    /// Of eight bits.
+    /// Parameters of eight bits.
     State,
-    /// Numbers.
+    /// Parameters with a number as value.
     Data,
 }
 
 impl Page {
-    /// How it is called.
     fn name(self) -> Message {
         match self {
             Self::Numbers(kind) => kind.name(),
@@ -79,14 +73,13 @@ impl Kind {
     }
 }
 
-/// The view of the control's data.
 pub struct DataView {
     console: Console,
     sheets: Sheets,
 }
 
 impl DataView {
-    /// At all parameters.
+    /// Creates the view with the sheet of all parameters.
     pub fn new(console: Console) -> Self {
         Self {
             console,
@@ -94,7 +87,6 @@ impl DataView {
         }
     }
 
-    /// Draws the view and takes its input.
     pub fn show(&mut self, ui: &mut Ui, language: Language, machine: Option<&Arc<MachineView>>) {
         let Some(machine) = machine else {
             ui.label(say::commission_waits().text(language));

@@ -1,5 +1,5 @@
-//! Parameters: the list, by number or by function, and the one that is chosen with its
-//! value, its bits and what it means.
+//! Shows the parameters: a list by number or by function, and the selected parameter with its
+//! value, bits and help topic.
 
 use egui::{
     CentralPanel, Color32, Grid, Label, Panel, Response, RichText, Role, ScrollArea, Sense,
@@ -17,39 +17,39 @@ use crate::window::help::show_article;
 
 /// Height of a row of the list, points.
 const LINE: f32 = 22.0;
-/// Columns of the list, points: mark, number, name, value, as delivered.
+/// Widths of the columns, points: mark, number, name, value, delivered value.
 const COLUMNS: [f32; 5] = [14.0, 52.0, 118.0, 78.0, 78.0];
-/// A list that is narrower has neither names nor what was delivered: what a parameter means
-/// is worth more.
+/// Below this width, points, the list omits the names and the delivered values: the meaning of
+/// a parameter is more important.
 const NARROW: f32 = 560.0;
 const NARROW_COLUMNS: [f32; 5] = [14.0, 52.0, 0.0, 78.0, 0.0];
-/// The chosen parameter stands beside the list where there is so much room, points.
+/// From this width of the view, points, the selected parameter is beside the list.
 const BESIDE: f32 = 700.0;
-/// Its width there, and its share of the height below the list; as long as none is chosen
-/// two lines.
+/// Size of the selected parameter: its width beside the list, its share of the height below
+/// the list, and its height there while none is selected (two lines), points.
 const DETAILS: f32 = 330.0;
 const SHARE: f32 = 0.45;
 const UNCHOSEN: f32 = 44.0;
 /// Width of the field of a value, points.
 const VALUE: f32 = 110.0;
 
-/// What differs from delivery.
+/// Colour of a value that differs from the delivered one.
 const OTHER: Color32 = Color32::from_rgb(120, 190, 255);
 
-/// The list and what is chosen in it.
+/// The list and the selected parameter.
 #[derive(Debug, Default)]
 pub struct Parameters {
     question: String,
-    /// The question that was looked up last, and its topics.
+    /// The last query and the topics found.
     found: (String, Vec<&'static Topic>),
-    /// Only what differs from delivery.
+    /// Whether the list shows only values that differ from the delivered ones.
     changed: bool,
-    /// Number and bit.
+    /// Number and bit of the selected parameter.
     chosen: Option<(u16, Option<u8>)>,
 }
 
 impl Parameters {
-    /// Draws list and chosen parameter.
+    /// Draws the list and the selected parameter.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -70,7 +70,7 @@ impl Parameters {
             }
         };
         details.resizable(false).frame(frame).show(ui, |ui| {
-            // A scrolled area would be higher than these words.
+            // A scroll area would be higher than this text.
             if self.chosen.is_none() {
                 ui.label(say::data_choose().text(language));
                 return;
@@ -88,7 +88,7 @@ impl Parameters {
             .show(ui, |ui| self.list(ui, language, machine, page, drafts));
     }
 
-    /// The rows of a page, or what was searched for.
+    /// The rows of a page, or the search result.
     fn rows(&mut self, page: Page, machine: &Values<'_>) -> Vec<&'static ParameterRow> {
         let mut rows: Vec<&ParameterRow> = if self.question.trim().is_empty() {
             match page {
@@ -257,7 +257,7 @@ impl Parameters {
         response
     }
 
-    /// The chosen parameter.
+    /// Draws the selected parameter.
     fn details(&self, ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Drafts) {
         let Some((number, bit)) = self.chosen else {
             return;
@@ -293,11 +293,11 @@ impl Parameters {
     }
 }
 
-/// The eight boxes of a state parameter, bit 7 first.
+/// Draws the check boxes of a state parameter, bit 7 first.
 fn bits(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Drafts, number: u16) {
     let spot = Spot::Parameter(number);
     let text = drafts.text(spot, machine);
-    // While what is typed is no eight digits, the boxes show what the control has.
+    // While the typed text is invalid, the boxes show the current value.
     let readable = (0..8).all(|bit| bit_of(&text, bit).is_some());
     let byte = match readable {
         true => u8::from_str_radix(&text, 2).unwrap_or(0),
@@ -337,7 +337,7 @@ fn bits(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Draf
         });
 }
 
-/// A bit of eight binary digits.
+/// A bit of eight binary digits; `None` if the text has another form.
 fn bit_of(text: &str, bit: u8) -> Option<bool> {
     let at = 7_usize.checked_sub(usize::from(bit))?;
     let digits = text.as_bytes();
@@ -353,8 +353,8 @@ const fn digit(on: bool) -> &'static str {
     if on { "1" } else { "0" }
 }
 
-/// What a parameter is about; the Chinese manual has no more than a number for one of eight
-/// bits: they are named.
+/// The meaning of a parameter. For a state parameter in Chinese it is the list of its bit
+/// names: the Chinese manual describes only the bits.
 fn meaning(row: &ParameterRow, language: Language) -> String {
     if language == Language::En {
         return row.meaning_en.to_owned();
@@ -368,7 +368,7 @@ fn meaning(row: &ParameterRow, language: Language) -> String {
     }
 }
 
-/// Whether the control has another value than the one it was delivered with.
+/// Whether the value of the control differs from the delivered one.
 fn differs(row: &ParameterRow, machine: &Values<'_>) -> bool {
     let own = match row.bit {
         Some(bit) => i32::from(machine.parameters.bit(row.number, bit)),
@@ -377,7 +377,7 @@ fn differs(row: &ParameterRow, machine: &Values<'_>) -> bool {
     own != row.factory(Disk::N0)
 }
 
-/// Texts in the columns of a row; what has no room ends in three dots.
+/// Draws the texts of a row in its columns. A text that does not fit ends in an ellipsis.
 fn put(ui: &Ui, place: egui::Rect, cells: [(String, Color32); 6]) {
     let mut left = place.left() + 2.0;
     let columns = match place.width() < NARROW {

@@ -1,5 +1,5 @@
-//! The pages with what is typed into them: shown, read together, written together, taken
-//! back. Who holds the values takes what is asked.
+//! The sheets of the data view with their drafts: shows, writes and undoes values. The caller
+//! owns the values and applies the edits.
 
 use egui::{Button, CentralPanel, ComboBox, Panel, RichText, Role, ScrollArea, Ui, WidgetInfo};
 use gsk_commission::UndoList;
@@ -16,45 +16,45 @@ use crate::window::focus;
 
 /// Width of the list of pages, points.
 const PAGES: f32 = 180.0;
-/// Height of the list of what was written, points.
+/// Height of the undo list, points.
 const WRITTEN: f32 = 110.0;
 
-/// What is written into.
+/// Where the sheets write values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Into {
-    /// A control, with its rights. The sheets list their pages.
+    /// Into a control, if the operator has the rights. The sheets show the list of pages.
     Control,
-    /// A project. Its tree lists the pages.
+    /// Into a project. Its tree lists the pages.
     Project,
 }
 
-/// Values to be written together.
+/// Values to write together.
 pub struct Asked {
-    /// Them.
     pub edits: Vec<Edit>,
-    /// They take back what was written.
+    /// Whether the edits undo earlier ones.
     pub takes_back: bool,
 }
 
-/// The pages.
+/// The sheets of the data view.
 pub struct Sheets {
     into: Into,
     page: Page,
-    /// The page of parameters that is turned back to.
+    /// The parameter page that was shown last.
     last: Page,
     parameters: Parameters,
     drafts: Drafts,
-    /// What is typed was to be written while something of it was no value.
+    /// Whether the operator pressed the write button while a draft was invalid.
     asked_too_early: bool,
-    /// Why it was not taken, and what was typed then.
+    /// Why the last request was refused, and the drafts at that time.
     complaint: Option<(Message, Drafts)>,
     undo: UndoList<Edit, Edit>,
-    /// Something was written: what is there by now is no draft any more.
+    /// Whether values were written. Drafts that equal the current values are dropped
+    /// meanwhile.
     settling: bool,
 }
 
 impl Sheets {
-    /// At all parameters.
+    /// Creates the sheets with the page of all parameters.
     pub fn new(into: Into) -> Self {
         Self {
             into,
@@ -69,12 +69,12 @@ impl Sheets {
         }
     }
 
-    /// Whether something is typed and not written.
+    /// Whether typed values are not written yet.
     pub fn has_drafts(&self) -> bool {
         self.drafts.count() > 0
     }
 
-    /// Turns to a page; of those of parameters to the one that was shown last.
+    /// Shows a page. For any parameter page it shows the one that was shown last.
     pub fn turn_to(&mut self, page: Page) {
         let of_parameters = |page| matches!(page, Page::Numbers(_) | Page::Group(_));
         if of_parameters(self.page) {
@@ -86,7 +86,7 @@ impl Sheets {
         };
     }
 
-    /// What was asked last was not taken.
+    /// Shows why the last request was refused.
     pub fn refuse(&mut self, why: Message, asked: &Asked) {
         self.complaint = Some((why, self.drafts.clone()));
         if !asked.takes_back {
@@ -94,7 +94,7 @@ impl Sheets {
         }
     }
 
-    /// Draws the pages and takes their input; what is to be written comes out.
+    /// Draws the sheets and handles their input. Returns the values to write.
     pub fn show(&mut self, ui: &mut Ui, language: Language, values: &Values<'_>) -> Option<Asked> {
         if self.settling {
             self.drafts.settle(values);
@@ -103,7 +103,7 @@ impl Sheets {
         let bar = Panel::bottom("data state").frame(bar_frame());
         let mut asked = bar.show(ui, |ui| self.bar(ui, language, values)).inner;
         let beside = self.into == Into::Control;
-        // The button that takes back is never scrolled away.
+        // The undo button is outside of the scroll area of the pages: it stays visible.
         let mut list = |ui: &mut Ui, sheets: &mut Self| {
             if sheets.undo.entries().is_empty() {
                 return;
@@ -163,7 +163,7 @@ impl Sheets {
         entries(ui, language, &mut self.page, &others);
     }
 
-    /// What was written, and the button that takes the last of it back.
+    /// Draws the list of written values with the undo button.
     fn written(&mut self, ui: &mut Ui, language: Language, values: &Values<'_>) -> Option<Asked> {
         let taken = written::show(
             ui,
@@ -182,7 +182,7 @@ impl Sheets {
         })
     }
 
-    /// What the page needs, alarms, and the buttons.
+    /// Draws the bar with the preconditions for writing, the alarms and the buttons.
     fn bar(&mut self, ui: &mut Ui, language: Language, values: &Values<'_>) -> Option<Asked> {
         let edits = self.drafts.edits(values);
         let of_page = match self.page {
@@ -192,7 +192,7 @@ impl Sheets {
         };
         let of_drafts = edits.as_ref().ok().and_then(|it| refusal(it, values));
         let (words, colour) = match (of_drafts.or(of_page), self.into) {
-            // It stands against what is typed alone.
+            // Without drafts the reason is drawn in a weak colour.
             (Some(refusal), _) => (
                 say::data_cannot_write(refusal_message(refusal)),
                 match self.drafts.count() {
@@ -204,7 +204,7 @@ impl Sheets {
             (None, Into::Project) => (say::data_into_project(), FINE),
         };
         ui.label(RichText::new(words.text(language)).color(colour));
-        // A complaint goes with what it is about.
+        // An error disappears with the drafts that it is about.
         self.asked_too_early &= edits.is_err();
         self.complaint.take_if(|(_, drafts)| *drafts != self.drafts);
         let wrong = edits.as_ref().err().filter(|_| self.asked_too_early);
@@ -261,7 +261,7 @@ impl Sheets {
     }
 }
 
-/// Pages of parameters where there is no room for their list beside.
+/// Draws the pages of parameters as a drop-down list, where the list of pages is missing.
 fn choose(ui: &mut Ui, language: Language, page: &mut Page) {
     let words = page.name().text(language);
     let shown = ComboBox::from_id_salt("data page")
@@ -280,8 +280,8 @@ fn choose(ui: &mut Ui, language: Language, page: &mut Page) {
     });
 }
 
-/// The pages of parameters and others, to be chosen from. Says whether Enter was pressed at
-/// one.
+/// Draws the parameter pages and `others` as a list. Returns whether Enter was pressed on an
+/// entry.
 fn entries(ui: &mut Ui, language: Language, page: &mut Page, others: &[Page]) -> bool {
     let numbers = Kind::ALL.into_iter().map(Page::Numbers);
     let groups = ParameterGroup::ALL.into_iter().map(Page::Group);
@@ -319,7 +319,7 @@ fn entries(ui: &mut Ui, language: Language, page: &mut Page, others: &[Page]) ->
     list.entered().is_some()
 }
 
-/// Why not all of them would be taken now.
+/// Why not all edits would be accepted now.
 fn refusal(edits: &[Edit], values: &Values<'_>) -> Option<Refusal> {
     edits.iter().find_map(|edit| edit.refused(values))
 }

@@ -1,4 +1,4 @@
-//! Tool offsets, pitch errors and macro variables as tables of fields.
+//! Draws tool offsets, pitch errors and macro variables as tables of fields.
 
 use egui::{ScrollArea, Ui, vec2};
 use gsk_core::units::Axis;
@@ -11,18 +11,18 @@ use crate::window::focus;
 
 /// Width of the column of numbers, points.
 const NUMBER: f32 = 44.0;
-/// The least and the greatest width of a column of values, points.
+/// Least and greatest width of a column of values, points.
 const COLUMN: [f32; 2] = [52.0, 110.0];
-/// Width of the column of noses, points: one digit.
+/// Width of the column of tool nose numbers, points: one digit.
 const NOSE: f32 = 44.0;
-/// Width of a pitch error, and of the coordinate beside it, points.
+/// Widths of a pitch error and of the coordinate beside it, points.
 const PITCH: [f32; 2] = [52.0, 84.0];
-/// Width of a variable's field, points.
+/// Width of the field of a variable, points.
 const VARIABLE: f32 = 180.0;
-/// Room for the bar of the list, points.
+/// Width of the scroll bar of the list, points.
 const SCROLL_BAR: f32 = 14.0;
 
-/// The tool offsets.
+/// Draws the tool offsets.
 pub fn offsets(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Drafts) {
     ui.heading(say::data_offsets().text(language));
     ui.weak(say::data_offsets_hint().text(language));
@@ -73,8 +73,8 @@ pub fn offsets(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &m
         });
 }
 
-/// The pitch errors (manual III-10), beside each the machine coordinate where its interval
-/// ends, mm of slide travel.
+/// Draws the pitch errors (manual III-10). Beside each is the machine coordinate at which its
+/// interval ends, mm of slide travel.
 pub fn pitch(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Drafts) {
     ui.heading(say::data_pitch().text(language));
     ui.weak(say::data_pitch_hint().text(language));
@@ -107,8 +107,8 @@ pub fn pitch(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut
         });
 }
 
-/// Where the interval of a point ends, seen from the machine zero; nothing where there is no
-/// compensation, and of point 0, which ends none (manual III-10).
+/// Formats the coordinate at which the interval of a point ends, mm from machine zero. Empty
+/// without compensation, and for point 0, which ends no interval (manual III-10).
 fn ends_at(axis: Axis, point: u8, machine: &Values<'_>) -> String {
     let parameters = machine.parameters;
     let interval = gsk_commission::pitch_interval(axis, parameters);
@@ -123,7 +123,7 @@ fn ends_at(axis: Axis, point: u8, machine: &Values<'_>) -> String {
     format!("{:.3}", steps as f64 * interval.0)
 }
 
-/// The macro variables.
+/// Draws the macro variables.
 pub fn variables(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Drafts) {
     ui.heading(say::data_variables().text(language));
     ui.weak(say::data_variables_hint().text(language));
@@ -144,7 +144,7 @@ pub fn variables(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: 
         });
 }
 
-/// A text in a column.
+/// Draws a text in a column.
 fn cell(ui: &mut Ui, width: f32, height: f32, text: &str) {
     let layout = egui::Layout::left_to_right(egui::Align::Center);
     ui.allocate_ui_with_layout(vec2(width, height), layout, |ui| {

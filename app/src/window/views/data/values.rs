@@ -1,4 +1,4 @@
-//! The values that the pages show, of whatever holds them: a control, or a project.
+//! The values that the data sheets show, from a control or a project.
 
 use gsk_core::battery::Memory;
 use gsk_core::memory::{Parameters, PitchTable, Refusal, Variables};
@@ -6,25 +6,21 @@ use gsk_panel::pages::CoordinateFormat;
 
 use crate::kernel::monitor::{MachineView, OffsetTable, VariableTable};
 
-/// Values, and why they would not be taken now.
+/// Values, and why they cannot be written now.
 #[derive(Clone, Copy)]
 pub struct Values<'a> {
-    /// The parameters.
     pub parameters: &'a Parameters,
-    /// The pitch error table.
     pub pitch: &'a PitchTable,
-    /// Why no parameters would be taken now.
+    /// Why parameters cannot be written now; `None`: they can.
     pub parameters_refused: Option<Refusal>,
-    /// The tool offsets.
     pub offsets: &'a OffsetTable,
-    /// The macro variables.
     pub variables: &'a VariableTable,
-    /// Alarms and messages that stand.
+    /// Current alarms and PLC messages.
     pub alarms: &'a [String],
 }
 
 impl<'a> Values<'a> {
-    /// Of a control.
+    /// The values of a running control.
     pub fn of_control(machine: &'a MachineView) -> Self {
         Self {
             parameters: &machine.parameters,
@@ -36,7 +32,7 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// Of a memory that no control runs with; `tables`: its own.
+    /// The values of a memory without a control. `tables` are those of the same memory.
     pub const fn of_memory(memory: &'a Memory, tables: &'a Tables) -> Self {
         Self {
             parameters: &memory.parameters,
@@ -49,15 +45,15 @@ impl<'a> Values<'a> {
     }
 }
 
-/// The tables of a memory that no control runs with: nothing refuses a value there.
+/// The tables of a memory without a control. Nothing refuses a value there.
 pub struct Tables {
     offsets: OffsetTable,
     variables: VariableTable,
 }
 
 impl Tables {
-    /// Of a memory; of the variables those that outlast power-off, as the page of the
-    /// control lists them.
+    /// Builds the tables. They contain the variables that are retained at power-off, in the
+    /// order of the control's page.
     pub fn of(memory: &Memory) -> Self {
         let own = memory.model.record().own_variables;
         let real = memory.settings.macro_b || own;
@@ -70,7 +66,7 @@ impl Tables {
             .filter(|it| gsk_project::is_retained_variable(*it));
         let value = |number| match real {
             true => memory.variables.real(number),
-            // 33 bits at most.
+            // Whole variables have 33 bits at most.
             false => memory.variables.get(number).map(|value| value as f64),
         };
         Self {

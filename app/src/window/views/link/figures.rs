@@ -1,4 +1,4 @@
-//! The figures of the link page.
+//! Formats and draws the figures of the link page.
 
 use std::time::Duration;
 
@@ -10,20 +10,20 @@ use super::{BAD, GOOD, words};
 use crate::kernel::link_view::LinkView;
 use gsk_messages::{Language, say};
 
-/// Between two looks at the counters, s.
+/// Interval between two readings of the counters, s.
 const INTERVAL: f64 = 1.0;
 
-/// Counters of the wire, a second.
+/// Rates of the wire, per second.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Rates {
     since: f64,
     last: Traffic,
-    /// Bytes to the board, from the board, pieces of motion.
+    /// Bytes to the board, bytes from the board, motion commands.
     rates: Option<[f64; 3]>,
 }
 
 impl Rates {
-    /// The counters at a time of the window, s.
+    /// Reads the counters at the window's time `now`, s.
     pub fn take(&mut self, traffic: &Traffic, now: f64) {
         let passed = now - self.since;
         if passed < INTERVAL {
@@ -43,15 +43,14 @@ impl Rates {
     }
 }
 
-/// A block of figures.
+/// A section of the page.
 pub struct Section {
-    /// Heading.
     pub title: String,
     /// Names and values.
     pub rows: Vec<(String, String)>,
 }
 
-/// Draws them.
+/// Draws all sections.
 pub fn show(ui: &mut Ui, language: Language, view: &LinkView, rates: &Rates) {
     let agrees = view.counted.map(|counted| counted == view.commanded);
     for (index, section) in sections(language, view, rates).into_iter().enumerate() {
@@ -70,7 +69,7 @@ pub fn show(ui: &mut Ui, language: Language, view: &LinkView, rates: &Rates) {
         match index {
             0 if view.state.takes_motion() => {
                 if let Some(agrees) = agrees {
-                    // While slides move the report is always a little behind.
+                    // While the slides move, the report of the board always lags a little.
                     let (words, ink) = match (agrees, view.outstanding.is_zero()) {
                         (true, _) => (say::link_page_counts_agree(), GOOD),
                         (false, false) => (say::link_page_on_the_way(), ui.visuals().text_color()),
@@ -92,7 +91,7 @@ pub fn show(ui: &mut Ui, language: Language, view: &LinkView, rates: &Rates) {
     ui.label(RichText::new(words).weak());
 }
 
-/// The figures in blocks: position, queue, wire, inputs and outputs.
+/// The sections: position, queue, wire, inputs and outputs.
 pub fn sections(language: Language, view: &LinkView, rates: &Rates) -> [Section; 4] {
     [
         position(language, view),
@@ -268,7 +267,7 @@ fn contacts(language: Language, view: &LinkView) -> Section {
     }
 }
 
-/// What the index tells of the spindle.
+/// What the index signal reports about the spindle.
 fn index(language: Language, view: &LinkView) -> String {
     if !view.connected {
         return "-".to_owned();

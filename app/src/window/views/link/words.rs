@@ -1,10 +1,10 @@
-//! The states of the link in words, and what to do in each.
+//! Advice and names of the link page for states, inputs, outputs and settings.
 
 use gsk_link::{Input, LinkState, Output};
 
 use gsk_messages::{Message, say};
 
-/// What the operator can do now; nothing when nothing is needed.
+/// What the operator can do in this state; `None` when nothing is needed.
 pub fn advice(state: LinkState) -> Option<Message> {
     Some(match state {
         LinkState::Configure => say::link_page_advice_configure(),
@@ -21,7 +21,7 @@ pub fn advice(state: LinkState) -> Option<Message> {
     })
 }
 
-/// Inputs of the board that stand in one row, and their name.
+/// The inputs of the board in the rows of the page, with their names.
 pub fn inputs() -> [(&'static [Input], Message); 5] {
     [
         (
@@ -38,7 +38,7 @@ pub fn inputs() -> [(&'static [Input], Message); 5] {
     ]
 }
 
-/// What an output switches.
+/// The signal name of an output.
 pub const fn output(output: Output) -> &'static str {
     match output {
         Output::Enable => "nEN",
@@ -49,7 +49,7 @@ pub const fn output(output: Output) -> &'static str {
     }
 }
 
-/// What a setting of a line board means; nothing of one that is not known.
+/// Name of a setting of a line board; `None` if it is unknown.
 pub fn setting(number: u16) -> Option<Message> {
     Some(match number {
         0 => say::link_page_setting_pulse_length(),

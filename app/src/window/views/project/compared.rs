@@ -1,5 +1,5 @@
-//! What differs between the open project and the control, or another project, and what of
-//! it is to be taken over.
+//! Compares the open project with the control or another project, and selects the differences
+//! to take over.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -24,12 +24,12 @@ use crate::window::focus;
 pub struct Chosen {
     /// The folder of the project.
     pub folder: PathBuf,
-    /// The values.
+    /// The selected differences, sorted by key.
     pub differences: Vec<ProjectDifference>,
 }
 
 impl Chosen {
-    /// Whether a value was chosen, as it was shown.
+    /// Whether `difference` is selected with the same new value.
     pub fn has(&self, difference: &ProjectDifference) -> bool {
         let by_key = |it: &ProjectDifference| it.key.cmp(&difference.key);
         let found = self.differences.binary_search_by(by_key).ok();
@@ -38,16 +38,16 @@ impl Chosen {
     }
 }
 
-/// What the project is compared with.
+/// The other side of the comparison.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Other {
-    /// The control that is on.
+    /// The running control.
     Control,
-    /// Another project.
+    /// Another project, by a path inside it.
     Folder(PathBuf),
 }
 
-/// What takes values over.
+/// The side that takes values over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// The control: 传送至CNC.
@@ -56,23 +56,23 @@ pub enum Target {
     Project,
 }
 
-/// The other side, as it was when it was compared.
+/// State of the other side at the time of the comparison.
 pub struct Basis {
-    /// Which.
     pub other: Other,
-    /// What it holds.
+    /// Its values.
     pub state: ProjectState,
-    /// How its programs are written down.
+    /// Character encodings of its program files, by program number.
     pub encodings: Encodings,
-    /// The operation level that is in force in a control.
+    /// Operation level of the control; `None` for a folder.
     level: Option<Level>,
 }
 
 impl Basis {
-    /// Reads the other side; it waits.
+    /// Reads the other side. The call blocks.
     ///
     /// # Errors
-    /// The control gives no answer, the folder is no project.
+    ///
+    /// The control does not answer, or the folder is not a project.
     pub fn of(other: Other, console: &Console) -> Result<Self, Message> {
         let (state, encodings, level) = match &other {
             Other::Control => {
@@ -100,42 +100,41 @@ impl Basis {
     }
 }
 
-/// A value that differs.
 struct Row {
     difference: ProjectDifference,
-    /// In Chinese and English: a ladder is not compiled for every picture.
+    /// Descriptions in Chinese and English. They are made once: that compiles the ladder.
     words: [String; 2],
     refusal: Option<Refusal>,
     taken: bool,
 }
 
-/// The project beside something else.
+/// The comparison of the project with the other side.
 pub struct Compared {
-    /// The other side.
     pub basis: Arc<Basis>,
-    /// The state of the project that was compared.
+    /// State of the project at the time of the comparison.
     pub project: Arc<ProjectState>,
-    /// What takes values over.
+    /// The side that takes values over.
     pub target: Target,
     rows: Vec<Row>,
     parts: LadderParts,
-    /// How many values of a place differ, where any does.
+    /// Count of differences per node; nodes without differences are missing.
     counts: BTreeMap<Node, usize>,
 }
 
-/// What was asked for in the list.
+/// A request from the list of differences.
 pub enum Asked {
-    /// The other way round.
+    /// Compare in the other direction.
     Turn(Target),
-    /// What is ticked is to be taken over.
+    /// Take over the checked differences.
     Take(Vec<ProjectDifference>),
 }
 
 impl Compared {
-    /// Lists what differs; it takes a while.
+    /// Computes the differences. The call takes a noticeable time.
     ///
     /// # Errors
-    /// A control takes nothing of a project of another model.
+    ///
+    /// The project is for another control model than the control.
     pub fn new(document: &Document, basis: Arc<Basis>, target: Target) -> Result<Self, Message> {
         let project = Arc::clone(&document.state);
         let other = &basis.state;
@@ -192,12 +191,12 @@ impl Compared {
         })
     }
 
-    /// How many values of a place differ.
+    /// Count of differences of a node.
     pub fn count(&self, node: Node) -> usize {
         self.counts.get(&node).copied().unwrap_or(0)
     }
 
-    /// Draws the list of a place. `why_not`: why a control takes nothing over now.
+    /// Draws the differences of a node. `why_not`: why a control cannot take values over now.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -231,7 +230,7 @@ impl Compared {
         asked
     }
 
-    /// What is compared with what, and which way values go.
+    /// Draws which sides are compared and in which direction values are taken over.
     fn heading(&self, ui: &mut Ui, language: Language) -> Option<Asked> {
         let mut asked = None;
         let project = say::project_view_into_project().text(language);
@@ -269,7 +268,7 @@ impl Compared {
                 disks.extend(find_whole_disk(&row.difference));
             }
         }
-        // A disk has all of its values or none.
+        // A disk is taken over with all of its values or none.
         for row in &mut self.rows {
             if find_whole_disk(&row.difference).is_some_and(|set| disks.contains(&set)) {
                 row.taken = taken && row.refusal.is_none();
@@ -294,7 +293,7 @@ impl Compared {
             .auto_shrink([false, false])
             .max_height(room.max(4.0 * height))
             .show_rows(ui, height, shown.len(), |ui, range| {
-                // A row is as high as the others, and scrolled where it is longer.
+                // All rows have the same height. Longer texts scroll sideways.
                 ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
                 list.follow(ui, range.start, height);
                 let shown = shown.iter().enumerate();
@@ -324,7 +323,7 @@ impl Compared {
         }
     }
 
-    /// The button that takes over what is ticked.
+    /// Draws the button that takes over the checked differences.
     fn take(&self, ui: &mut Ui, language: Language, why_not: Option<&Message>) -> Option<Asked> {
         let taken = self.rows.iter().filter(|row| row.taken);
         let count = taken.clone().count();

@@ -1,4 +1,4 @@
-//! What stands at a place of the tree, as lines.
+//! Shows the content of a node of the tree as lines.
 
 use egui::{Align, Layout, RichText, ScrollArea, TextWrapMode, Ui, vec2};
 use gsk_messages::{Language, Message, say};
@@ -12,7 +12,7 @@ const HEAD: f32 = 84.0;
 /// Width of the column of values, points.
 const VALUE: f32 = 150.0;
 
-/// A line: what is named, its value, what it means.
+/// A line: the name, its value, and the meaning.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Line {
     head: String,
@@ -20,7 +20,7 @@ struct Line {
     note: String,
 }
 
-/// The lines of a place, kept until another one is shown.
+/// The lines of a node, kept until another node is shown.
 #[derive(Default)]
 pub struct Content {
     of: Option<(Node, Language)>,
@@ -28,12 +28,12 @@ pub struct Content {
 }
 
 impl Content {
-    /// What it showed is another now.
+    /// Rebuilds the lines on the next frame: the project has changed.
     pub fn forget(&mut self) {
         self.of = None;
     }
 
-    /// Draws the lines of a place.
+    /// Draws the lines of a node.
     pub fn show(&mut self, ui: &mut Ui, language: Language, node: Node, state: &ProjectState) {
         if self.of != Some((node, language)) {
             self.of = Some((node, language));
@@ -67,7 +67,7 @@ impl Content {
     }
 }
 
-/// A text in a column.
+/// Draws a text in a column of fixed width.
 fn cell(ui: &mut Ui, width: f32, height: f32, text: RichText) {
     let layout = Layout::left_to_right(Align::Center);
     ui.allocate_ui_with_layout(vec2(width, height), layout, |ui| {
@@ -121,7 +121,7 @@ fn lines(node: Node, state: &ProjectState, language: Language) -> Vec<Line> {
     }
 }
 
-/// A text with its line numbers.
+/// The lines of a text with their numbers.
 fn text(source: &str) -> Vec<Line> {
     let lines = (1..).zip(source.lines());
     lines
@@ -133,13 +133,13 @@ fn text(source: &str) -> Vec<Line> {
         .collect()
 }
 
-/// The text of a machine file or job.
+/// The lines of the machine file or of a job file.
 fn written(state: &ProjectState, key: ProjectKey) -> Vec<Line> {
     let found = state.texts().and_then(|texts| texts.get(&key));
     found.map_or_else(Vec::new, |found| text(found))
 }
 
-/// A program in the list of all.
+/// The line of a program in the list of programs.
 fn listed(number: u16, state: &ProjectState, language: Language) -> Line {
     let mut programs = state.memory().programs.iter();
     let own = programs.find(|(own, _)| *own == number);
@@ -152,7 +152,7 @@ fn listed(number: u16, state: &ProjectState, language: Language) -> Line {
     }
 }
 
-/// How much stands at a place.
+/// The line with the count of entries of a node.
 fn summary(node: Node, name: &Message, state: &ProjectState, language: Language) -> Line {
     let ladder = state.ladder();
     let said = match node {
@@ -175,7 +175,7 @@ fn entries(node: Node, state: &ProjectState) -> impl Iterator<Item = (ProjectKey
     all.filter(move |(key, _)| node.has(*key, LadderParts::default()))
 }
 
-/// Values by their names.
+/// The values of a node with their names.
 fn values(node: Node, state: &ProjectState, language: Language) -> Vec<Line> {
     let model = state.memory().model.id();
     entries(node, state)

@@ -1,4 +1,4 @@
-//! The project that is open: read from its folder, written there.
+//! The open project: reads it from its folder and writes it there.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -10,24 +10,23 @@ use gsk_project::{ProjectDifference, ProjectKey, ProjectState, apply, export};
 use crate::files::program_file;
 use crate::project::{self, Encodings, ProjectError};
 
-/// An open project.
 #[derive(Clone)]
 pub struct Document {
-    /// Its folder.
     pub folder: PathBuf,
-    /// What it holds.
+    /// Its values.
     pub state: Arc<ProjectState>,
-    /// How its programs are written down.
+    /// Character encodings of its program files, by program number.
     pub encodings: Encodings,
-    /// It holds what its folder does not.
+    /// Whether it has changes that are not in its folder.
     pub is_changed: bool,
 }
 
 impl Document {
-    /// Reads a folder.
+    /// Reads a project from its folder.
     ///
     /// # Errors
-    /// All that is wrong with it.
+    ///
+    /// Everything that is wrong with the files.
     pub fn read(folder: &Path) -> Result<Self, Message> {
         let (state, encodings) = project::read(folder).map_err(|error| error.message())?;
         Ok(Self {
@@ -38,10 +37,12 @@ impl Document {
         })
     }
 
-    /// Writes it into its folder, and reads what stands there then; how much was written.
+    /// Writes the project into its folder and reads it back. Returns the new document and a
+    /// message with the count of files.
     ///
     /// # Errors
-    /// What the folder holds else, what could not be written.
+    ///
+    /// The folder contains other files, or a file could not be written.
     pub fn write(&self, language: Language) -> Result<(Self, Message), Message> {
         let files = export(&self.state, language_of(&self.folder, language));
         let written = project::write(&self.folder, &self.state, &files, &self.encodings);
@@ -50,10 +51,11 @@ impl Document {
         Ok((Self::read(&self.folder)?, said))
     }
 
-    /// Takes values over.
+    /// Applies differences to the project.
     ///
     /// # Errors
-    /// The rules that the whole would break; nothing is changed then.
+    ///
+    /// The rules that the result would violate. The project is unchanged then.
     pub fn take(
         &mut self,
         differences: &[ProjectDifference],
@@ -69,14 +71,14 @@ impl Document {
         Ok(())
     }
 
-    /// What it is called: as its folder.
+    /// The name of the project: that of its folder.
     pub fn name(&self) -> String {
         let name = self.folder.file_name().unwrap_or_default();
         name.to_string_lossy().into_owned()
     }
 }
 
-/// The numbers of the programs of a state.
+/// The numbers of all programs of a state, and of the jobs without a program.
 pub fn programs(state: &ProjectState) -> BTreeSet<u16> {
     let programs = state.memory().programs.iter();
     let jobs = state.texts().into_iter().flat_map(|texts| texts.keys());
@@ -87,8 +89,8 @@ pub fn programs(state: &ProjectState) -> BTreeSet<u16> {
     programs.map(|(number, _)| number).chain(jobs).collect()
 }
 
-/// The folder that is meant by the file that was chosen: the one that `project.gpr` lies in,
-/// else a folder of this name (manual GSKCC: a folder for each project).
+/// The project folder for a chosen file: the folder of `project.gpr`, else a folder with the
+/// name of the file (manual GSKCC: a folder for each project).
 pub fn folder_of(path: &Path) -> PathBuf {
     match (path.file_name(), path.parent()) {
         (Some(name), Some(folder)) if name == project::HEAD => folder.to_owned(),
@@ -96,7 +98,8 @@ pub fn folder_of(path: &Path) -> PathBuf {
     }
 }
 
-/// The language of the remarks that stand in a folder, so that saving changes none of them.
+/// The language of the comments in the folder's files. Saving in this language changes none of
+/// them.
 fn language_of(folder: &Path, otherwise: Language) -> Language {
     let Ok(head) = program_file::read(&folder.join(project::HEAD)) else {
         return otherwise;

@@ -1,5 +1,4 @@
-//! Values of the open project that are typed: the pages on which the data of a control are
-//! edited (manual V-3), on a project instead.
+//! Edits values of the open project on the sheets of the data view (manual V-3).
 
 use std::sync::Arc;
 
@@ -14,7 +13,7 @@ use gsk_project::{
 use super::super::data::{Asked, Edit, Into, Page, Part, Sheets, Tables, Values, is_state};
 use super::tree::Node;
 
-/// The pages, and the tables of the state that they show.
+/// The sheets, and the tables of the project that they show.
 pub struct Editing {
     sheets: Sheets,
     tables: Option<(Arc<ProjectState>, Tables)>,
@@ -30,7 +29,7 @@ impl Default for Editing {
 }
 
 impl Editing {
-    /// The page of a place of the tree; none where nothing is typed.
+    /// The sheet of a node; `None` for a node without fields.
     pub const fn page(node: Node) -> Option<Page> {
         match node {
             Node::Parameters => Some(Page::Group(ParameterGroup::ALL[0])),
@@ -41,17 +40,17 @@ impl Editing {
         }
     }
 
-    /// Whether something is typed and not in the project yet.
+    /// Whether typed values are not in the project yet.
     pub fn has_drafts(&self) -> bool {
         self.sheets.has_drafts()
     }
 
-    /// What was asked last was not taken.
+    /// Shows why the last request was refused.
     pub fn refuse(&mut self, why: gsk_messages::Message, asked: &Asked) {
         self.sheets.refuse(why, asked);
     }
 
-    /// Draws a page and takes its input; what is to be put into the project comes out.
+    /// Draws a sheet and returns the values to put into the project.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -70,7 +69,7 @@ impl Editing {
     }
 }
 
-/// What edits change in a project.
+/// The differences that edits make in a project.
 pub fn differences(edits: &[Edit], state: &ProjectState) -> Vec<ProjectDifference> {
     let entries = state.entries();
     let wanted = edits.iter().flat_map(|edit| values(*edit));
@@ -82,7 +81,7 @@ pub fn differences(edits: &[Edit], state: &ProjectState) -> Vec<ProjectDifferenc
     other.filter(|it| it.old != it.new).collect()
 }
 
-/// The values that an edit is about: of a state parameter each bit is one.
+/// The values that an edit sets: each bit of a state parameter is a value.
 fn values(edit: Edit) -> Vec<(ProjectKey, Option<ProjectValue>)> {
     let set = DataSet::Control;
     let whole = |value: i32| Some(ProjectValue::Whole(value.into()));
@@ -115,7 +114,7 @@ fn values(edit: Edit) -> Vec<(ProjectKey, Option<ProjectValue>)> {
                 Part::X => (OffsetColumn::X, ProjectValue::Real(value)),
                 Part::Z => (OffsetColumn::Z, ProjectValue::Real(value)),
                 Part::R => (OffsetColumn::R, ProjectValue::Real(value)),
-                // 0 to 9: checked when it was read.
+                // 0 to 9: checked when it was parsed.
                 Part::T => (OffsetColumn::T, ProjectValue::Whole(value as i64)),
             };
             vec![(ProjectKey::Offset(set, number, word), Some(value))]
@@ -171,7 +170,7 @@ mod tests {
             (5..=found.len()).contains(&changed_lines.count()),
             "{found:?}"
         );
-        // Taken back, it is what it was.
+        // Undoing the edits restores the project.
         let back = apply(&changed, &differences(&before, &changed)).unwrap();
         assert_eq!(back, state);
     }

@@ -1,6 +1,6 @@
-//! The project beside the panel, as GSKCC has it (manual PLC-V): its tree, what stands there,
-//! what differs from the control or from another project, and what of that is taken over.
-//! The control is off while it takes something over, as it is for a new ladder.
+//! The project view, after GSKCC (manual PLC-V): the tree of a project, the content of its
+//! nodes, the differences from the control or another project, and taking differences over.
+//! The control is off while it takes values over, as for a new ladder.
 
 mod compared;
 mod content;
@@ -32,38 +32,38 @@ use steps::{Begun, News, Question};
 pub use steps::{COMMANDS, ProjectCommand};
 use tree::{Name, Node, places};
 
-/// Width of the tree, points, and of the step from a row to those below.
+/// Width of the tree, and the indent per level, points.
 const TREE: f32 = 200.0;
 const STEP: f32 = 14.0;
-/// In a view that is narrower the tree is a list to be opened, points.
+/// Below this width of the view the tree is a drop-down list, points.
 const NARROW: f32 = 520.0;
-/// Room around the list that is opened, points.
+/// Margin below the open drop-down list, points.
 const LIST_ROOM: f32 = 50.0;
-/// Projects that are remembered (manual PLC-V 3: four).
+/// Greatest count of recent projects (manual PLC-V 3: four).
 const MOST: usize = 4;
-/// What is not saved.
+/// Colour of the sign for unsaved changes.
 const CHANGED: Color32 = Color32::from_rgb(255, 214, 110);
 
-/// What is remembered for the next start.
+/// The projects that the settings store for the next start.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Projects {
-    /// The folder of the project that is open.
+    /// The folder of the open project.
     pub open: Option<PathBuf>,
     /// The last projects, the newest first.
     pub recent: Vec<PathBuf>,
 }
 
-/// What is shown of a place.
+/// The tab of the selected node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Page {
-    /// Fields to type into, where a place has some; else the contents.
+    /// Fields to type into. Nodes without fields show their content instead.
     Edit,
     Contents,
     Differences,
 }
 
-/// The view.
+/// The project view.
 pub struct ProjectView {
     console: Console,
     remembered: Projects,
@@ -74,16 +74,16 @@ pub struct ProjectView {
     content: Content,
     editing: Editing,
     question: Option<Question>,
-    /// Why the control cannot be switched off now.
+    /// Why the control cannot be turned off now; `None`: it can.
     why_not: Option<Message>,
-    /// What it is to take over while it is off.
+    /// What the control takes over while it is off.
     chosen: Option<Chosen>,
     news: (Sender<News>, Receiver<News>),
     begun: Begun,
 }
 
 impl ProjectView {
-    /// Nothing is read before the view is opened.
+    /// Creates the view. It reads no project before it is shown.
     pub fn new(console: Console, remembered: Projects) -> Self {
         Self {
             console,
@@ -102,28 +102,27 @@ impl ProjectView {
         }
     }
 
-    /// What is remembered for the next start.
+    /// The projects to store for the next start.
     pub const fn remembered(&self) -> &Projects {
         &self.remembered
     }
 
-    /// Whether it holds what its folder does not.
+    /// Whether the project has changes that are not in its folder.
     pub fn is_unsaved(&self) -> bool {
         let document = self.document.as_ref();
         document.is_some_and(|document| document.is_changed || self.editing.has_drafts())
     }
 
-    /// Says why the control cannot be switched off now.
+    /// Sets why the control cannot be turned off now; `None`: it can.
     pub fn set_why_not(&mut self, why_not: Option<Message>) {
         self.why_not = why_not;
     }
 
-    /// What the control is to take over while it is off.
+    /// Takes the values that the control is to take over while it is off.
     pub const fn take_chosen(&mut self) -> Option<Chosen> {
         self.chosen.take()
     }
 
-    /// Draws the view and takes its input.
     pub fn show(&mut self, ui: &mut Ui, language: Language) {
         self.reopen(ui.ctx());
         let bottom = ui.max_rect().bottom();
@@ -153,7 +152,7 @@ impl ProjectView {
         self.ask(ui.ctx(), language);
     }
 
-    /// The buttons of the project, and what it is compared with.
+    /// Draws the buttons of the project, and those for the other side of the comparison.
     fn bar(&mut self, ui: &mut Ui, language: Language) {
         ui.horizontal_wrapped(|ui| {
             for (command, name) in [
@@ -243,7 +242,8 @@ impl ProjectView {
         });
     }
 
-    /// The places of the tree as they are called, with the number of differences.
+    /// The nodes of the tree with their depth and name. The name includes the count of
+    /// differences.
     fn places(&self, language: Language) -> Vec<(Node, u8, String)> {
         let Some(document) = &self.document else {
             return Vec::new();
@@ -268,7 +268,7 @@ impl ProjectView {
         places.collect()
     }
 
-    /// The tree. Says whether Enter was pressed at a place.
+    /// Draws the tree. Returns whether Enter was pressed on a node.
     fn tree(&mut self, ui: &mut Ui, language: Language) -> bool {
         let places = self.places(language);
         let chosen = places.iter().position(|(node, ..)| *node == self.node);
@@ -290,8 +290,8 @@ impl ProjectView {
         list.entered().is_some()
     }
 
-    /// The tree where there is no room for it: a list that is opened, down to the bottom of
-    /// the view.
+    /// Draws the tree as a drop-down list, in a narrow view. The open list reaches down to
+    /// `bottom`.
     fn place(&mut self, ui: &mut Ui, language: Language, bottom: f32) {
         let places = self.places(language);
         let chosen = places.into_iter().find(|(node, ..)| *node == self.node);
@@ -312,7 +312,7 @@ impl ProjectView {
         });
     }
 
-    /// Contents or differences of the place that is chosen.
+    /// Draws the tabs and the page of the selected node.
     fn page(&mut self, ui: &mut Ui, language: Language) {
         let Some(document) = &self.document else {
             ui.label(say::project_view_none().text(language));
@@ -325,7 +325,7 @@ impl ProjectView {
             Some((Page::Contents, say::project_view_contents())),
             counted.map(|count| (Page::Differences, say::project_view_differences(count))),
         ];
-        // Where nothing is typed the contents stand in place of the fields.
+        // Nodes without fields show their content instead.
         let shown = match self.page {
             Page::Edit if sheet.is_none() => Page::Contents,
             Page::Differences if counted.is_none() => Page::Contents,
@@ -351,7 +351,8 @@ impl ProjectView {
                 return;
             }
             (Page::Differences, Some(compared), _) => {
-                // The control is switched on again with the folder: drafts would be lost.
+                // The control is turned on again with the project folder: drafts would be
+                // lost.
                 let first = match (document.is_changed, self.editing.has_drafts()) {
                     (true, _) => Some(say::project_view_save_first()),
                     (false, true) => Some(say::project_view_save_drafts()),
@@ -373,7 +374,7 @@ impl ProjectView {
         }
     }
 
-    /// What was typed goes into the project.
+    /// Puts typed values into the project.
     fn put(&mut self, asked: &super::data::Asked, context: &Context) {
         let Some(document) = &mut self.document else {
             return;
@@ -389,7 +390,7 @@ impl ProjectView {
         }
     }
 
-    /// What was ticked goes into the control, or into the project.
+    /// Selects the checked differences for the control, or takes them over into the project.
     fn take(&mut self, differences: Vec<gsk_project::ProjectDifference>, context: &Context) {
         let (Some(document), Some(compared)) = (&mut self.document, &self.compared) else {
             return;
@@ -412,7 +413,7 @@ impl ProjectView {
     }
 
     fn say(&self, said: Message) {
-        // A full queue means that nobody reads it.
+        // A full queue means that the window is closed: the message is dropped.
         let notice = crate::kernel::Notice::Said(said);
         let _ = self.console.say.try_send(notice);
     }

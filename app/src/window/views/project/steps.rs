@@ -1,4 +1,5 @@
-//! What is done with projects beside the window, and what is asked before something is lost.
+//! Carries out project commands in threads, and asks for confirmation before something is
+//! lost.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -17,69 +18,69 @@ use crate::project::{self, Encodings};
 use crate::window::files::{self, Wanted};
 use crate::window::questions;
 
-/// What is done with projects.
+/// A command for the project view.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ProjectCommand {
-    /// Make one of a control as it is delivered.
+    /// Create a project with the values of a control as delivered.
     New,
-    /// Make one of what the control holds.
+    /// Create a project with the current values of the control.
     FromControl,
-    /// Open one.
+    /// Choose a project and open it.
     Open,
-    /// Open one and list what differs from the control.
+    /// Choose a project, open it and list its differences from the control.
     OpenAndCompare,
-    /// Open this one.
+    /// Open the project in this folder.
     Folder(PathBuf),
-    /// Close the one that is open.
+    /// Close the open project.
     Close,
 }
 
-/// The entries of the menu.
+/// The commands of the menu with their names.
 pub const COMMANDS: [(ProjectCommand, fn() -> Message); 3] = [
     (ProjectCommand::New, say::project_menu_new),
     (ProjectCommand::FromControl, say::project_view_from_control),
     (ProjectCommand::OpenAndCompare, say::project_menu_compare),
 ];
 
-/// What has been done beside the window.
+/// Results of the threads.
 pub enum News {
-    /// A project was opened, or made; it is to be compared with the control.
+    /// A project was opened or created. With `true` it is compared with the control next.
     Opened(Box<Document>, bool),
-    /// The one that is open was written.
+    /// The open project was written.
     Saved(Box<Document>),
-    /// It was compared, in the comparison of this number.
+    /// The result of the comparison with this number.
     Compared(u64, Box<Compared>),
-    /// Its folder is a project already.
+    /// The folder for a new project already contains a project.
     Taken(Box<Document>),
 }
 
-/// The comparisons that were begun: of two at once the one begun last counts, whichever
-/// comes first.
+/// Numbers the comparisons. Of two that run at once, the one that was started last counts,
+/// whichever ends first.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Begun(Arc<AtomicU64>);
 
 impl Begun {
-    /// The number of another one.
+    /// Returns the number of a new comparison.
     fn next(&self) -> u64 {
         self.0.fetch_add(1, Ordering::Relaxed) + 1
     }
 
-    /// Whether none was begun after it.
+    /// Whether no later comparison has been started.
     fn is_newest(&self, number: u64) -> bool {
         self.0.load(Ordering::Relaxed) == number
     }
 }
 
-/// What is asked.
+/// An open question.
 pub enum Question {
-    /// Whether the open project is given up for something else.
+    /// Whether to discard the unsaved project for this command.
     Discard(ProjectCommand),
-    /// Whether another project is replaced.
+    /// Whether to replace the project in the folder of this document.
     Replace(Box<Document>),
 }
 
 impl ProjectView {
-    /// Carries out a command; what would be lost is asked for.
+    /// Carries out a command. Asks first if unsaved changes would be lost.
     pub fn command(&mut self, command: ProjectCommand, language: Language, context: &Context) {
         match self.is_unsaved() {
             true => self.question = Some(Question::Discard(command)),
@@ -117,9 +118,9 @@ impl ProjectView {
         }
     }
 
-    /// Opens a project; `compare`: with the control, too.
+    /// Opens the project in `folder`. With `compare` it is compared with the control, too.
     pub fn open(&mut self, folder: PathBuf, compare: bool, context: &Context) {
-        // The one of the last time would come after it.
+        // Otherwise the project of the last session would open after this one.
         self.remembered.open = None;
         self.beside(context, move || {
             let document = Document::read(&folder)?;
@@ -127,7 +128,7 @@ impl ProjectView {
         });
     }
 
-    /// Opens what was open the last time.
+    /// Opens the project of the last session, once.
     pub fn reopen(&mut self, context: &Context) {
         if self.document.is_none()
             && let Some(folder) = self.remembered.open.take()
@@ -143,7 +144,7 @@ impl ProjectView {
         files::choose(context, language, say, wanted, move |path| {
             match Document::read(&folder_of(&path)) {
                 Ok(document) => {
-                    // A window that is gone shows nothing.
+                    // A closed window shows nothing.
                     let _ = deliver.send(News::Opened(Box::new(document), compare));
                     None
                 }
@@ -152,7 +153,7 @@ impl ProjectView {
         });
     }
 
-    /// Chooses the other project, and compares.
+    /// Chooses the other project and compares with it.
     pub(super) fn choose_other(&self, language: Language, context: &Context) {
         let Some(document) = self.document.clone() else {
             return;
@@ -176,8 +177,8 @@ impl ProjectView {
         });
     }
 
-    /// Asks for a folder and writes what is made for it; one that is a project already is
-    /// asked for.
+    /// Chooses a folder and writes the document that `make` returns into it. Asks first if the
+    /// folder already contains a project.
     fn put_where_chosen(
         &self,
         language: Language,
@@ -206,7 +207,7 @@ impl ProjectView {
         });
     }
 
-    /// 工程另存为: under another name, and that one is open from then on.
+    /// 工程另存为: saves the project under another name. That project is open from then on.
     pub(super) fn save_as(&self, language: Language, context: &Context) {
         let Some(document) = self.document.clone() else {
             return;
@@ -216,7 +217,7 @@ impl ProjectView {
         });
     }
 
-    /// 保存工程.
+    /// 保存工程: saves the project in its folder.
     pub(super) fn save(&self, language: Language, context: &Context) {
         let Some(document) = self.document.clone() else {
             return;
@@ -242,7 +243,7 @@ impl ProjectView {
         });
     }
 
-    /// Compares the open project.
+    /// Compares the open project with another side, in a thread.
     pub(super) fn compare(&self, other: Other, target: Target, context: &Context) {
         let Some(document) = self.document.clone() else {
             return;
@@ -256,7 +257,8 @@ impl ProjectView {
         });
     }
 
-    /// Compares with the same once more, the other way round or with another project.
+    /// Repeats the comparison with the same state of the other side, in the direction `target`
+    /// or with a changed project.
     pub(super) fn turn(&self, target: Target, context: &Context) {
         let (Some(document), Some(compared)) = (self.document.clone(), &self.compared) else {
             return;
@@ -284,7 +286,7 @@ impl ProjectView {
         });
     }
 
-    /// Takes what has been done beside the window.
+    /// Receives the results of the threads.
     pub(super) fn hear(&mut self, context: &Context) {
         while let Ok(news) = self.news.1.try_recv() {
             match news {
@@ -309,13 +311,14 @@ impl ProjectView {
                         }
                     }
                 }
-                // It may be another project by now, or another comparison may have begun.
+                // Another project may be open by now, or a later comparison may run.
                 News::Compared(number, compared) => {
                     let own = self.document.as_ref();
                     let is_own = own.is_some_and(|own| Arc::ptr_eq(&own.state, &compared.project));
                     if is_own && self.begun.is_newest(number) {
                         let again = self.compared.replace(*compared).is_some();
-                        // One made anew as values are typed leaves the fields open.
+                        // A comparison that is repeated while values are typed leaves the
+                        // fields open.
                         if !(again && self.page == Page::Edit) {
                             self.page = Page::Differences;
                         }
@@ -335,7 +338,7 @@ impl ProjectView {
         self.remembered.open = Some(folder);
     }
 
-    /// Draws the question that stands, and does what was answered.
+    /// Draws the open question and carries out the answer.
     pub(super) fn ask(&mut self, context: &Context, language: Language) {
         let Some(question) = &self.question else {
             return;
@@ -353,7 +356,7 @@ impl ProjectView {
             ),
         };
         let [title, loss] = [title, loss].map(|said| said.text(language));
-        // What loses nothing comes first, as in the question on closing the window.
+        // The answer that loses nothing comes first, as in the question on closing the window.
         let answers = [say::window_cancel(), agree].map(|said| said.text(language));
         let Some(answer) = questions::ask(context, "project", &title, &loss, &answers) else {
             return;
@@ -371,7 +374,7 @@ impl ProjectView {
     }
 }
 
-/// A control of this model as it is delivered.
+/// The project of a control of this model as delivered.
 fn as_delivered(model: ModelId) -> ProjectState {
     ProjectState::from_setup(&project::delivered(model, None))
 }

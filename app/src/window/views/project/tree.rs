@@ -1,14 +1,13 @@
-//! The tree of a project (manual PLC-V 4): what stands where, and which values belong there.
+//! The tree of a project (manual PLC-V 4): its nodes, and the values that belong to each.
 
 use gsk_messages::{Message, say};
 use gsk_project::{ProjectKey, ProjectSection, ProjectState};
 
-/// A place of the tree.
+/// A node of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Node {
-    /// 工程: all of it.
+    /// 工程: the whole project.
     Project,
-    /// PLC.
     Plc,
     /// 显示信息表.
     Messages,
@@ -16,7 +15,7 @@ pub enum Node {
     Ladder,
     /// 初始化数据表.
     Initial,
-    /// What the PLC keeps at power-off.
+    /// PLC data that is retained at power-off.
     Kept,
     /// CNC配置.
     Cnc,
@@ -26,26 +25,23 @@ pub enum Node {
     Offsets,
     /// 螺距补偿.
     Pitch,
-    /// Macro variables.
     Variables,
-    /// Model and options.
+    /// Control model and options.
     Settings,
-    /// Counters, and what the panel keeps.
+    /// Counters, and panel settings that are retained.
     Counters,
     /// Electronic disks.
     Disks,
     /// 零件加工程序.
     Programs,
-    /// One of them.
+    /// A program with its job file.
     Program(u16),
-    /// The machine file.
     Machine,
 }
 
-/// A row of the tree.
 struct Row {
     node: Node,
-    /// How far it stands to the right.
+    /// Indent level.
     depth: u8,
     name: fn() -> Message,
 }
@@ -54,7 +50,7 @@ const fn row(node: Node, depth: u8, name: fn() -> Message) -> Row {
     Row { node, depth, name }
 }
 
-/// The rows below the project itself; each program has one below its heading.
+/// The rows below the project itself. The programs follow the last row.
 const ROWS: [Row; 15] = [
     row(Node::Plc, 1, say::project_node_plc),
     row(Node::Messages, 2, say::project_node_messages),
@@ -73,25 +69,24 @@ const ROWS: [Row; 15] = [
     row(Node::Programs, 1, say::project_node_programs),
 ];
 
-/// A place as it is drawn.
+/// A node as it is drawn.
 pub struct Place {
-    /// Which.
     pub node: Node,
-    /// How far it stands to the right.
+    /// Indent level; 0 is the project.
     pub depth: u8,
-    /// Its name.
     pub name: Name,
 }
 
-/// How a place is called.
+/// The name of a node.
 pub enum Name {
-    /// By a word.
+    /// A translated name.
     Said(Message),
-    /// By the number of a program.
+    /// Program number: `O0001`.
     Program(String),
 }
 
-/// The tree of a project. Programs that only the other side has stand in it, too.
+/// The tree of a project. `programs` includes those that only the other side of a comparison
+/// has.
 pub fn places(name: &str, programs: &[u16]) -> Vec<Place> {
     let place = |node, depth, name| Place { node, depth, name };
     let mut all = Vec::with_capacity(ROWS.len() + programs.len() + 1);
@@ -107,7 +102,7 @@ pub fn places(name: &str, programs: &[u16]) -> Vec<Place> {
     all
 }
 
-/// The places one step below another one, with their names; programs are none of them.
+/// The nodes one level below another one, with their names, without programs.
 pub fn below(node: Node) -> impl Iterator<Item = (Node, Message)> {
     let at = ROWS.iter().position(|row| row.node == node);
     let depth = at.and_then(|at| ROWS.get(at)).map_or(0, |row| row.depth);
@@ -117,7 +112,7 @@ pub fn below(node: Node) -> impl Iterator<Item = (Node, Message)> {
         .map(|row| (row.node, (row.name)()))
 }
 
-/// Which parts of a ladder differ: it is one text, and three places of the tree.
+/// The parts of a ladder that differ. A ladder is one value, but three nodes of the tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LadderParts {
     messages: bool,
@@ -126,7 +121,7 @@ pub struct LadderParts {
 }
 
 impl LadderParts {
-    /// Of two ladders.
+    /// Compares two ladders.
     pub fn of(old: &ProjectState, new: &ProjectState) -> Self {
         let [old, new] = [old.ladder(), new.ladder()];
         Self {
@@ -137,7 +132,7 @@ impl LadderParts {
     }
 }
 
-/// What a ladder has beside its messages and start values.
+/// The lines of a ladder without messages and start values.
 fn rest(source: &str) -> Vec<&str> {
     let own = |line: &&str| {
         let word = line.split_whitespace().next().unwrap_or_default();
@@ -147,7 +142,7 @@ fn rest(source: &str) -> Vec<&str> {
 }
 
 impl Node {
-    /// The places that a value belongs to, from the whole project to a program.
+    /// The nodes that contain a value, from the whole project down to a program.
     pub fn with(key: ProjectKey, parts: LadderParts) -> impl Iterator<Item = Self> {
         let program = match key {
             ProjectKey::Program(number) | ProjectKey::Job(number) => Some(Self::Program(number)),
@@ -160,7 +155,8 @@ impl Node {
             .chain(program)
     }
 
-    /// Whether a value belongs there; `parts`: of the ladder, which is one value.
+    /// Whether the node contains a value. `parts` are the differing parts of the ladder, which
+    /// is one value.
     pub fn has(self, key: ProjectKey, parts: LadderParts) -> bool {
         let section = ProjectSection::from_key(key);
         match self {
@@ -198,7 +194,7 @@ mod tests {
     use super::*;
     use gsk_core::setup::Setup;
 
-    /// Every value stands at a leaf of the tree, and at one alone.
+    /// Every value belongs to exactly one leaf of the tree.
     #[test]
     fn every_value_has_its_place() {
         let mut setup = Setup::delivered();

@@ -1,4 +1,4 @@
-//! The column of buttons: 通讯控制 and 文件选择.
+//! Draws the column of buttons: 通讯控制 (communication) and 文件选择 (files).
 
 use egui::{Button, Ui, vec2};
 use gsk_messages::{Language, Message, say};
@@ -10,10 +10,10 @@ use crate::pc::worker::{Order, ToSend};
 use crate::window::files::{self, Wanted};
 use crate::window::views::aside;
 
-/// A list of files to be sent has this ending.
+/// Extension of a saved list of files.
 const LIST: &str = "lst";
 
-/// A button as wide as the column.
+/// Draws a button as wide as the column. Returns whether it was clicked.
 fn button(ui: &mut Ui, enabled: bool, words: &Message, language: Language) -> bool {
     let size = vec2(ui.available_width(), 24.0);
     let button = Button::new(words.text(language)).min_size(size);
@@ -68,7 +68,7 @@ impl TransferView {
         }
     }
 
-    /// 开始传送.
+    /// 开始传送: starts the transfer.
     fn start(&mut self, ui: &Ui, language: Language) {
         self.said = None;
         if self.direction == Direction::Receive {
@@ -81,7 +81,7 @@ impl TransferView {
                 path: item.path.clone(),
                 place: RemotePath {
                     partition: item.partition(),
-                    // The list takes good names only.
+                    // The list accepts only valid names.
                     name: gsk_transfer::FileName::new(&item.name).ok()?,
                 },
                 overwrite: false,
@@ -97,7 +97,7 @@ impl TransferView {
             let context = ui.ctx().clone();
             aside::open(&self.console, &context, language, LIST, move |text| {
                 let items = text.lines().filter_map(Item::of_line).collect();
-                // A view that is gone needs no list.
+                // A closed view needs no list.
                 let _ = deliver.send(Chosen::List(items));
             });
         }

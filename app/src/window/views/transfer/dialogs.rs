@@ -1,5 +1,5 @@
-//! The dialogs beside a job: 发送文件设置, CNC文件重命名, and what is asked before something
-//! is lost.
+//! The dialogs of the transfer view: 发送文件设置 (file to send), CNC文件重命名 (rename), and the
+//! questions before something is lost.
 
 use std::path::PathBuf;
 
@@ -14,37 +14,37 @@ use crate::pc::Item;
 use crate::pc::worker::Order;
 use crate::window::files::{self, Wanted};
 
-/// What is proposed to be sent.
+/// Extensions of the files that the file dialog offers.
 const ENDINGS: [&str; 7] = ["cnc", "nc", "txt", "tap", "par", "ofs", "wmp"];
 
-/// A dialog.
+/// The open dialog.
 pub enum Dialog {
-    /// A file of the list: the row that it changes, else it is a new one.
+    /// Settings of a file to send.
     File {
-        /// The row.
+        /// Row of the list to change; `None`: a new row.
         at: Option<usize>,
-        /// Path, name and partition as they are typed.
+        /// Name and partition as they are typed.
         item: Item,
-        /// The path as it is typed.
+        /// Path as it is typed.
         path: String,
     },
-    /// A file of the control gets another name.
+    /// Rename a file of the control.
     Rename {
-        /// Its partition, in [`Partition::ALL`].
+        /// Index of its partition in [`Partition::ALL`].
         partition: usize,
         /// Old and new name as they are typed.
         naming: Naming,
     },
-    /// Before files of the control are deleted.
+    /// Confirm that these files of the control are deleted.
     Delete(Vec<RemotePath>),
-    /// Before a whole set goes to the control.
+    /// Confirm that a backup is restored to the control.
     Restore(PathBuf),
-    /// What becomes of a file that the control has sent.
+    /// Ask whether to save a file that the control has sent without a request.
     Keep(TransferFile),
 }
 
 impl Dialog {
-    /// A new file of the list.
+    /// The dialog for a new file of the list.
     pub fn of_file(path: PathBuf, name: Option<FileName>) -> Self {
         Self::File {
             at: None,
@@ -57,7 +57,7 @@ impl Dialog {
         }
     }
 
-    /// A row of the list that is changed.
+    /// The dialog for an existing row of the list.
     pub fn change(at: usize, item: &Item) -> Self {
         Self::File {
             at: Some(at),
@@ -66,7 +66,7 @@ impl Dialog {
         }
     }
 
-    /// A file that is renamed: the first that is ticked.
+    /// The dialog to rename a file, with the first checked file as the old name.
     pub fn rename(first: Option<&RemotePath>) -> Self {
         let old = first.map(|place| place.name.to_string());
         let partition = first.map(|place| place.partition).unwrap_or_default();
@@ -76,7 +76,7 @@ impl Dialog {
         }
     }
 
-    /// Whether it makes sense only while there is a connection.
+    /// Whether the dialog needs a connection.
     pub const fn is_of_control(&self) -> bool {
         matches!(
             self,
@@ -90,7 +90,7 @@ fn position(partition: Partition) -> usize {
     all.position(|it| it == partition).unwrap_or_default()
 }
 
-/// A question with its answers; which was clicked.
+/// Draws a question and returns the index of the clicked answer.
 fn ask(
     context: &Context,
     room: Rect,
@@ -128,7 +128,7 @@ fn partitions(ui: &mut Ui, id: &str, named: Id, chosen: &mut usize) {
 }
 
 impl TransferView {
-    /// Draws what stands over the view.
+    /// Draws the dialog of the job, or the open dialog.
     pub(super) fn dialogs(&mut self, context: &Context, language: Language) {
         if let Some(job) = &mut self.job {
             match job.show(context, self.room, language) {
@@ -161,7 +161,7 @@ impl TransferView {
         };
     }
 
-    /// 发送文件设置; what stays of the dialog.
+    /// Draws 发送文件设置. Returns the dialog while it stays open.
     fn file(
         &mut self,
         context: &Context,
@@ -220,20 +220,20 @@ impl TransferView {
         }
     }
 
-    /// Lets the user choose a file for the list.
+    /// Lets the operator choose a file for the list.
     pub(super) fn choose_file(&self, context: &Context, language: Language) {
         let deliver = self.chosen.0.clone();
         let name = say::window_part_programs().text(language);
         let wanted = Wanted::Open(name, ENDINGS.to_vec());
         files::choose(context, language, &self.console.say, wanted, move |path| {
             let name = crate::pc::folder::named(&path);
-            // A view that is gone needs no file.
+            // A closed view needs no file.
             let _ = deliver.send(Chosen::File(path, name));
             None
         });
     }
 
-    /// CNC文件重命名.
+    /// Draws CNC文件重命名. Returns the dialog while it stays open.
     fn rename(
         &self,
         context: &Context,
@@ -312,7 +312,8 @@ impl TransferView {
         None
     }
 
-    /// 接收到CNC上传的文件,保存在硬盘上吗?
+    /// Draws 接收到CNC上传的文件,保存在硬盘上吗? (save the received file?). Returns the dialog while it stays
+    /// open.
     fn keep(&self, context: &Context, language: Language, file: TransferFile) -> Option<Dialog> {
         let title = say::transfer_view_keep();
         let name = file.remote_path.name.clone();

@@ -1,5 +1,5 @@
-//! A job under way: the dialog 文件传输 (manual V-3.3), and its question about a name that
-//! is taken.
+//! The running transfer job: the dialog 文件传输 (manual V-3.3), with its question about an
+//! existing file name.
 
 use egui::{
     Color32, Context, Label, ProgressBar, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui,
@@ -15,46 +15,46 @@ use crate::pc::worker::{Answer, Choice, Fate, Kind, News, Question};
 
 /// Height of the list of files, points.
 const HEIGHT: f32 = 160.0;
-/// Side of a sign before a file, points.
+/// Side of the status sign before a file, points.
 const SIGN: f32 = 12.0;
 
-/// A job.
+/// A transfer job and its progress.
 pub struct Job {
     kind: Kind,
     rows: Vec<(String, Option<Fate>)>,
     at: usize,
     progress: Option<TransferProgress>,
-    /// When it was first seen on its way, seconds of the window's clock, and how much of it
-    /// had come by then, bytes.
+    /// Time of the first progress of the current file, seconds of the window's clock, and the
+    /// bytes transferred by then.
     since: Option<(f64, usize)>,
     retries: u64,
     traffic: Traffic,
     last_error: Option<Message>,
     question: Option<Asking>,
-    /// Over: why, if it did not come to its end.
+    /// Set when the job has ended; the inner value is the error, if any.
     over: Option<Option<Message>>,
 }
 
-/// A question that stands.
+/// The open question about an existing file.
 struct Asking {
     question: Question,
     of_all: bool,
-    /// The new name of the file at the control, while it is chosen.
+    /// The fields for the new name in the control, while they are open.
     naming: Option<Naming>,
 }
 
-/// What the user wants of it.
+/// A request of the operator about the job.
 pub enum Wish {
-    /// To break it off.
+    /// Cancel the job.
     Cancel,
-    /// An answer is given.
+    /// Answer the question.
     Answer(Answer),
-    /// It is over and seen.
+    /// Close the dialog of an ended job.
     Close,
 }
 
 impl Job {
-    /// Begins.
+    /// Creates the job when it starts. `names` are its files.
     pub fn new(kind: Kind, names: Vec<String>) -> Self {
         Self {
             kind,
@@ -70,7 +70,7 @@ impl Job {
         }
     }
 
-    /// A name is taken.
+    /// Opens the question about an existing name.
     pub fn ask(&mut self, question: Question) {
         self.question = Some(Asking {
             question,
@@ -79,7 +79,7 @@ impl Job {
         });
     }
 
-    /// What has come of it.
+    /// Handles an event of the thread.
     pub fn take(&mut self, news: News) {
         match news {
             News::At(at) => {
@@ -114,7 +114,7 @@ impl Job {
         }
     }
 
-    /// What the job has come to, once it is over and nothing is left to be read.
+    /// The closing message of a job that has ended without errors.
     pub fn all_well(&self) -> Option<Message> {
         let well = matches!(self.over, Some(None)) && self.last_error.is_none();
         well.then(|| match self.kind {
@@ -123,7 +123,7 @@ impl Job {
         })
     }
 
-    /// Draws it.
+    /// Draws the dialog and the question. Returns the operator's request.
     pub fn show(&mut self, context: &Context, room: Rect, language: Language) -> Option<Wish> {
         let title = match self.kind {
             Kind::Send => say::transfer_view_job_send(),
@@ -190,7 +190,7 @@ impl Job {
             ui.label(words.text(language));
             ui.add(ProgressBar::new(share(progress)).desired_height(10.0));
         }
-        // The file under way counts with what has come of it.
+        // The current file counts with its transferred share.
         let part = match done < self.rows.len() && self.over.is_none() {
             true => self.progress.map_or(0.0, share),
             false => 0.0,
@@ -213,7 +213,7 @@ impl Job {
         }
     }
 
-    /// Bytes a second: of the file under way, else of all before it.
+    /// Transfer rate, bytes per second: of the current file, else of all files before it.
     fn rate(&mut self, now: f64) -> f64 {
         let progress = self
             .progress
@@ -228,7 +228,8 @@ impl Job {
         }
     }
 
-    /// 是, 否, 取消; 否 at the control chooses its new name first.
+    /// Draws the question with 是 (yes), 否 (no), 取消 (cancel). 否 for a file of the control first
+    /// asks for its new name.
     fn question(&mut self, context: &Context, room: Rect, language: Language) -> Option<Answer> {
         let asking = self.question.as_mut()?;
         let (place, free, entries) = match &asking.question {
@@ -242,7 +243,7 @@ impl Job {
         if let (Some(naming), Some(place)) = (&mut asking.naming, place) {
             let rename = naming.show(context, room, language, place.partition, entries)?;
             return Some(Answer {
-                // Given up: the file is left out (manual V-3.3).
+                // Cancelled: the file is skipped (manual V-3.3).
                 choice: rename.map_or(Choice::Skip, |to| Choice::Rename(Some(to))),
                 of_all: asking.of_all,
             });
@@ -283,7 +284,7 @@ impl Job {
     }
 }
 
-/// What has become of a file: a tick, a cross, a dash; an arrow is the one under way.
+/// Draws the status of a file: a tick, a cross or a dash; an arrow for the current file.
 fn sign(ui: &mut Ui, fate: Option<&Fate>, here: bool) {
     let (place, _) = ui.allocate_exact_size(vec2(SIGN, SIGN), Sense::HOVER);
     let at = |x: f32, y: f32| place.lerp_inside(vec2(x, y));
@@ -310,7 +311,7 @@ fn sign(ui: &mut Ui, fate: Option<&Fate>, here: bool) {
     }
 }
 
-/// How much of a file has come.
+/// Transferred share of a file, 0–1.
 fn share(progress: TransferProgress) -> f32 {
     match progress.total {
         0 => 0.0,
@@ -318,7 +319,7 @@ fn share(progress: TransferProgress) -> f32 {
     }
 }
 
-/// The question with its three answers; which was clicked.
+/// Draws the question with its three answers. Returns the index of the clicked one.
 fn three(
     context: &Context,
     room: Rect,

@@ -1,23 +1,23 @@
-//! 文件列表: files to be sent, and the files of the control.
+//! 文件列表: draws the lists of files to send and of files in the control.
 
 use egui::{Grid, Label, RichText, Sense, Ui, vec2};
 use gsk_messages::{Language, say};
 
 use super::{BAD, Dialog, TransferView};
 
-/// The path of a file takes so much room at least and at most, points; the columns after it
-/// take so much.
+/// Least and greatest width of the column of paths, and the width of the columns after it,
+/// points.
 const PATH: [f32; 2] = [120.0, 420.0];
 const AFTER: f32 = 300.0;
-/// Width of a letter of a path, about, points.
+/// Approximate width of a letter of a path, points.
 const LETTER: f32 = 7.0;
 
-/// Kilobytes as the list has them: a file that is begun counts.
+/// File size in kilobytes, rounded up.
 fn kilobytes(bytes: u64) -> u64 {
     bytes.div_ceil(1024)
 }
 
-/// A path that is longer than its column, without its beginning: files are known by its end.
+/// Shortens a path to the width of its column. The end of the path remains.
 fn ending(path: &str, width: f32) -> String {
     let most = (width / LETTER) as usize;
     let letters = path.chars().count();
@@ -29,8 +29,8 @@ fn ending(path: &str, width: f32) -> String {
 }
 
 impl TransferView {
-    /// 发送文件路径, CNC保存文件名, 长度, 存储区. A double click changes a row, the other
-    /// button takes it out.
+    /// Draws 发送文件路径, CNC保存文件名, 长度, 存储区 (path, name, length, partition). A double click edits a
+    /// row; its context menu removes it.
     pub(super) fn sending(&mut self, ui: &mut Ui, language: Language) {
         if self.remembered.list.is_empty() {
             ui.label(RichText::new(say::transfer_view_list_empty().text(language)).weak());
@@ -114,7 +114,8 @@ impl TransferView {
         }
     }
 
-    /// The tree of partitions; a tick chooses a file, that of a partition all of them.
+    /// Draws the tree of partitions. A check box selects a file; that of a partition selects
+    /// all of its files.
     pub(super) fn receiving(&mut self, ui: &mut Ui, language: Language) {
         if self.listing.partitions.is_empty() {
             ui.label(RichText::new(say::transfer_view_not_listed().text(language)).weak());

@@ -1,5 +1,6 @@
-//! The PC's side of the serial port, as the communication software of the maker has it
-//! (manual V): line, files to be sent, files of the control, and the dialogs of a transfer.
+//! The transfer view: the PC's side of the serial port, after the maker's communication
+//! software (manual V). It has the port settings, the files to send, the files of the control,
+//! and the dialogs of a transfer.
 
 mod buttons;
 mod dialogs;
@@ -25,7 +26,7 @@ use crate::window::focus;
 use dialogs::Dialog;
 use job::Job;
 
-/// Speeds that a control may have and a PC can use, bits a second (manual V-3.2).
+/// Baud rates that controls and PCs support, bit/s (manual V-3.2).
 const SPEEDS: [u32; 6] = [4800, 9600, 19_200, 38_400, 57_600, 115_200];
 /// Width of the column of buttons, points.
 const BUTTONS: f32 = 148.0;
@@ -34,65 +35,67 @@ const GOOD: Color32 = Color32::from_rgb(110, 230, 120);
 const WAITS: Color32 = Color32::from_rgb(255, 196, 90);
 const BAD: Color32 = Color32::from_rgb(255, 120, 96);
 
-/// 传输方式.
+/// 传输方式: the direction of a transfer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Direction {
-    /// 发送文件.
+    /// 发送文件: to the control.
     #[default]
     Send,
-    /// 接收文件.
+    /// 接收文件: from the control.
     Receive,
 }
 
-/// What a dialog for files has brought.
+/// The result of a file dialog.
 enum Chosen {
-    /// A file for the list, and the name that it can have at the control.
+    /// A file for the list, and its proposed name in the control.
     File(PathBuf, Option<FileName>),
-    /// A list that was saved.
+    /// The content of a list file.
     List(Vec<Item>),
-    /// The folder that the ticked files go into.
+    /// The files to receive, and their folder on the PC.
     Into(Vec<RemotePath>, PathBuf),
-    /// The folder of a backup that is made.
+    /// The folder for a new backup.
     BackUp(PathBuf),
-    /// The folder of a backup that is brought back.
+    /// The folder of a backup to restore.
     Restore(PathBuf),
-    /// Where a file goes that the control has sent.
+    /// The path for a file that the control has sent without a request.
     Keep(PathBuf, TransferFile),
 }
 
-/// What the control holds, as it was said last.
+/// The directory of the control that was received last.
 #[derive(Default)]
 struct Listing {
     partitions: Vec<(Partition, Vec<DirectoryEntry>)>,
-    /// Chosen files: partition in [`Partition::ALL`], name.
+    /// The checked files: index of the partition in [`Partition::ALL`], file name.
     ticked: BTreeSet<(usize, String)>,
 }
 
-/// The view.
+/// The transfer view.
 pub struct TransferView {
     console: Console,
     remembered: Remembered,
-    /// None before the view is drawn first, and where the system gives no thread.
+    /// The thread for the port. `None` before the view is drawn for the first time, and if the
+    /// thread could not be started.
     worker: Option<Worker>,
     ports: Vec<String>,
     stage: Stage,
     direction: Direction,
     listing: Listing,
-    /// Lengths of the files to be sent, bytes; none: there is no such file.
+    /// Lengths of the files to send, bytes; `None`: the file does not exist.
     lengths: BTreeMap<PathBuf, Option<u64>>,
     job: Option<Job>,
     dialog: Option<Dialog>,
-    /// Files that the control has sent, until it is said what becomes of them.
+    /// Files that the control has sent without a request, until the operator decides about
+    /// them.
     pushed: VecDeque<TransferFile>,
-    /// What was said last, and whether something is wrong.
+    /// The last message, and whether it is an error.
     said: Option<(Message, bool)>,
     chosen: (Sender<Chosen>, Receiver<Chosen>),
-    /// Where the view is: its dialogs stand there.
+    /// Rectangle of the view; its dialogs are inside.
     room: Rect,
 }
 
 impl TransferView {
-    /// With what was remembered; nothing is opened.
+    /// Creates the view with the stored settings. It opens no port.
     pub fn new(console: Console, remembered: Remembered) -> Self {
         Self {
             console,
@@ -112,12 +115,12 @@ impl TransferView {
         }
     }
 
-    /// What is remembered for the next start.
+    /// The settings to store for the next start.
     pub const fn remembered(&self) -> &Remembered {
         &self.remembered
     }
 
-    /// The port is closed, once the job under way has ended.
+    /// Closes the port after the running job has ended.
     pub fn close(&mut self) {
         self.order(Order::Close);
         self.dialog = None;
@@ -129,7 +132,7 @@ impl TransferView {
         }
     }
 
-    /// Starts the thread, when it is needed first.
+    /// Starts the thread when the view is drawn for the first time.
     fn begin(&mut self, ui: &Ui) {
         if self.worker.is_some() || self.said.as_ref().is_some_and(|(_, wrong)| *wrong) {
             return;
@@ -146,13 +149,12 @@ impl TransferView {
         }
     }
 
-    /// Asks how long the files to be sent are.
+    /// Requests the lengths of the files to send.
     fn measure(&self) {
         let paths = self.remembered.list.iter().map(|item| item.path.clone());
         self.order(Order::Measure(paths.collect()));
     }
 
-    /// Draws the view and takes its input.
     pub fn show(&mut self, ui: &mut Ui, language: Language) {
         self.room = ui.max_rect();
         self.begin(ui);
@@ -193,7 +195,7 @@ impl TransferView {
         self.dialogs(ui.ctx(), language);
     }
 
-    /// Takes what the thread and the dialogs for files have brought.
+    /// Receives the results of the thread and of the file dialogs.
     fn hear(&mut self) {
         while let Some(news) = self.worker.as_ref().and_then(Worker::news) {
             self.take(news);
@@ -253,7 +255,7 @@ impl TransferView {
         }
     }
 
-    /// 通讯设置 and 文件传输.
+    /// Draws 通讯设置 (port settings) and 文件传输 (direction).
     fn line(&mut self, ui: &mut Ui, language: Language) {
         ui.horizontal_wrapped(|ui| {
             let named = ui.label(say::transfer_view_port().text(language)).id;
@@ -306,7 +308,7 @@ impl TransferView {
         }
     }
 
-    /// What was said last, or what comes next.
+    /// Draws the last message, or what to do next.
     fn words(&self, ui: &mut Ui, language: Language) {
         let (said, ink) = match &self.said {
             Some((said, true)) => (said.clone(), BAD),
@@ -325,7 +327,7 @@ impl TransferView {
 }
 
 impl Listing {
-    /// What is there still stays ticked.
+    /// Replaces the directory. Files that still exist remain checked.
     fn list(&mut self, partitions: Vec<(Partition, Vec<DirectoryEntry>)>) {
         self.partitions = partitions;
         let there: BTreeSet<_> = self.keys().collect();
@@ -337,7 +339,7 @@ impl Listing {
         all.flat_map(|(at, (_, entries))| entries.iter().map(move |it| (at, it.name.to_string())))
     }
 
-    /// The ticked files.
+    /// The checked files.
     fn places(&self) -> Vec<RemotePath> {
         let mut places = Vec::new();
         for (at, (partition, entries)) in self.partitions.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! What dialogs share: their window, their end, and the choice of a name (CNC文件重命名).
+//! Parts that the transfer dialogs share: their window, their buttons, and the fields for a
+//! new name (CNC文件重命名).
 
 use egui::{
     Align2, Button, Context, Grid, Label, Rect, RichText, ScrollArea, TextEdit, Ui, Window,
@@ -10,26 +11,27 @@ use super::BAD;
 use crate::window::clear;
 use crate::window::focus;
 
-/// Width of a field, points.
+/// Width of a text field, points.
 pub const FIELD: f32 = 300.0;
 /// Width of a dialog, points.
 const WIDTH: f32 = 460.0;
 
-/// CNC文件重命名 (manual V-3.5): old and new name, and what there is.
+/// CNC文件重命名 (manual V-3.5): the fields for the old and the new name, and the list of files.
 pub struct Naming {
-    /// The name that is given up.
+    /// The current name as it is typed.
     pub old: String,
-    /// The one in its place.
+    /// The new name as it is typed.
     pub new: String,
 }
 
 impl Naming {
-    /// A name that is given up, and the new one as it is proposed.
+    /// Creates the fields with a current name and a proposed new one.
     pub const fn new(old: String, new: String) -> Self {
         Self { old, new }
     }
 
-    /// Draws it while a file on its way stands against a name; none: it is given up.
+    /// Draws the dialog while a file to send has an existing name. Returns the new name when
+    /// it is accepted, `Some(None)` when the dialog is cancelled, `None` while it is open.
     pub fn show(
         &mut self,
         context: &Context,
@@ -56,12 +58,12 @@ impl Naming {
         done
     }
 
-    /// Whether both can be names.
+    /// Whether both texts are valid file names.
     pub fn is_good(&self) -> bool {
         FileName::new(&self.old).is_ok() && FileName::new(&self.new).is_ok()
     }
 
-    /// Both names; `free`: the old one, too, can be typed.
+    /// Draws both fields. With `free` the old name can be typed, too.
     pub fn fields(&mut self, ui: &mut Ui, language: Language, free: bool) {
         Grid::new("naming-fields").num_columns(2).show(ui, |ui| {
             ui.label(say::transfer_view_old_name().text(language));
@@ -77,7 +79,7 @@ impl Naming {
         complaint(ui, language, &self.new);
     }
 
-    /// A click on a file puts its name into the field above.
+    /// Draws the list of files. A click takes a name over into the old name.
     pub fn entries(&mut self, ui: &mut Ui, entries: &[DirectoryEntry], free: bool) {
         ScrollArea::vertical()
             .id_salt("naming-entries")
@@ -97,7 +99,7 @@ impl Naming {
     }
 }
 
-/// Says what is wrong with a name.
+/// Draws what is wrong with a file name.
 pub fn complaint(ui: &mut Ui, language: Language, name: &str) {
     if name.is_empty() {
         return;
@@ -108,7 +110,7 @@ pub fn complaint(ui: &mut Ui, language: Language, name: &str) {
     }
 }
 
-/// A dialog in the middle of the view: the keys of the panel stay free.
+/// Draws a dialog centred in the view. It covers no key that stops the machine.
 pub fn window(
     context: &Context,
     room: Rect,
@@ -130,7 +132,8 @@ pub fn window(
         });
 }
 
-/// 确定 and 取消: whether it was agreed to.
+/// Draws the buttons 确定 (OK) and 取消 (cancel). Returns whether the operator has accepted, once
+/// a button is clicked. `good` enables OK.
 pub fn ended(ui: &mut Ui, language: Language, good: bool) -> Option<bool> {
     let mut done = None;
     ui.add_space(6.0);
